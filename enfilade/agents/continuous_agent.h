@@ -51,9 +51,9 @@ class ContinuousAgent {
 /// way to the goal. "reference": along the reference path, as VLN-CE's experts.
 /// \throws LookupError listing the names
 std::unique_ptr<ContinuousAgent> make_continuous_agent(std::string_view name);
-/// The agent "reference" as a teacher of one who may go ways of his own: it gives no point up, and
-/// calls back whoever walks on from the last one. Of one who does what it says it is "reference",
-/// where every point can be reached.
+/// The agent "reference" as a teacher of an agent that may leave the path: it gives no point up,
+/// and leads back an agent that walks on from the last one. Where every point can be reached, an
+/// agent that follows all its advice walks as "reference" does.
 std::unique_ptr<ContinuousAgent> make_patient_reference();
 /// An agent that walks given routes, by the ids of episodes as text: points of the floor, which it
 /// visits in order, to within 0.5 m, and stops at the last, to within 0.25 m. An episode without a

@@ -13,8 +13,8 @@ namespace enfilade::continuous {
 struct FollowerConfig {
   double reached = 0.5;       ///< of points on the way: VLN-CE's experts; > 0
   double last_reached = 0.5;  ///< of the last one, where it stops; StreamVLN's has 0.25; > 0
-  /// For the advice to one who goes ways of his own: no point is ever given up, and whoever walks
-  /// on from the last one is called back.
+  /// For a teacher whose pupil may leave the path: no point is given up, and a body that walks on
+  /// from the last point is led back.
   bool patient = false;
 };
 

@@ -33,7 +33,7 @@ struct ModelFiles {
   std::filesystem::path results(std::string_view split) const;
   /// `walks/02/<scan>.safetensors`: what an agent that walks freely learns from. \param set from 1
   std::filesystem::path walks(std::size_t set, std::string_view scan) const;
-  /// The weights of its eyes: `encoder`, whatever their format.
+  /// The weights of its picture encoder: `encoder`, whatever their format.
   std::filesystem::path encoder() const { return folder / "encoder"; }
   /// `results/<split>.attention.json`
   std::filesystem::path attention(std::string_view split) const;

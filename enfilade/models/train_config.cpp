@@ -102,7 +102,7 @@ void set_speaker(TrainConfig& config) {
 }
 
 // VLN-CE's DAgger. Its walks are validated with `enfilade evaluate`: they have to be drawn.
-void set_free_walk(TrainConfig& config) {
+void set_seq2seq_ce(TrainConfig& config) {
   config.adam.learning_rate = 2.5e-4;
   config.adam.weight_decay = 0;
   config.batch_size = 5;
@@ -110,12 +110,12 @@ void set_free_walk(TrainConfig& config) {
   config.network.max_words = 200;
   config.evaluate_every = 0;
   config.checkpoint_every = 500;
-  config.iterations = updates_of(config.free_walk, config.batch_size);
+  config.iterations = updates_of(config.seq2seq_ce, config.batch_size);
 }
 
-// First values for two cores: 40 minutes with the pictures.
-void make_small_free_walk(TrainConfig& config) {
-  FreeWalkConfig& sizes = config.free_walk;
+// For two cores and model homes; docs/neural.md has the time.
+void make_small_seq2seq_ce(TrainConfig& config) {
+  Seq2SeqCeConfig& sizes = config.seq2seq_ce;
   sizes.hidden = 256;
   sizes.picture = 128;
   sizes.sets = 5;
@@ -221,8 +221,8 @@ TrainConfig recipe(AgentKind agent, Recipe source, Stage stage) {
   if (agent == AgentKind::kDuet && stage == Stage::kPretrain) set_pretraining(config);
   if (agent == AgentKind::kSpeaker) set_speaker(config);
   if (agent == AgentKind::kSeq2SeqCe) {
-    set_free_walk(config);
-    if (source == Recipe::kSmall) make_small_free_walk(config);
+    set_seq2seq_ce(config);
+    if (source == Recipe::kSmall) make_small_seq2seq_ce(config);
   } else if (source == Recipe::kSmall) {
     make_small(config);
   }
@@ -231,8 +231,8 @@ TrainConfig recipe(AgentKind agent, Recipe source, Stage stage) {
 
 void fix_updates(TrainConfig& config, std::size_t episodes) {
   if (config.agent != AgentKind::kSeq2SeqCe) return;
-  config.free_walk.set_walks = std::min(config.free_walk.set_walks, episodes);
-  config.iterations = updates_of(config.free_walk, config.batch_size);
+  config.seq2seq_ce.set_walks = std::min(config.seq2seq_ce.set_walks, episodes);
+  config.iterations = updates_of(config.seq2seq_ce, config.batch_size);
 }
 
 PanoramicConfig panoramic_sizes(const TrainConfig& config) {
@@ -295,7 +295,7 @@ void validate(const TrainConfig& config) {
   if (config.agent == AgentKind::kPanoramic) validate(panoramic_sizes(completed));
   if (config.agent == AgentKind::kDuet) validate(duet_sizes(completed));
   if (config.agent == AgentKind::kSpeaker) validate_speaker(completed);
-  if (config.agent == AgentKind::kSeq2SeqCe) validate(config.free_walk);
+  if (config.agent == AgentKind::kSeq2SeqCe) validate(config.seq2seq_ce);
   if (config.agent == AgentKind::kSeq2Seq && config.optimizer != Optimizer::kAdam) {
     throw ArgumentError(
         fmt::format("optimizer {}: seq2seq has adam alone", to_string(config.optimizer)));

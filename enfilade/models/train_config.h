@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "enfilade/models/duet_config.h"
-#include "enfilade/models/free_walk_config.h"
 #include "enfilade/models/network_config.h"
 #include "enfilade/models/panoramic_config.h"
+#include "enfilade/models/seq2seq_ce_config.h"
 #include "enfilade/models/speaker_config.h"
 #include "enfilade/models/text_kind.h"
 
@@ -107,8 +107,8 @@ struct TrainConfig {
   Letters letters = Letters::kFolded;  ///< of word pieces
   PanoramicConfig panoramic;           ///< of that agent: all but `vocabulary` and `image`
   SpeakerConfig speaker;               ///< likewise
-  DuetConfig duet;           ///< likewise; its max_words and max_actions do not count either
-  FreeWalkConfig free_walk;  ///< of seq2seq-ce
+  DuetConfig duet;             ///< likewise; its max_words and max_actions do not count either
+  Seq2SeqCeConfig seq2seq_ce;  ///< of seq2seq-ce
   /// Rates and decay of any optimizer. RMSprop's share of the old mean is beta2.
   AdamConfig adam;
   Optimizer optimizer = Optimizer::kAdam;  ///< seq2seq has Adam alone

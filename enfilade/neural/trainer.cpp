@@ -11,10 +11,10 @@
 #include "enfilade/models/folder_lock.h"
 #include "enfilade/models/instructions.h"
 #include "enfilade/models/model_directory.h"
+#include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/detail/learner.h"
 #include "enfilade/neural/duet/duet_learner.h"
 #include "enfilade/neural/duet/pretraining_learner.h"
-#include "enfilade/neural/free_walk.h"
 #include "enfilade/neural/model.h"
 #include "enfilade/neural/panoramic/panoramic_learner.h"
 #include "enfilade/neural/panoramic/speaker_learner.h"
@@ -94,9 +94,9 @@ std::optional<Origin> open_origin(const models::TrainConfig& config,
 models::InstructionWords words_of(const models::TrainConfig& config, const TrainingData& data,
                                   const std::optional<Origin>& origin) {
   if (origin) return models::load_instruction_words(origin->files, origin->config);
-  if (data.free_walk) {
+  if (data.continuous) {
     std::vector<std::string> texts;
-    for (const auto& episode : data.free_walk->training.episodes) {
+    for (const auto& episode : data.continuous->training.episodes) {
       texts.push_back(episode.instruction.text);
     }
     return models::InstructionWords(tasks::Vocabulary::build(texts, config.least_count));
@@ -111,10 +111,10 @@ models::TrainConfig completed(models::TrainConfig config, const TrainingData& da
   config.network.vocabulary = vocabulary != nullptr ? vocabulary->size() : words.size();
   config.network.features =
       config.network.inputs.vision && data.features ? data.features->info().dimensions : 0;
-  if (data.free_walk) {
+  if (data.continuous) {
     const auto& encoder = data.fingerprint.features;
     config.network.features = encoder ? encoder->dimensions : 0;
-    fix_updates(config, data.free_walk->training.episodes.size());
+    fix_updates(config, data.continuous->training.episodes.size());
   }
   if (!origin) return config;
   config.text = origin->config.text;
@@ -197,7 +197,7 @@ class Training {
       if (iteration_ >= config().iterations) return finish();
     } else {
       save_words();
-      if (data_.free_walk && config().network.inputs.vision) save_encoder();
+      if (data_.continuous && config().network.inputs.vision) save_encoder();
     }
     if (iteration_ == 0 && origin_) learner_->begin_with(origin_->state.file);
     // After the vocabulary, so that there is no config.json without one. Always written, as the
@@ -222,7 +222,7 @@ class Training {
     write_file_atomically(files_.text(config().text), read_file(origin_->text()));
   }
   void save_encoder() const {
-    const fs::path& weights = data_.free_walk->sight.encoder.weights;
+    const fs::path& weights = data_.continuous->sight.encoder.weights;
     if (!weights.empty()) write_file_atomically(files_.encoder(), read_file(weights));
   }
   bool is_last() const { return iteration_ == config().iterations; }
@@ -301,7 +301,7 @@ class Training {
 
   void evaluate(models::TrainingLog& log) {
     const std::size_t splits =
-        data_.free_walk ? data_.free_walk->validation.size() : data_.validation.size();
+        data_.continuous ? data_.continuous->validation.size() : data_.validation.size();
     for (std::size_t k = 0; k < splits; ++k) {
       detail::Evaluated evaluated = learner_->evaluate(k, iteration_, files_);
       if (auto* const speaker = std::get_if<models::SpeakerRecord>(&evaluated)) {
@@ -386,7 +386,7 @@ bool train(const models::TrainConfig& config, const TrainingData& data, const fs
            const std::optional<fs::path>& from) {
   validate(config);
   const bool free = config.agent == models::AgentKind::kSeq2SeqCe;
-  if (free != (data.free_walk != nullptr)) {
+  if (free != (data.continuous != nullptr)) {
     throw ArgumentError(
         fmt::format("the agent {} walks {}; the data is for the other way of walking",
                     to_string(config.agent), free ? "freely" : "in the graph"));
@@ -396,7 +396,7 @@ bool train(const models::TrainConfig& config, const TrainingData& data, const fs
     throw ArgumentError("the agent is to see, so it needs features");
   }
   const bool none =
-      free ? data.free_walk->training.episodes.empty() : data.training.episodes.empty();
+      free ? data.continuous->training.episodes.empty() : data.training.episodes.empty();
   if (none) {
     throw ArgumentError(fmt::format("split {}: no episode to train on", data.training.split));
   }

@@ -18,7 +18,7 @@
 
 namespace enfilade::neural {
 
-struct FreeWalkData;  // free_walk.h
+struct ContinuousData;  // continuous_agent.h
 
 /// What an agent is trained and validated on.
 struct TrainingData {
@@ -27,8 +27,8 @@ struct TrainingData {
   std::optional<features::FeatureSet> features;  ///< none: the agent does not see
   models::DataFingerprint fingerprint;
   /// Of the agent that walks freely, in place of what is above but the fingerprint:
-  /// load_free_walk_data(). Null for others.
-  std::shared_ptr<const FreeWalkData> free_walk = {};
+  /// load_continuous_data(). Null for others.
+  std::shared_ptr<const ContinuousData> continuous = {};
 };
 /// Reads what `config` names. \throws ArgumentError if the agent is to see and `features` is none;
 /// errors of the files

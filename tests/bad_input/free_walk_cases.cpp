@@ -87,12 +87,13 @@ std::vector<Case> training() {
       "--task r2r-ce --recipe small --inputs language --hidden 2 --sets 1 --epochs 1 ";
   return {
       trained("an agent that walks freely, and nothing wrong", blind, 0, "model: trained, 1 iter"),
-      trained("no encoder for an agent that is to see", "--task r2r-ce", 2,
+      trained("no encoder for an agent that sees", "--task r2r-ce", 2,
               "train: --weights FILE is needed, of --encoder"),
       trained("features of the graph for an agent that walks freely",
               blind + "--features f.safetensors", 2, "train: --features: pictures of the graph's"),
-      trained("weights of eyes for an agent of the graph", "--inputs none --weights w.safetensors",
-              2, "train: --weights: of --task r2r-ce alone"),
+      trained("weights of an encoder for an agent of the graph",
+              "--inputs none --weights w.safetensors", 2,
+              "train: --weights: of --task r2r-ce alone"),
       trained("an agent that does not walk freely", "--task r2r-ce --agent duet", 2,
               "--agent duet: walks in the graph; --task r2r-ce has seq2seq alone"),
       trained("an option of the graph's agents", blind + "--iterations 5", 2,
@@ -101,8 +102,8 @@ std::vector<Case> training() {
               "--sets: not an option of --agent seq2seq"),
       trained("a share of the teacher's above 1", blind + "--teacher-share 1.5", 2,
               "teacher_share: 1.5"),
-      trained("weights of eyes that are not there", "--task r2r-ce --weights none.safetensors", 3,
-              "none.safetensors"),
+      trained("weights of an encoder that are not there",
+              "--task r2r-ce --weights none.safetensors", 3, "none.safetensors"),
       trained("no floors to walk on", blind, 3,
               "{}/navmesh/r2r-ce: no such folder of navigation meshes; `enfilade continuous {}` "
               "makes it",

@@ -49,10 +49,6 @@ tasks::Annotations annotations_of(const dataset::Dataset& data, tasks::Continuou
                                              : data.annotations(split);
 }
 
-bool any_goal_hidden(const tasks::ContinuousEpisodes& episodes) {
-  return !episodes.episodes.empty() && episodes.episodes.front().goal_hidden();
-}
-
 SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
                          const std::shared_ptr<const continuous::Buildings>& buildings,
                          const std::string& split, const Options& options) {
@@ -63,7 +59,7 @@ SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousB
   const tasks::DerivedEpisodes derived =
       tasks::derive_continuous(annotations, *data.graphs(), agents::MeshFloor(buildings), derive);
   const fs::path folder = data.folder();
-  if (!any_goal_hidden(derived.episodes)) {
+  if (!goals_hidden(derived.episodes)) {
     const agents::ContinuousRunOptions run{
         .batch_size = 64, .seed = 1, .simulator = benchmark.simulator};
     write_packed(folder / tasks::expert_places(benchmark.form, split).front(),

@@ -28,10 +28,6 @@ std::shared_ptr<const continuous::Buildings> open_buildings(const ContinuousBenc
                                                        benchmark.navigation_folder());
 }
 
-bool goals_are_hidden(const tasks::ContinuousEpisodes& episodes) {
-  return !episodes.episodes.empty() && episodes.episodes.front().goal_hidden();
-}
-
 tasks::ContinuousResultsForm form_of(const ContinuousBenchmark& benchmark) {
   return benchmark.form == tasks::ContinuousForm::kRxr ? tasks::ContinuousResultsForm::kRxr
                                                        : tasks::ContinuousResultsForm::kR2r;
@@ -83,8 +79,8 @@ void run_free_walk(const FreeWalk& walk) {
   const auto buildings = open_buildings(benchmark, data);
   if (walk.walk_graph) agent = decide_in_graph(walk, benchmark, data, episodes, buildings);
   if (!agent) {
-    agent = load_free_walker(walk.agent, data, {.folder = walk.meshes, .up = "format"}, episodes,
-                             walk.threads);
+    agent = load_continuous_agent(walk.agent, data, {.folder = walk.meshes, .up = "format"},
+                                  episodes, walk.threads);
   }
   const agents::ContinuousRunOptions options{
       .batch_size = walk.batch_size, .seed = walk.seed, .simulator = benchmark.simulator};
@@ -97,7 +93,7 @@ void run_free_walk(const FreeWalk& walk) {
   if (walk.output == "-") return;
   fmt::print("{} on {} of {}: {} episodes{}\n", walk.agent, walk.split, benchmark.title,
              walks.size(), walk.output.empty() ? "" : " -> " + walk.output);
-  if (goals_are_hidden(episodes)) {
+  if (goals_hidden(episodes)) {
     fmt::print("The goals of this split are hidden, so there is nothing to score it with.\n");
     return;
   }
@@ -118,7 +114,7 @@ ExitCode score_free_walk(const FreeScore& asked) {
     print_diagnostics(refused.diagnostics());
     return kFaultsFound;
   }
-  if (goals_are_hidden(episodes)) {
+  if (goals_hidden(episodes)) {
     throw UsageError(
         fmt::format("{}: the file is good, but the goals of split {} are hidden, so "
                     "it cannot be scored here",

@@ -94,7 +94,7 @@ void evaluate_speaker(const Options& options) {
 }
 
 // An agent that walks freely.
-void evaluate_free_walk(const Options& options) {
+void evaluate_continuous(const Options& options) {
   const std::string task = options.task.empty() ? "r2r-ce" : options.task;
   if (!agents::is_continuous(task)) {
     throw UsageError(fmt::format("--task {}: {} walks freely, in r2r-ce", task, options.model));
@@ -128,7 +128,7 @@ std::optional<models::AgentKind> kind_of(const Options& options) {
 void run(const Options& options) {
   neural::set_threads(options.threads);
   const auto kind = kind_of(options);
-  if (kind == models::AgentKind::kSeq2SeqCe) return evaluate_free_walk(options);
+  if (kind == models::AgentKind::kSeq2SeqCe) return evaluate_continuous(options);
   if (!options.meshes.empty()) throw UsageError("--meshes: of an agent that walks freely only");
   if (kind == models::AgentKind::kSpeaker) return evaluate_speaker(options);
   const auto agent = neural::load_trained_agent(options.model, options.device);

@@ -58,10 +58,8 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
 /// The same of an agent that walks freely. \param meshes as scene_of_scan() takes them \param
 /// threads of drawing, 0: all cores \throws ArgumentError for a model that walks in the graph;
 /// errors of the files
-std::unique_ptr<agents::ContinuousAgent> load_free_walker(const std::string& folder,
-                                                          const dataset::Dataset& data,
-                                                          const MeshSource& meshes,
-                                                          const tasks::ContinuousEpisodes& episodes,
-                                                          int threads);
+std::unique_ptr<agents::ContinuousAgent> load_continuous_agent(
+    const std::string& folder, const dataset::Dataset& data, const MeshSource& meshes,
+    const tasks::ContinuousEpisodes& episodes, int threads);
 
 }  // namespace enfilade::apps

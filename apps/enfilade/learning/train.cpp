@@ -15,7 +15,7 @@
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/learning/training_options.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/neural/free_walk.h"
+#include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/trainer.h"
 
@@ -126,9 +126,10 @@ void keep_freed_memory() {
 }
 
 // What an agent that walks freely learns from.
-neural::TrainingData load_free_walks(const Options& options, const models::TrainConfig& config,
-                                     const dataset::Dataset& data) {
-  neural::FreeSight sight{.scene_of = {}, .encoder = {}, .threads = options.threads};
+neural::TrainingData load_continuous_training(const Options& options,
+                                              const models::TrainConfig& config,
+                                              const dataset::Dataset& data) {
+  neural::ContinuousSight sight{.scene_of = {}, .encoder = {}, .threads = options.threads};
   if (!options.features.empty()) {
     throw UsageError(
         "train: --features: pictures of the graph's viewpoints; --task r2r-ce draws its own, and "
@@ -147,11 +148,11 @@ neural::TrainingData load_free_walks(const Options& options, const models::Train
       return scene_of_scan(data, {.folder = options.meshes, .up = "format"}, scan, options.threads);
     };
   }
-  return neural::load_free_walk_data(
+  return neural::load_continuous_data(
       data.folder(), agents::continuous_benchmark(options.training.task()), config, sight);
 }
 
-void refuse_free_walk_options(const Options& options) {
+void refuse_continuous_options(const Options& options) {
   for (const auto& [name, value] :
        {std::pair("--weights", options.weights), std::pair("--meshes", options.meshes)}) {
     if (!value.empty()) throw UsageError(fmt::format("train: {}: of --task r2r-ce alone", name));
@@ -160,8 +161,9 @@ void refuse_free_walk_options(const Options& options) {
 
 neural::TrainingData load_data(const Options& options, const models::TrainConfig& config) {
   const dataset::Dataset root = open_data(options.data);
-  if (config.agent == models::AgentKind::kSeq2SeqCe) return load_free_walks(options, config, root);
-  refuse_free_walk_options(options);
+  if (config.agent == models::AgentKind::kSeq2SeqCe)
+    return load_continuous_training(options, config, root);
+  refuse_continuous_options(options);
   std::optional<fs::path> features;
   if (config.network.inputs.vision) {
     if (options.features.empty()) {
@@ -179,7 +181,7 @@ void run(const Options& options) {
   models::TrainConfig config = config_of(options);
   neural::set_threads(options.threads);
   const neural::TrainingData data = load_data(options, config);
-  if (data.free_walk) fix_updates(config, data.free_walk->training.episodes.size());
+  if (data.continuous) fix_updates(config, data.continuous->training.episodes.size());
   Reporter reporter(fs::path(options.output).filename().string(), options.output);
   std::optional<fs::path> from;
   if (!options.from.empty()) from = options.from;

@@ -149,7 +149,7 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
        });
   add_updates(verb);
   add_sizes(verb);
-  add_free_walk(verb);
+  add_seq2seq_ce(verb);
 }
 
 void TrainingOptions::add_updates(CLI::App& verb) {
@@ -207,13 +207,13 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
        });
   whole(verb, "--hidden", "Of all LSTMs; of r2r-ce the GRU", lstms,
         [](TrainConfig& config) -> std::size_t& {
-          if (config.agent == AgentKind::kSeq2SeqCe) return config.free_walk.hidden;
+          if (config.agent == AgentKind::kSeq2SeqCe) return config.seq2seq_ce.hidden;
           if (config.agent == AgentKind::kSpeaker) return config.speaker.hidden;
           return config.agent == AgentKind::kPanoramic ? config.panoramic.hidden
                                                        : config.network.hidden;
         });
   whole(verb, "--word-embedding", "Numbers a word", lstms, [](TrainConfig& config) -> std::size_t& {
-    if (config.agent == AgentKind::kSeq2SeqCe) return config.free_walk.word_embedding;
+    if (config.agent == AgentKind::kSeq2SeqCe) return config.seq2seq_ce.word_embedding;
     if (config.agent == AgentKind::kSpeaker) return config.speaker.word_embedding;
     return config.agent == AgentKind::kPanoramic ? config.panoramic.word_embedding
                                                  : config.network.word_embedding;
@@ -221,7 +221,7 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
   whole(verb, "--action-embedding", "Numbers an action, or the agent's own direction",
         {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kSeq2SeqCe},
         [](TrainConfig& config) -> std::size_t& {
-          if (config.agent == AgentKind::kSeq2SeqCe) return config.free_walk.action_embedding;
+          if (config.agent == AgentKind::kSeq2SeqCe) return config.seq2seq_ce.action_embedding;
           return config.agent == AgentKind::kPanoramic ? config.panoramic.action_embedding
                                                        : config.network.action_embedding;
         });
@@ -263,20 +263,20 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
        });
 }
 
-void TrainingOptions::add_free_walk(CLI::App& verb) {
+void TrainingOptions::add_seq2seq_ce(CLI::App& verb) {
   const Kinds free{AgentKind::kSeq2SeqCe};
   whole(verb, "--sets", "r2r-ce: sets of walks that are gathered one after another (DAgger)", free,
-        [](TrainConfig& config) -> std::size_t& { return config.free_walk.sets; });
+        [](TrainConfig& config) -> std::size_t& { return config.seq2seq_ce.sets; });
   whole(verb, "--set-walks", "r2r-ce: walks in each; all episodes, if there are fewer", free,
-        [](TrainConfig& config) -> std::size_t& { return config.free_walk.set_walks; });
+        [](TrainConfig& config) -> std::size_t& { return config.seq2seq_ce.set_walks; });
   whole(verb, "--epochs", "r2r-ce: passes over all sets so far after each", free,
-        [](TrainConfig& config) -> std::size_t& { return config.free_walk.epochs; });
+        [](TrainConfig& config) -> std::size_t& { return config.seq2seq_ce.epochs; });
   real(verb, "--teacher-share",
        "r2r-ce: share of the teacher's actions in the second set; its square in the third, ...",
-       free, [](TrainConfig& config) -> double& { return config.free_walk.teacher_share; });
+       free, [](TrainConfig& config) -> double& { return config.seq2seq_ce.teacher_share; });
   real(verb, "--inflection",
        "r2r-ce: weight of the loss where the teacher's action changes, beside 1", free,
-       [](TrainConfig& config) -> double& { return config.free_walk.inflection; });
+       [](TrainConfig& config) -> double& { return config.seq2seq_ce.inflection; });
 }
 
 AgentKind TrainingOptions::kind() const {
@@ -310,7 +310,7 @@ TrainConfig TrainingOptions::config() const {
     }
     change.apply(config);
   }
-  fix_updates(config, config.free_walk.set_walks);
+  fix_updates(config, config.seq2seq_ce.set_walks);
   validate(config);
   return config;
 }

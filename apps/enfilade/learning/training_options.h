@@ -45,7 +45,7 @@ class TrainingOptions {
   void add_updates(CLI::App& verb);
 
   models::AgentKind kind() const;
-  void add_free_walk(CLI::App& verb);
+  void add_seq2seq_ce(CLI::App& verb);
 
   std::string agent_, task_, recipe_, stage_;
   struct Change {

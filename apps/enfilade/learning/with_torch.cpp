@@ -5,7 +5,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/learning/learn.h"
-#include "enfilade/neural/free_walk.h"
+#include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/trained_agent.h"
 
@@ -37,17 +37,15 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
   return agent;
 }
 
-std::unique_ptr<agents::ContinuousAgent> load_free_walker(const std::string& folder,
-                                                          const dataset::Dataset& data,
-                                                          const MeshSource& meshes,
-                                                          const tasks::ContinuousEpisodes& episodes,
-                                                          int threads) {
-  neural::FreeSight sight{.scene_of = {}, .encoder = {}, .threads = threads};
+std::unique_ptr<agents::ContinuousAgent> load_continuous_agent(
+    const std::string& folder, const dataset::Dataset& data, const MeshSource& meshes,
+    const tasks::ContinuousEpisodes& episodes, int threads) {
+  neural::ContinuousSight sight{.scene_of = {}, .encoder = {}, .threads = threads};
   // By value: the agent outlives this call.
   sight.scene_of = [data, meshes, threads](const std::string& scan) {
     return scene_of_scan(data, meshes, scan, threads);
   };
-  auto agent = neural::load_free_walker(folder, sight);
+  auto agent = neural::load_continuous_agent(folder, sight);
   models::DataFingerprint here;
   here.add(episodes);
   const auto warnings =

@@ -53,8 +53,8 @@ void hand_over_to_learn() {
   pointers.push_back(nullptr);
   // Threads of OpenMP that wait in a loop for their next small part keep BLAS's, and everybody
   // else's, from working: with two threads beside one busy program, pictures were encoded nine
-  // times as slowly as with sleeping ones; on an idle machine sleeping costs a third. Read when the
-  // library is loaded, so it is too late in the other program.
+  // times as slowly as with sleeping ones; on an idle machine sleeping costs a quarter. Read when
+  // the library is loaded, so it is too late in the other program.
   setenv("OMP_WAIT_POLICY", "passive", 0);  // NOLINT(concurrency-mt-unsafe)
   execv(program.c_str(), pointers.data());
   throw FileError(fmt::format("{}: cannot be started: {}", program.string(), std::strerror(errno)));
@@ -69,7 +69,7 @@ std::unique_ptr<agents::Agent> load_trained_agent(const std::string& /*folder*/,
   return nullptr;  // not reached
 }
 
-std::unique_ptr<agents::ContinuousAgent> load_free_walker(
+std::unique_ptr<agents::ContinuousAgent> load_continuous_agent(
     const std::string& /*folder*/, const dataset::Dataset& /*data*/, const MeshSource& /*meshes*/,
     const tasks::ContinuousEpisodes& /*episodes*/, int /*threads*/) {
   hand_over_to_learn();

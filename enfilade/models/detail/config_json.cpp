@@ -75,7 +75,7 @@ void for_sizes(ConstOrNot<DuetConfig> auto& sizes, const auto& visit) {
   visit("feature_dropout", sizes.feature_dropout);
 }
 
-void for_sizes(ConstOrNot<FreeWalkConfig> auto& sizes, const auto& visit) {
+void for_sizes(ConstOrNot<Seq2SeqCeConfig> auto& sizes, const auto& visit) {
   visit("word_embedding", sizes.word_embedding);
   visit("sentence", sizes.sentence);
   visit("picture", sizes.picture);
@@ -117,7 +117,7 @@ void for_fields(const NetworkPart<Training>& part, const auto& visit) {
       for_sizes(part.training.speaker, visit);
       break;
     case AgentKind::kSeq2SeqCe:
-      for_sizes(part.training.free_walk, visit);
+      for_sizes(part.training.seq2seq_ce, visit);
       break;
   }
 }
@@ -142,11 +142,11 @@ void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
     }
   }
   if (free) {
-    visit("inflection", config.free_walk.inflection);
-    visit("sets", config.free_walk.sets);
-    visit("set_walks", config.free_walk.set_walks);
-    visit("epochs", config.free_walk.epochs);
-    visit("teacher_share", config.free_walk.teacher_share);
+    visit("inflection", config.seq2seq_ce.inflection);
+    visit("sets", config.seq2seq_ce.sets);
+    visit("set_walks", config.seq2seq_ce.set_walks);
+    visit("epochs", config.seq2seq_ce.epochs);
+    visit("teacher_share", config.seq2seq_ce.teacher_share);
   }
   if (config.agent == AgentKind::kPanoramic) visit("sampled_loss", config.sampled_loss);
   if (config.agent == AgentKind::kDuet) {

@@ -23,7 +23,7 @@ void append(std::vector<T>& all, std::span<const T> values, std::size_t step, st
 
 }  // namespace
 
-Place place_of(const models::FreeWalkConfig& config, std::size_t batch, std::uint64_t update) {
+Place place_of(const models::Seq2SeqCeConfig& config, std::size_t batch, std::uint64_t update) {
   std::uint64_t left = update;
   for (std::size_t sets = 1;; ++sets) {
     EN_CHECK(sets <= config.sets);

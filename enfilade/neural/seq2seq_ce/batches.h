@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "enfilade/models/free_walk_config.h"
+#include "enfilade/models/seq2seq_ce_config.h"
 #include "enfilade/neural/seq2seq_ce/network.h"
 #include "enfilade/neural/seq2seq_ce/walk_file.h"
 
@@ -20,7 +20,7 @@ struct Place {
   bool first() const noexcept { return epoch == 0 && batch == 0; }
 };
 /// \pre update < models::updates_of(config, batch)
-Place place_of(const models::FreeWalkConfig& config, std::size_t batch, std::uint64_t update);
+Place place_of(const models::Seq2SeqCeConfig& config, std::size_t batch, std::uint64_t update);
 
 /// The batches of one pass over walks, each once; the last batch may be smaller. Walks of a batch
 /// are about as long as each other, and longer ones come first: of 16 batches' walks, which are

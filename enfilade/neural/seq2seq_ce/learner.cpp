@@ -16,9 +16,9 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/detail/episode_order.h"
 #include "enfilade/neural/detail/optimizer.h"
-#include "enfilade/neural/free_walk.h"
 #include "enfilade/neural/seq2seq_ce/batches.h"
 #include "enfilade/neural/seq2seq_ce/gatherer.h"
 #include "enfilade/tasks/continuous_measures.h"
@@ -56,14 +56,14 @@ class CeLearner : public detail::Learner {
         optimizer_(detail::optimizer_of(config, {""})) {}
 
   void prepare(const TrainingData& data) override {
-    data_ = data.free_walk.get();
+    data_ = data.continuous.get();
     if (config_.network.inputs.vision) sight_.emplace(data_->sight);
     instructions_ = read_all(data_->training, words_, config_.network);
   }
 
   detail::Update update(std::uint64_t iteration) override {
     const Clock::time_point begin = Clock::now();
-    const Place place = place_of(config_.free_walk, config_.batch_size, iteration);
+    const Place place = place_of(config_.seq2seq_ce, config_.batch_size, iteration);
     open_sets(place);
     const std::vector<WalkView> views = views_of(order(place).at(place.batch));
     const double before = seconds(Clock::now() - begin);
@@ -119,12 +119,13 @@ class CeLearner : public detail::Learner {
         by_scan[std::string(data_->training.episodes[e].scan())].push_back(e);
       }
       std::size_t done = 0;
+      const std::string weights = now ? detail::hash_of(plain_weights()) : std::string();
       for (const auto& [scan, episodes] : by_scan) {
         const fs::path file = files_.walks(sets_, scan);
-        if (now && !is_there(file)) gather(file, episodes);
+        if (now && !is_there(file, weights)) gather(file, episodes, weights);
         add(file);
         done += episodes.size();
-        if (now && told_) told_({sets_, config_.free_walk.sets, done, chosen.size()});
+        if (now && told_) told_({sets_, config_.seq2seq_ce.sets, done, chosen.size()});
       }
     }
   }
@@ -133,11 +134,11 @@ class CeLearner : public detail::Learner {
     return config_.network.inputs.vision ? config_.network.features : 0;
   }
 
-  // Whether these walks were gathered with the present weights.
-  bool is_there(const fs::path& file) const {
+  // Whether these walks were gathered with the weights of that hash.
+  bool is_there(const fs::path& file, const std::string& weights) const {
     if (!fs::exists(file)) return false;
     try {
-      return WalkFile(file, features()).weights() == detail::hash_of(plain_weights());
+      return WalkFile(file, features()).weights() == weights;
     } catch (const InvalidInput&) {
       return false;
     }
@@ -169,28 +170,29 @@ class CeLearner : public detail::Learner {
 
   // Passes over all episodes, a set after the other.
   std::vector<std::size_t> chosen_for(std::size_t set) const {
-    detail::EpisodeOrder order(data_->training.episodes.size(), config_.free_walk.set_walks,
+    detail::EpisodeOrder order(data_->training.episodes.size(), config_.seq2seq_ce.set_walks,
                                config_.seed);
     const auto batch = order.batch(set - 1);
     return {batch.begin(), batch.end()};
   }
 
-  void gather(const fs::path& file, const std::vector<std::size_t>& chosen) {
+  void gather(const fs::path& file, const std::vector<std::size_t>& chosen,
+              const std::string& weights) {
     tasks::ContinuousEpisodes episodes{data_->training.split, data_->training.file, {}};
     for (const std::size_t e : chosen) {
       episodes.episodes.push_back(data_->training.episodes[e]);
     }
-    const double share = std::pow(config_.free_walk.teacher_share, static_cast<double>(sets_ - 1));
+    const double share = std::pow(config_.seq2seq_ce.teacher_share, static_cast<double>(sets_ - 1));
     Gatherer walker(parts(), {.teacher_share = share}, episodes);
     run(walker, episodes, Rng(config_.seed, sets_).next());
     std::vector<RecordedWalk> walks = walker.walks();
     for (std::size_t i = 0; i < walks.size(); ++i) walks[i].episode = chosen[i];
     make_folder(file.parent_path());
-    write_walks(file, walks, detail::hash_of(plain_weights()));
+    write_walks(file, walks, weights);
   }
 
   const std::vector<std::vector<std::size_t>>& order(const Place& place) {
-    const std::uint64_t pass = place.sets * config_.free_walk.epochs + place.epoch;
+    const std::uint64_t pass = place.sets * config_.seq2seq_ce.epochs + place.epoch;
     if (order_of_ != pass) {
       order_ = pass_over(lengths_, config_.batch_size, config_.seed, pass);
       order_of_ = pass;
@@ -212,7 +214,7 @@ class CeLearner : public detail::Learner {
     const at::Tensor states = network_.walk(network_.read(texts), batch.steps,
                                             network_.begin(std::ssize(batch.episodes)));
     return inflection_loss(network_.score(states), batch.teacher, batch.steps.counts,
-                           config_.free_walk.inflection);
+                           config_.seq2seq_ce.inflection);
   }
 
   // Of walks of its own, to the teacher's choices there.
@@ -251,7 +253,7 @@ class CeLearner : public detail::Learner {
   std::function<void(const GatheringProgress&)> told_;
   CeNetwork network_;
   detail::Optimizer optimizer_;
-  const FreeWalkData* data_ = nullptr;
+  const ContinuousData* data_ = nullptr;
   std::optional<Sight> sight_;
   std::vector<std::vector<std::int64_t>> instructions_;  // by training episode
   std::size_t sets_ = 0;                                 // opened

@@ -34,7 +34,7 @@ std::int64_t picture_inputs(const Sizes& sizes) {
 }
 
 std::vector<ArraySpec> array_specs(const Sizes& sizes) {
-  const models::FreeWalkConfig& own = sizes.own;
+  const models::Seq2SeqCeConfig& own = sizes.own;
   const std::int64_t hidden = whole(own.hidden);
   std::vector<ArraySpec> specs;
   specs.push_back({kWords, {sizes.words, whole(own.word_embedding)}});
@@ -69,7 +69,7 @@ void require_gradients(const detail::Weights& weights) {
 
 Sizes sizes_of(const models::TrainConfig& config) {
   return {whole(config.network.vocabulary + kBeginAndMask), whole(config.network.features),
-          config.free_walk};
+          config.seq2seq_ce};
 }
 
 CeNetwork::CeNetwork(const Sizes& sizes, std::uint64_t seed) : sizes_(sizes) {

@@ -24,7 +24,7 @@ inline constexpr std::int64_t kDepthCells = 16, kDepthSize = kDepthCells * kDept
 struct Sizes {
   std::int64_t words = 0;     ///< ids, those for begin and end among them
   std::int64_t features = 0;  ///< numbers a picture
-  models::FreeWalkConfig own;
+  models::Seq2SeqCeConfig own;
 };
 /// Of a config with network.vocabulary and network.features.
 Sizes sizes_of(const models::TrainConfig& config);

@@ -38,7 +38,7 @@ void average(std::span<const float> pixels, std::span<std::uint8_t> cells) {
 
 }  // namespace
 
-Sight::Sight(const FreeSight& config) : config_(config) {
+Sight::Sight(const ContinuousSight& config) : config_(config) {
   if (!config_.scene_of) throw ArgumentError("scene_of: empty, but the agent is to see");
   encoder_ = make_encoder(config_.encoder);
   camera_ = camera_of(*encoder_, config_.encoder.name);

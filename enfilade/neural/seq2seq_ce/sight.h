@@ -11,7 +11,7 @@
 #include "enfilade/agents/continuous_agent.h"
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/features/feature_set.h"
-#include "enfilade/neural/free_walk.h"
+#include "enfilade/neural/continuous_agent.h"
 
 namespace enfilade::neural::seq2seq_ce {
 
@@ -27,7 +27,7 @@ struct Seen {
 class Sight {
  public:
   /// \throws ArgumentError without a scene_of; as make_encoder()
-  explicit Sight(const FreeSight& config);
+  explicit Sight(const ContinuousSight& config);
 
   /// What features of it are: the encoder, its weights, the camera.
   features::FeatureInfo info() const;
@@ -46,7 +46,7 @@ class Sight {
     std::string scan;
     std::unique_ptr<continuous::Eyes> eyes;
   };
-  FreeSight config_;
+  ContinuousSight config_;
   std::unique_ptr<ImageEncoder> encoder_;
   Camera camera_;
   std::list<Known> known_;

@@ -11,7 +11,7 @@
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/neural/free_walk.h"
+#include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/seq2seq_ce/batches.h"
 #include "enfilade/neural/seq2seq_ce/gatherer.h"
@@ -44,7 +44,7 @@ class Buildings {
 
   std::shared_ptr<const continuous::Buildings> buildings;
   /// With random weights: walls of other colours give other features.
-  FreeSight sight() const {
+  ContinuousSight sight() const {
     return {.scene_of = [this](const std::string& scan) { return scenes_.at(scan); },
             .encoder = {.name = "home", .weights = {}, .seed = 1},
             .threads = 1};
@@ -87,15 +87,15 @@ tasks::ContinuousEpisodes episodes() {
 
 models::TrainConfig small_config() {
   models::TrainConfig config = recipe(models::AgentKind::kSeq2SeqCe, models::Recipe::kSmall);
-  config.free_walk = {.word_embedding = 8,
-                      .sentence = 16,
-                      .picture = 16,
-                      .depth = 16,
-                      .action_embedding = 8,
-                      .hidden = 32,
-                      .sets = 2,
-                      .set_walks = 5,
-                      .epochs = 2};
+  config.seq2seq_ce = {.word_embedding = 8,
+                       .sentence = 16,
+                       .picture = 16,
+                       .depth = 16,
+                       .action_embedding = 8,
+                       .hidden = 32,
+                       .sets = 2,
+                       .set_walks = 5,
+                       .epochs = 2};
   config.batch_size = 2;
   config.max_steps = 60;
   config.least_count = 1;
@@ -113,8 +113,9 @@ class SeesTwoBuildings : public ::testing::Test {
   }
   static void TearDownTestSuite() { world_.reset(); }
 
-  TrainingData data(const models::TrainConfig& config, FreeSight sight = world_->sight()) const {
-    auto own = std::make_shared<FreeWalkData>();
+  TrainingData data(const models::TrainConfig& config,
+                    ContinuousSight sight = world_->sight()) const {
+    auto own = std::make_shared<ContinuousData>();
     own->benchmark = agents::continuous_benchmark("r2r-ce");
     own->training = episodes();
     own->buildings = world_->buildings;
@@ -122,7 +123,7 @@ class SeesTwoBuildings : public ::testing::Test {
     TrainingData all;
     if (config.network.inputs.vision) all.fingerprint.features = Sight(sight).info();
     all.fingerprint.add(own->training);
-    all.free_walk = own;
+    all.continuous = own;
     return all;
   }
   std::vector<tasks::ContinuousResult> walk(agents::ContinuousAgent& agent,
@@ -147,7 +148,7 @@ struct Parts {
   std::optional<CeNetwork> network;
   std::optional<Sight> sight;
 
-  explicit Parts(const FreeSight& eyes) {
+  explicit Parts(const ContinuousSight& eyes) {
     sight.emplace(eyes);
     config.network.vocabulary = words.vocabulary()->size();
     config.network.features = sight->info().dimensions;
@@ -252,7 +253,7 @@ TEST_F(SeesTwoBuildings, ABuildingIsOpenedOnceHoweverManyAreLookedAtAtOnce) {
     in.episodes.push_back(episode(1, scan, "", {.5, 2.5, 0}, 90, {2, 2.5, 0}, {2.5, 2.5, 0}));
   }
   std::map<std::string, int> opened;
-  FreeSight sight = world_->sight();
+  ContinuousSight sight = world_->sight();
   sight.scene_of = [&opened, all = sight.scene_of](const std::string& scan) {
     ++opened[scan];
     return all("bare");
@@ -312,7 +313,7 @@ TEST(Batches, APassHasEachWalkOnceLongerOnesFirst) {
 }
 
 TEST(Batches, UpdatesGoThroughSetsAndPasses) {
-  models::FreeWalkConfig config;
+  models::Seq2SeqCeConfig config;
   config.sets = 3;
   config.set_walks = 5;
   config.epochs = 2;
@@ -378,15 +379,15 @@ TEST_F(SeesTwoBuildings, LostWalksAreNamed) {
 TEST_F(SeesTwoBuildings, OtherOptionsAndOtherEyesAreRefused) {
   models::TrainConfig config = small_config();
   EXPECT_TRUE(train(config, data(config), folder("model")));
-  config.free_walk.hidden = 24;
+  config.seq2seq_ce.hidden = 24;
   EXPECT_THAT([&] { train(config, data(config), folder("model")); },
               ThrowsMessage<ArgumentError>(HasSubstr("hidden: 32, not 24")));
-  FreeSight other = world_->sight();
+  ContinuousSight other = world_->sight();
   other.encoder.seed = 2;
   EXPECT_THAT(
-      [&] { load_free_walker(folder("model"), other); },
+      [&] { load_continuous_agent(folder("model"), other); },
       ThrowsMessage<ArgumentError>(HasSubstr("not the encoder that the agent was trained")));
-  EXPECT_THAT([&] { load_free_walker(folder("model"), {}); },
+  EXPECT_THAT([&] { load_continuous_agent(folder("model"), {}); },
               ThrowsMessage<ArgumentError>(HasSubstr("scene_of: empty")));
   EXPECT_THAT([&] { load_trained_agent(folder("model")); },
               ThrowsMessage<ArgumentError>(HasSubstr("walks freely, not in the graph")));
@@ -397,7 +398,7 @@ TEST_F(SeesTwoBuildings, OtherOptionsAndOtherEyesAreRefused) {
   ASSERT_NE(text.find(features), std::string::npos);
   text.replace(text.find(features), features.size(), "\"features\": 64");
   write_file_atomically(models::ModelFiles{folder("model")}.config(), text);
-  EXPECT_THAT([&] { load_free_walker(folder("model"), world_->sight()); },
+  EXPECT_THAT([&] { load_continuous_agent(folder("model"), world_->sight()); },
               ThrowsMessage<ArgumentError>(HasSubstr("made for 64 numbers a picture")));
 }
 
@@ -408,7 +409,7 @@ TEST_F(SeesTwoBuildings, AModelOfTheGraphDoesNotWalkFreely) {
   write_file_atomically(models::ModelFiles{folder("graph")}.config(), to_json(config));
   write_file_atomically(models::ModelFiles{folder("graph")}.weights(), "");
   EXPECT_THAT(
-      [&] { load_free_walker(folder("graph"), world_->sight()); },
+      [&] { load_continuous_agent(folder("graph"), world_->sight()); },
       ThrowsMessage<ArgumentError>(HasSubstr("an agent seq2seq, which walks in the graph")));
   EXPECT_THAT([&] { train(config.training, data(small_config()), folder("other")); },
               ThrowsMessage<ArgumentError>(HasSubstr("the agent seq2seq walks in the graph")));
@@ -417,9 +418,9 @@ TEST_F(SeesTwoBuildings, AModelOfTheGraphDoesNotWalkFreely) {
 TEST_F(SeesTwoBuildings, MoreSetsGoOnWithAFinishedTraining) {
   models::TrainConfig config = small_config();
   EXPECT_TRUE(train(config, data(config), folder("two")));
-  config.free_walk.sets = 1;
+  config.seq2seq_ce.sets = 1;
   EXPECT_TRUE(train(config, data(config), folder("one")));
-  config.free_walk.sets = 2;
+  config.seq2seq_ce.sets = 2;
   EXPECT_TRUE(train(config, data(config), folder("one")));
   EXPECT_EQ(tests::weights_of(folder("one")), tests::weights_of(folder("two")));
 }
@@ -428,13 +429,13 @@ TEST_F(SeesTwoBuildings, MoreSetsGoOnWithAFinishedTraining) {
 // ways around the pillar apart.
 TEST_F(SeesTwoBuildings, LearnsAFewWalksByHeart) {
   models::TrainConfig config = small_config();
-  config.free_walk.sets = 3;
-  config.free_walk.epochs = 40;
-  config.free_walk.hidden = 48;
+  config.seq2seq_ce.sets = 3;
+  config.seq2seq_ce.epochs = 40;
+  config.seq2seq_ce.hidden = 48;
   config.batch_size = 5;
   config.adam.learning_rate = 5e-3;
   EXPECT_TRUE(train(config, data(config), folder("model")));
-  const auto agent = load_free_walker(folder("model"), world_->sight());
+  const auto agent = load_continuous_agent(folder("model"), world_->sight());
   EXPECT_EQ(agent->name(), "seq2seq-ce");
   const tasks::ContinuousEpisodes all = episodes();
   const auto walks = walk(*agent, all);
@@ -458,7 +459,7 @@ TEST_F(SeesTwoBuildings, BlindOnesNeedNoEyes) {
   models::TrainConfig config = small_config();
   config.network.inputs = models::parse_inputs("language");
   EXPECT_TRUE(train(config, data(config, {}), folder("model")));
-  const auto agent = load_free_walker(folder("model"), {});
+  const auto agent = load_continuous_agent(folder("model"), {});
   EXPECT_EQ(walk(*agent, episodes()).size(), 5U);
 }
 

@@ -7,7 +7,7 @@ namespace enfilade::models {
 /// Of "seq2seq-ce": Krantz et al., "Beyond the Nav-Graph: Vision-and-Language Navigation in
 /// Continuous Environments" (ECCV 2020), the sequence-to-sequence baseline. The defaults are the
 /// published ones, as far as we know them (docs/neural.md).
-struct FreeWalkConfig {
+struct Seq2SeqCeConfig {
   std::size_t word_embedding = 50;    ///< numbers a word
   std::size_t sentence = 128;         ///< of the LSTM that reads the instruction
   std::size_t picture = 256;          ///< of what a linear layer makes of a picture's features
@@ -27,10 +27,10 @@ struct FreeWalkConfig {
 };
 
 /// \throws ArgumentError naming the field, its value and what is allowed
-void validate(const FreeWalkConfig& config);
+void validate(const Seq2SeqCeConfig& config);
 
 /// The updates of a training: after set s the passes over s sets, in batches.
 /// \pre config is valid, batch > 0
-std::size_t updates_of(const FreeWalkConfig& config, std::size_t batch);
+std::size_t updates_of(const Seq2SeqCeConfig& config, std::size_t batch);
 
 }  // namespace enfilade::models

@@ -21,19 +21,19 @@ namespace enfilade::neural {
 using SceneOfScan = std::function<std::shared_ptr<const continuous::Scene>(const std::string&)>;
 
 /// How an agent sees.
-struct FreeSight {
+struct ContinuousSight {
   SceneOfScan scene_of;
   EncoderConfig encoder;  ///< turns pictures into features; its weights stay as they are
   int threads = 0;        ///< of drawing, 0: all cores; changes no result
 };
 
 /// What the agent is trained and validated on.
-struct FreeWalkData {
+struct ContinuousData {
   agents::ContinuousBenchmark benchmark;
   tasks::ContinuousEpisodes training;                 ///< of all splits trained on
   std::vector<tasks::ContinuousEpisodes> validation;  ///< one a split
   std::shared_ptr<const continuous::Buildings> buildings;
-  FreeSight sight;  ///< does not count if the agent is not to see
+  ContinuousSight sight;  ///< does not count if the agent is not to see
 };
 
 /// Reads the episodes that `config` names, and describes them and the encoder in the fingerprint.
@@ -41,13 +41,13 @@ struct FreeWalkData {
 /// whose four actions the agent has, for hidden goals, for fewer buildings than the config wants,
 /// or if the agent is to see and there is no scene_of; FileError naming the verb that makes what is
 /// missing; errors of the files; as make_encoder()
-TrainingData load_free_walk_data(const std::filesystem::path& data,
-                                 const agents::ContinuousBenchmark& benchmark,
-                                 const models::TrainConfig& config, const FreeSight& sight);
+TrainingData load_continuous_data(const std::filesystem::path& data,
+                                  const agents::ContinuousBenchmark& benchmark,
+                                  const models::TrainConfig& config, const ContinuousSight& sight);
 
 /// A trained agent, from its model directory. Chooses what is most likely. It stops at the latest
 /// when it has walked as far as in training (TrainConfig::max_steps).
-class FreeWalker : public agents::ContinuousAgent {
+class TrainedContinuousAgent : public agents::ContinuousAgent {
  public:
   virtual const models::ModelConfig& config() const noexcept = 0;
   virtual std::uint64_t iteration() const noexcept = 0;  ///< of the weights
@@ -57,7 +57,7 @@ class FreeWalker : public agents::ContinuousAgent {
 /// \throws FileError for a missing file; InvalidInput for damaged files, or weights that do not
 /// fit; ArgumentError for a model that walks in the graph, if the model sees and there is no
 /// scene_of, or for an encoder that is not the one of training, naming what differs
-std::unique_ptr<FreeWalker> load_free_walker(const std::filesystem::path& folder,
-                                             const FreeSight& sight);
+std::unique_ptr<TrainedContinuousAgent> load_continuous_agent(const std::filesystem::path& folder,
+                                                              const ContinuousSight& sight);
 
 }  // namespace enfilade::neural

@@ -1,4 +1,4 @@
-#include "enfilade/models/free_walk_config.h"
+#include "enfilade/models/seq2seq_ce_config.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 namespace enfilade::models {
 
-void validate(const FreeWalkConfig& config) {
+void validate(const Seq2SeqCeConfig& config) {
   constexpr std::size_t kMost = std::size_t{1} << 24U;
   const std::array<std::pair<const char*, std::size_t>, 9> sizes{
       {{"word_embedding", config.word_embedding},
@@ -29,7 +29,7 @@ void validate(const FreeWalkConfig& config) {
   check_range("teacher_share", config.teacher_share, 0, 1);
 }
 
-std::size_t updates_of(const FreeWalkConfig& config, std::size_t batch) {
+std::size_t updates_of(const Seq2SeqCeConfig& config, std::size_t batch) {
   std::size_t updates = 0;
   for (std::size_t sets = 1; sets <= config.sets; ++sets) {
     updates += config.epochs * ((sets * config.set_walks + batch - 1) / batch);

@@ -1,4 +1,4 @@
-#include "enfilade/neural/free_walk.h"
+#include "enfilade/neural/continuous_agent.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -54,12 +54,10 @@ void keep_buildings(tasks::ContinuousEpisodes& episodes, std::size_t most) {
 }
 
 void require_goals(const tasks::ContinuousEpisodes& episodes) {
-  for (const tasks::ContinuousEpisode& episode : episodes.episodes) {
-    if (!episode.goal_hidden()) continue;
-    throw ArgumentError(
-        fmt::format("split {}: its goals are hidden, so it cannot be trained on or validated with",
-                    episodes.split));
-  }
+  if (!goals_hidden(episodes)) return;
+  throw ArgumentError(
+      fmt::format("split {}: its goals are hidden, so it cannot be trained on or validated with",
+                  episodes.split));
 }
 
 void join(tasks::ContinuousEpisodes& all, tasks::ContinuousEpisodes more) {
@@ -86,7 +84,7 @@ std::vector<std::string> encoder_differences(const features::FeatureInfo& there,
   return found;
 }
 
-class Walker final : public FreeWalker {
+class Walker final : public TrainedContinuousAgent {
  public:
   Walker(models::ModelConfig config, models::InstructionWords words, const models::StateFile& state,
          std::optional<seq2seq_ce::Sight> sight)
@@ -133,7 +131,7 @@ class Walker final : public FreeWalker {
 };
 
 seq2seq_ce::Sight open_sight(const models::ModelFiles& files, const models::ModelConfig& config,
-                             FreeSight sight) {
+                             ContinuousSight sight) {
   const std::optional<features::FeatureInfo>& trained = config.data.features;
   if (!trained) refuse(files.config().string(), "$.data.features", "missing", "the agent sees");
   sight.encoder.name = trained->encoder;
@@ -154,10 +152,11 @@ seq2seq_ce::Sight open_sight(const models::ModelFiles& files, const models::Mode
 
 }  // namespace
 
-TrainingData load_free_walk_data(const fs::path& data, const agents::ContinuousBenchmark& benchmark,
-                                 const models::TrainConfig& config, const FreeSight& sight) {
+TrainingData load_continuous_data(const fs::path& data,
+                                  const agents::ContinuousBenchmark& benchmark,
+                                  const models::TrainConfig& config, const ContinuousSight& sight) {
   check_benchmark(benchmark);
-  auto own = std::make_shared<FreeWalkData>();
+  auto own = std::make_shared<ContinuousData>();
   own->benchmark = benchmark;
   own->sight = sight;
   TrainingData all;
@@ -178,11 +177,12 @@ TrainingData load_free_walk_data(const fs::path& data, const agents::ContinuousB
   own->buildings = open_buildings(data, benchmark);
   agents::check_starts(own->training, *own->buildings, benchmark.simulator.start_reach);
   if (config.network.inputs.vision) all.fingerprint.features = seq2seq_ce::Sight(sight).info();
-  all.free_walk = std::move(own);
+  all.continuous = std::move(own);
   return all;
 }
 
-std::unique_ptr<FreeWalker> load_free_walker(const fs::path& folder, const FreeSight& sight) {
+std::unique_ptr<TrainedContinuousAgent> load_continuous_agent(const fs::path& folder,
+                                                              const ContinuousSight& sight) {
   const models::ModelFiles files = require_model(folder);
   models::ModelConfig config = models::load_model_config(files.config());
   if (config.training.agent != models::AgentKind::kSeq2SeqCe) {
