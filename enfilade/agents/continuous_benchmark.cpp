@@ -29,10 +29,10 @@ fs::path ContinuousBenchmark::navigation_folder() const { return fs::path("navme
 const std::vector<ContinuousBenchmark>& continuous_benchmarks() {
   using continuous::SimulatorConfig;
   static const std::vector<ContinuousBenchmark> kAll{
-      {"r2r-ce", "R2R-CE", tasks::ContinuousForm::kR2r, continuous::kRoomToRoomBody,
-       SimulatorConfig::room_to_room()},
-      {"rxr-ce", "RxR-CE", tasks::ContinuousForm::kRxr, continuous::kRoomAcrossRoomBody,
-       SimulatorConfig::room_across_room()}};
+      {"r2r-ce", "R2R-CE", tasks::ContinuousForm::kR2r, tasks::Task::kR2r,
+       continuous::kRoomToRoomBody, SimulatorConfig::room_to_room()},
+      {"rxr-ce", "RxR-CE", tasks::ContinuousForm::kRxr, tasks::Task::kRxr,
+       continuous::kRoomAcrossRoomBody, SimulatorConfig::room_across_room()}};
   return kAll;
 }
 
@@ -51,14 +51,20 @@ const ContinuousBenchmark& continuous_benchmark(std::string_view name) {
                                 fmt::join(names, ", ")));
 }
 
+std::optional<fs::path> find_continuous_split(const ContinuousBenchmark& benchmark,
+                                              const fs::path& data, const std::string& split) {
+  return first_there(data, tasks::continuous_places(benchmark.form, split));
+}
+
 tasks::ContinuousEpisodes load_continuous_split(const ContinuousBenchmark& benchmark,
                                                 const fs::path& data, const std::string& split) {
-  const std::vector<fs::path> places = tasks::continuous_places(benchmark.form, split);
-  if (const auto file = first_there(data, places)) {
+  if (const auto file = find_continuous_split(benchmark, data, split)) {
     return tasks::load_continuous_episodes(*file, split);
   }
   std::vector<std::string> tried;
-  for (const fs::path& place : places) tried.push_back((data / place).string());
+  for (const fs::path& place : tasks::continuous_places(benchmark.form, split)) {
+    tried.push_back((data / place).string());
+  }
   throw FileError(
       fmt::format("no episodes of {} {}: tried {}; `enfilade continuous {}` makes them "
                   "of Room-to-Room's",

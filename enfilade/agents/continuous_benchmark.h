@@ -1,6 +1,7 @@
 /// \file  The benchmarks of walking freely, by name: who walks, how, and where their files are.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/mesh/walkable.h"
 #include "enfilade/tasks/continuous_episodes.h"
+#include "enfilade/tasks/goal.h"
 
 namespace enfilade::agents {
 
@@ -16,6 +18,7 @@ struct ContinuousBenchmark {
   std::string_view name;  ///< "r2r-ce"
   std::string_view title;
   tasks::ContinuousForm form = tasks::ContinuousForm::kR2r;
+  tasks::Task paths = tasks::Task::kR2r;  ///< on graphs, whose paths its episodes follow
   mesh::Body body;
   continuous::SimulatorConfig simulator;
 
@@ -29,8 +32,12 @@ bool is_continuous(std::string_view name) noexcept;
 /// \throws LookupError listing the names
 const ContinuousBenchmark& continuous_benchmark(std::string_view name);
 
-/// A split's episodes in a folder of data, by tasks::continuous_places(), and its experts' walks
-/// where there are any. \throws FileError naming every place that was tried; InvalidInput
+/// A split's file in a folder of data, by tasks::continuous_places(); none if it has none.
+std::optional<std::filesystem::path> find_continuous_split(const ContinuousBenchmark& benchmark,
+                                                           const std::filesystem::path& data,
+                                                           const std::string& split);
+/// A split's episodes in a folder of data, and its experts' walks where there are any.
+/// \throws FileError naming every place that was tried; InvalidInput
 tasks::ContinuousEpisodes load_continuous_split(const ContinuousBenchmark& benchmark,
                                                 const std::filesystem::path& data,
                                                 const std::string& split);

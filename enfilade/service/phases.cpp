@@ -93,19 +93,34 @@ std::optional<std::size_t> read_choice(const detail::Fields& fields, std::string
   return std::nullopt;
 }
 
+/// Of all benchmarks that have a scorer: those on graphs, then those in continuous space.
+std::vector<std::string_view> task_names() {
+  std::vector<std::string_view> names;
+  for (const tasks::PublicScorer& scorer : tasks::public_scorers()) {  // by task
+    const std::string_view name = tasks::name_of(scorer.task);
+    if (names.empty() || names.back() != name) names.push_back(name);
+  }
+  for (const agents::ContinuousBenchmark& one : agents::continuous_benchmarks()) {
+    names.push_back(one.name);
+  }
+  return names;
+}
+
 /// "task", "scorer" and "primary", each of which says what is allowed in the next.
 void read_task(const detail::Fields& fields, Phase& phase, json::Faults& faults) {
   if (fields.has("task")) {
-    std::vector<std::string_view> names;
-    for (const tasks::PublicScorer& scorer : tasks::public_scorers()) {  // by task
-      const std::string_view name = tasks::name_of(scorer.task);
-      if (names.empty() || names.back() != name) names.push_back(name);
-    }
+    const std::vector<std::string_view> names = task_names();
     const auto task = read_choice(fields, "task", names, "unknown-task", faults);
     if (!task) return;
-    phase.task = tasks::task_named(names[*task]);
+    if (agents::is_continuous(names[*task])) {
+      phase.continuous = &agents::continuous_benchmark(names[*task]);
+      phase.task = phase.continuous->paths;
+    } else {
+      phase.task = tasks::task_named(names[*task]);
+    }
   }
-  const auto scorers = tasks::scorer_names(phase.task);
+  const auto scorers = phase.continuous != nullptr ? std::vector{tasks::kContinuousScorer}
+                                                   : tasks::scorer_names(phase.task);
   phase.scorer = scorers.front();
   if (fields.has("scorer")) {
     const auto scorer = read_choice(fields, "scorer", scorers, "unknown-scorer", faults);
@@ -122,6 +137,16 @@ void read_task(const detail::Fields& fields, Phase& phase, json::Faults& faults)
   if (primary) phase.primary = names[*primary];
 }
 
+/// "experts": walks of a continuous split whose goals are secret. \pre the task is read
+void read_experts(const detail::Fields& fields, Phase& phase, json::Faults& faults) {
+  if (!fields.has("experts")) return;
+  phase.experts = nonempty(fields, "experts", faults);
+  if (phase.continuous != nullptr && phase.goals_secret()) return;
+  faults.error(fields.path("experts"), "experts-without-use",
+               "experts' walks are for a task in continuous space whose phase has \"annotations\" "
+               "of its own; with open goals the data set's are used");
+}
+
 /// Reads one entry of "phases"; none if it has faults.
 std::optional<Phase> read_phase(json::Element element, const json::Path& path,
                                 json::Faults& faults) {
@@ -129,8 +154,8 @@ std::optional<Phase> read_phase(json::Element element, const json::Path& path,
   const std::size_t before = faults.errors();
   const detail::Fields fields(
       element, path, faults, {"name", "split"},
-      {"title", "rules", "task", "scorer", "annotations", "scores", "primary", "step", "ends",
-       "per_day", "per_team", "per_address_day", "per_address", "teams"});
+      {"title", "rules", "task", "scorer", "annotations", "experts", "scores", "primary", "step",
+       "ends", "per_day", "per_team", "per_address_day", "per_address", "teams"});
   if (!fields.complete()) return std::nullopt;
   Phase phase;
   phase.name = fields.text("name", detail::is_name, kNames, "bad-name");
@@ -142,6 +167,7 @@ std::optional<Phase> read_phase(json::Element element, const json::Path& path,
   if (fields.has("annotations")) phase.annotations = nonempty(fields, "annotations", faults);
   phase.scores = read_scores(fields, fields.has("annotations"), faults);
   read_task(fields, phase, faults);
+  read_experts(fields, phase, faults);
   if (fields.has("step")) phase.step = fields.number("step", kLeastStep, kMostStep);
   if (fields.has("ends")) {
     phase.ends = detail::parse_time(
@@ -163,13 +189,25 @@ void check_openness(const std::vector<Phase>& phases, const json::Path& list,
     if (phases[k].goals_secret() || twin == phases.end()) continue;
     const json::Path path(list, k);
     faults.error(json::Path(path, "split"), "open-and-secret",
-                 fmt::format("{:?} has secret goals in phase {:?}; give this phase the same "
-                             "\"annotations\"",
+                 fmt::format("{:?} has secret goals in phase {:?}; give this phase \"annotations\" "
+                             "too",
                              phases[k].split, twin->name));
   }
 }
 
 }  // namespace
+
+std::string_view Phase::task_name() const noexcept {
+  return continuous != nullptr ? continuous->name : tasks::name_of(task);
+}
+
+std::string_view Phase::task_title() const noexcept {
+  return continuous != nullptr ? continuous->title : tasks::title_of(task);
+}
+
+std::span<const tasks::Measure> Phase::measures() const {
+  return continuous != nullptr ? tasks::measures(continuous->form) : tasks::measures(task, scorer);
+}
 
 const tasks::Measure& Phase::primary_measure() const {
   const tasks::Measure* measure = tasks::find_measure(measures(), primary);
@@ -216,6 +254,7 @@ std::vector<Phase> load_phases(const std::filesystem::path& file) {
   std::vector<Phase> phases = parse_phases(read_file(file), file.string());
   for (Phase& phase : phases) {
     if (phase.goals_secret()) phase.annotations = file.parent_path() / phase.annotations;
+    if (!phase.experts.empty()) phase.experts = file.parent_path() / phase.experts;
   }
   return phases;
 }

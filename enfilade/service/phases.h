@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/tasks/goal.h"
 #include "enfilade/tasks/measures.h"
 
@@ -36,14 +37,21 @@ struct Phase {
   std::string title;  ///< for people
   std::string rules;  ///< for people, in Markdown: rules, dates, whom to ask; may be empty
   std::string split;  ///< "val_unseen"; its instructions are served without their goals if secret
-  tasks::Task task = tasks::Task::kR2r;   ///< which benchmark the split is of
-  std::string scorer{tasks::kOwnScorer};  ///< one of tasks::scorer_names(task)
+  /// Which benchmark the split is of; of one in continuous space, the one whose paths it follows.
+  tasks::Task task = tasks::Task::kR2r;
+  /// Of walking freely: which of agents::continuous_benchmarks(); else null.
+  const agents::ContinuousBenchmark* continuous = nullptr;
+  /// One of tasks::scorer_names(task), or tasks::kContinuousScorer.
+  std::string scorer{tasks::kOwnScorer};
   /// The name of the measure that decides which submission of a team is its best, and that rows are
   /// sorted by: one of measures(), better where higher.
   std::string primary = "spl";
   /// The task's annotations with goals, kept outside the data set, which everybody can download.
   /// Empty: the data set's own annotations, with open goals.
   std::filesystem::path annotations;
+  /// The experts' walks (`<split>_gt.json.gz`) of a continuous split with secret goals, with which
+  /// nDTW compares. Empty: it compares with the reference paths.
+  std::filesystem::path experts;
   Scores scores = Scores::kPublic;
   int per_day = 10;                ///< of a team in 24 hours, 1 to 1000
   int per_address_day = 50;        ///< of an address in 24 hours, by all its teams
@@ -56,8 +64,10 @@ struct Phase {
   int teams = 20;  ///< of secret goals: how many teams may submit at all
 
   bool goals_secret() const noexcept { return !annotations.empty(); }
+  std::string_view task_name() const noexcept;   ///< "r2r", "r2r-ce"
+  std::string_view task_title() const noexcept;  ///< "R2R-CE"
   /// The columns of its leaderboard. \pre the scorer is one of the task's
-  std::span<const tasks::Measure> measures() const { return tasks::measures(task, scorer); }
+  std::span<const tasks::Measure> measures() const;
   /// The measure that `primary` names. \pre it is one of measures()
   const tasks::Measure& primary_measure() const;
 };
@@ -69,7 +79,7 @@ bool share_paths(tasks::Task one, tasks::Task other) noexcept;
 
 /// Reads {"phases": [{"name", "split", ...}]}; docs/service.md has the fields and their defaults,
 /// of which some depend on whether the goals are secret. A relative path of annotations begins at
-/// the file's folder.
+/// the file's folder, and so does one of experts.
 /// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths
 std::vector<Phase> load_phases(const std::filesystem::path& file);
 std::vector<Phase> parse_phases(std::string_view json, const std::string& file);

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <system_error>
 #include <utility>
 #include <variant>
 
+#include "enfilade/agents/continuous_run.h"
 #include "enfilade/core/check.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/score.h"
@@ -32,6 +34,11 @@ std::optional<fs::path> find_file(const dataset::Dataset& data, tasks::Task task
   } catch (const FileError&) {
     return std::nullopt;
   }
+}
+
+std::optional<fs::path> find_file(const dataset::Dataset& data, const Phase& phase) {
+  if (phase.continuous == nullptr) return find_file(data, phase.task, phase.split);
+  return agents::find_continuous_split(*phase.continuous, data.folder(), phase.split);
 }
 
 /// Everything of a path that could tell where it leads, or what is asked for there, goes.
@@ -105,7 +112,7 @@ std::vector<fs::path> served_places(const dataset::Dataset& data,
     places.insert(places.end(), {file, file.parent_path()});
   }
   for (const Phase& phase : phases) {
-    const auto file = find_file(data, phase.task, phase.split);
+    const auto file = find_file(data, phase);
     if (file) places.insert(places.end(), {*file, file->parent_path()});
   }
   std::erase_if(places, [](const fs::path& place) { return place.empty(); });
@@ -118,7 +125,70 @@ bool is_inside(const fs::path& file, const fs::path& place) {
   return std::ranges::mismatch(place, file).in1 == place.end();
 }
 
+void check_is_elsewhere(const fs::path& secret, const Phase& phase,
+                        const std::vector<fs::path>& served) {
+  // A link inside to a file elsewhere is as bad: it is often followed when a folder is copied.
+  const fs::path file = real_path(secret);
+  const fs::path name = real_path(secret.parent_path()) / secret.filename();
+  for (const fs::path& place : served) {
+    if (!is_inside(file, place) && !is_inside(name, place)) continue;
+    throw InvalidInput(
+        {{Severity::kError, secret.string(), "$", "goals-in-data-set",
+          fmt::format("the secret goals of phase {} are in {}, a part of the data set, which "
+                      "people copy to others; move them out of it",
+                      phase.name, place.string())}});
+  }
+}
+
+[[noreturn]] void refuse_hidden_goal(const Phase& phase, const std::string& file) {
+  throw InvalidInput({{Severity::kError, file, "$", "hidden-goal",
+                       "phase " + phase.name + " cannot be scored: a path in it has no goal"}});
+}
+
+tasks::EpisodeSet read_graph_goals(const Phase& phase, const dataset::Dataset& data,
+                                   std::shared_ptr<const graph::GraphSet> graphs) {
+  const auto public_file = [&] {
+    return phase.task == tasks::Task::kR2r ? data.annotations_file(phase.split)
+                                           : data.annotations_file(phase.task, phase.split);
+  };
+  const fs::path file = phase.goals_secret() ? phase.annotations : public_file();
+  const tasks::Annotations annotations = tasks::load_annotations(file, phase.split, phase.task);
+  if (phase.goals_secret()) check_ids_are_silent(annotations);
+  tasks::EpisodeSet episodes =
+      tasks::make_episodes(annotations, std::move(graphs), tasks::Instructions::kScored,
+                           tasks::needs_boxes(annotations) ? &data.objects() : nullptr);
+  if (tasks::goals_hidden(episodes)) refuse_hidden_goal(phase, file.string());
+  return episodes;
+}
+
+ContinuousGoals read_continuous_goals(const Phase& phase, const dataset::Dataset& data,
+                                      const graph::GraphSet& graphs) {
+  const agents::ContinuousBenchmark& benchmark = *phase.continuous;
+  ContinuousGoals goals;
+  if (phase.goals_secret()) {
+    goals.episodes = tasks::load_continuous_episodes(phase.annotations, phase.split);
+    if (!phase.experts.empty()) goals.experts = tasks::load_expert_walks(phase.experts);
+  } else {
+    goals.episodes = agents::load_continuous_split(benchmark, data.folder(), phase.split);
+    goals.experts = agents::load_experts_of(benchmark, data.folder(), phase.split);
+  }
+  if (tasks::goals_hidden(goals.episodes)) refuse_hidden_goal(phase, goals.episodes.file);
+  goals.buildings =
+      std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
+  std::vector<std::size_t> all(goals.episodes.episodes.size());
+  std::iota(all.begin(), all.end(), 0U);
+  for (const tasks::ContinuousEpisode& one : goals.episodes.episodes) graphs.at(one.scan());
+  agents::check_goals(goals.episodes, *goals.buildings, all);
+  return goals;
+}
+
 }  // namespace
+
+std::size_t count_episodes(const SecretEpisodes& episodes) noexcept {
+  const auto* graph = std::get_if<tasks::EpisodeSet>(&episodes);
+  if (graph != nullptr) return graph->episodes.size();
+  return std::get_if<ContinuousGoals>(&episodes)->episodes.episodes.size();
+}
 
 std::shared_ptr<const Site> Site::open(const fs::path& data, std::vector<Phase> phases) {
   const std::shared_ptr<Site> site(new Site);
@@ -200,16 +270,8 @@ void Site::check_goals_are_elsewhere(const dataset::Dataset& data) const {
   const std::vector<fs::path> served = served_places(data, phases_);
   for (const Phase& phase : phases_) {
     if (!phase.goals_secret()) continue;
-    // A link inside to a file elsewhere is as bad: it is often followed when a folder is copied.
-    const fs::path file = real_path(phase.annotations);
-    const fs::path name = real_path(phase.annotations.parent_path()) / phase.annotations.filename();
-    for (const fs::path& place : served) {
-      if (!is_inside(file, place) && !is_inside(name, place)) continue;
-      throw InvalidInput(
-          {{Severity::kError, phase.annotations.string(), "$", "goals-in-data-set",
-            fmt::format("the secret goals of phase {} are in {}, a part of the data set, which "
-                        "people copy to others; move them out of it",
-                        phase.name, place.string())}});
+    for (const fs::path& secret : {phase.annotations, phase.experts}) {
+      if (!secret.empty()) check_is_elsewhere(secret, phase, served);
     }
   }
 }
@@ -225,19 +287,10 @@ void Site::read_phases(const dataset::Dataset& data) {
     }
   }
   for (const Phase& phase : phases_) {
-    const auto public_file = [&] {
-      return phase.task == tasks::Task::kR2r ? data.annotations_file(phase.split)
-                                             : data.annotations_file(phase.task, phase.split);
-    };
-    const fs::path file = phase.goals_secret() ? phase.annotations : public_file();
-    const tasks::Annotations annotations = tasks::load_annotations(file, phase.split, phase.task);
-    if (phase.goals_secret()) check_ids_are_silent(annotations);
-    secret_.push_back(
-        tasks::make_episodes(annotations, graphs_, tasks::Instructions::kScored,
-                             tasks::needs_boxes(annotations) ? &data.objects() : nullptr));
-    if (tasks::goals_hidden(secret_.back())) {
-      throw InvalidInput({{Severity::kError, file.string(), "$", "hidden-goal",
-                           "phase " + phase.name + " cannot be scored: a path in it has no goal"}});
+    if (phase.continuous != nullptr) {
+      secret_.emplace_back(read_continuous_goals(phase, data, *graphs_));
+    } else {
+      secret_.emplace_back(read_graph_goals(phase, data, graphs_));
     }
   }
 }
@@ -268,7 +321,7 @@ const Phase* Site::find_phase(std::string_view name) const noexcept {
   return found == phases_.end() ? nullptr : &*found;
 }
 
-const tasks::EpisodeSet& Site::secret_episodes(const Phase& phase) const {
+const SecretEpisodes& Site::secret_episodes(const Phase& phase) const {
   const auto k = static_cast<std::size_t>(&phase - phases_.data());
   EN_CHECK_LT(k, phases_.size());
   return secret_[k];

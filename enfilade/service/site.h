@@ -6,13 +6,16 @@
 #include <mutex>
 #include <optional>
 #include <string_view>
+#include <variant>
 #include <vector>
 
+#include "enfilade/continuous/buildings.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/continuous_episodes.h"
 
 namespace enfilade::service {
 
@@ -23,6 +26,18 @@ struct PublicSplit {
   bool goals_hidden = false;
 };
 
+/// What walks in continuous space are scored with.
+struct ContinuousGoals {
+  tasks::ContinuousEpisodes episodes;
+  tasks::ExpertWalks experts;  ///< may be empty
+  std::shared_ptr<const continuous::Buildings> buildings;
+};
+
+/// A phase's episodes with their goals; the second where the phase is a continuous one.
+using SecretEpisodes = std::variant<tasks::EpisodeSet, ContinuousGoals>;
+/// How many there are.
+std::size_t count_episodes(const SecretEpisodes& episodes) noexcept;
+
 /// Graphs, panoramas and annotations of a data set, and the phases of an evaluation. Immutable:
 /// any thread may read it. Secret annotations are in secret_episodes() only, which only scoring
 /// uses.
@@ -31,10 +46,12 @@ class Site {
   /// Opens a data set in a layout of dataset::Dataset: graphs and the splits train, val_seen,
   /// val_unseen and test of each benchmark that it has, and those of the phases. Without
   /// phases, each split of R2R but train whose goals are in the data set is a phase. A phase of
-  /// REVERIE takes the boxes of objects from the data set.
+  /// REVERIE takes the boxes of objects from the data set, one in continuous space the navigation
+  /// meshes (and, of open goals, the experts' walks).
   /// \throws FileError; InvalidInput for files that can't be used, and for secret goals in a folder
   /// of the data set, links followed: people copy data sets to others; for secret goals of REVERIE
-  /// whose ids name the objects
+  /// whose ids name the objects; for goals off the floor. LookupError for a continuous episode in a
+  /// building without a graph or a navigation mesh
   static std::shared_ptr<const Site> open(const std::filesystem::path& data,
                                           std::vector<Phase> phases = {});
 
@@ -48,7 +65,7 @@ class Site {
   const std::vector<Phase>& phases() const noexcept { return phases_; }
   const Phase* find_phase(std::string_view name) const noexcept;  ///< null if there is none
   /// With goals. Never to be shown. \pre phase is one of phases()
-  const tasks::EpisodeSet& secret_episodes(const Phase& phase) const;
+  const SecretEpisodes& secret_episodes(const Phase& phase) const;
   /// How many rooms of a scan have viewpoints; none if the data set does not say which those are.
   std::optional<std::size_t> rooms(ScanIndex scan) const;
   /// Which objects are seen from where, read at the first call; null if the data set does not say.
@@ -78,8 +95,8 @@ class Site {
   std::shared_ptr<const scan::PanoramaSet> panoramas_;
   std::vector<PublicSplit> splits_;
   std::vector<Phase> phases_;
-  std::vector<tasks::EpisodeSet> secret_;  // as phases_
-  std::vector<std::size_t> rooms_;         // by ScanIndex; empty if unknown
+  std::vector<SecretEpisodes> secret_;  // as phases_
+  std::vector<std::size_t> rooms_;      // by ScanIndex; empty if unknown
   std::filesystem::path folder_;
   std::vector<std::filesystem::path> image_folders_;
   bool synthetic_ = false;

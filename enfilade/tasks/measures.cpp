@@ -6,6 +6,7 @@
 #include <array>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/public_scorer.h"
 
@@ -122,6 +123,13 @@ constexpr auto kSoonOfficial =
                             success("nav_success_rate"), oracle("oracle_rate"), spl(),
                             progress("goal_progress"), error("nav_error"), length("lengths")});
 
+constexpr auto kRoomToRoomCe = std::to_array<Measure>(
+    {spl(), success("success"), oracle("oracle_success"), error("distance_to_goal"), ndtw("ndtw"),
+     sdtw("sdtw"), length("path_length")});
+constexpr auto kRoomAcrossRoomCe = std::to_array<Measure>(
+    {ndtw("ndtw"), sdtw("sdtw"), success("success"), spl(), oracle("oracle_success"),
+     error("distance_to_goal"), length("path_length")});
+
 struct Row {
   Task task;
   std::string_view scorer;
@@ -177,6 +185,11 @@ std::span<const Measure> measures(Task task, std::string_view scorer) {
   if (found != known.end()) return found->measures;
   throw LookupError(fmt::format("no scorer {:?} for {}; there are {}", scorer, title_of(task),
                                 fmt::join(scorer_names(task), ", ")));
+}
+
+std::span<const Measure> measures(ContinuousForm form) noexcept {
+  if (form == ContinuousForm::kRxr) return kRoomAcrossRoomCe;
+  return kRoomToRoomCe;
 }
 
 const Measure* find_measure(std::span<const Measure> measures, std::string_view name) noexcept {

@@ -10,6 +10,8 @@
 
 namespace enfilade::tasks {
 
+enum class ContinuousForm : std::uint8_t;
+
 /// What a measure counts.
 enum class Unit : std::uint8_t { kMetres, kShare };
 
@@ -43,6 +45,13 @@ std::vector<std::string_view> scorer_names(Task task);
 std::span<const Measure> measures(Task task) noexcept;
 /// The same of a scorer by name. \throws LookupError naming those that there are
 std::span<const Measure> measures(Task task, std::string_view scorer);
+
+/// The scorer of walks in continuous space (continuous_score.h).
+inline constexpr std::string_view kContinuousScorer = "vlnce";
+
+/// What leaderboards show of walks in continuous space, by names of continuous_measures(). The
+/// first is the headline: SPL, and nDTW of RxR-CE, as its challenge ranked.
+std::span<const Measure> measures(ContinuousForm form) noexcept;
 
 /// The first of measures(task).
 inline const Measure& headline(Task task) noexcept { return measures(task).front(); }

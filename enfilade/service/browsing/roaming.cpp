@@ -140,6 +140,7 @@ ordered_json episode_json(const tasks::ContinuousEpisode& episode, bool with_goa
 /// Names of files are made of splits: those that the site knows, or that data sets have.
 bool is_split(const Site& site, const std::string& name) {
   return std::ranges::find(dataset::kSplits, name) != dataset::kSplits.end() ||
+         std::ranges::any_of(site.phases(), [&name](const Phase& p) { return p.split == name; }) ||
          std::ranges::any_of(site.splits(), [&name](const PublicSplit& split) {
            return split.annotations.split == name;
          });

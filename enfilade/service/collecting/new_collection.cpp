@@ -336,11 +336,13 @@ class Reader {
 
   void take_split(const Path& path, const std::string& split) {
     const auto phase = std::ranges::find_if(site_.phases(), [&split](const Phase& one) {
-      return one.split == split && one.task == tasks::Task::kR2r && one.goals_secret();
+      return one.split == split && one.task == tasks::Task::kR2r && one.continuous == nullptr &&
+             one.goals_secret();
     });
     const PublicSplit* open = site_.find_split(split);
     if (kind_ == Kind::kWalk && phase != site_.phases().end()) {
-      add_annotations(annotations_of(site_.secret_episodes(*phase)), path, true);
+      add_annotations(annotations_of(std::get<tasks::EpisodeSet>(site_.secret_episodes(*phase))),
+                      path, true);
     } else if (open != nullptr && !open->goals_hidden) {
       add_annotations(open->annotations, path, false);
     } else {

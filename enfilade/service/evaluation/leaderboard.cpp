@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
@@ -22,15 +23,17 @@ using nlohmann::ordered_json;
 /// Whether a stored score was made as the phase says now: organisers may have changed its file.
 bool fits(const ordered_json& score, const Phase& phase) {
   if (!score.contains("scorer")) return phase.scorer == tasks::kOwnScorer;
-  return score["task"] == tasks::name_of(phase.task) && score["scorer"] == phase.scorer;
+  return score["task"] == phase.task_name() && score["scorer"] == phase.scorer;
 }
 
 /// The measures of a stored score; none of a scorer that is no longer there.
 std::span<const tasks::Measure> measures_of(const ordered_json& score) {
   try {
     if (!score.contains("scorer")) return tasks::measures(tasks::Task::kR2r);
-    return tasks::measures(tasks::task_named(score["task"].get<std::string>()),
-                           score["scorer"].get<std::string>());
+    const auto task = score["task"].get<std::string>();
+    if (agents::is_continuous(task))
+      return tasks::measures(agents::continuous_benchmark(task).form);
+    return tasks::measures(tasks::task_named(task), score["scorer"].get<std::string>());
   } catch (const LookupError&) {
     return {};
   }

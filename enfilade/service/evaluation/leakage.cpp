@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
+#include <variant>
 
 #include "enfilade/core/check.h"
 #include "enfilade/service/evaluation/shown_metrics.h"
@@ -16,6 +19,19 @@ std::size_t count_in_reach(const graph::NavGraph& graph, ViewpointIndex start) {
     if (viewpoint != start && std::isfinite(graph.distance(start, viewpoint))) ++count;
   }
   return count;
+}
+
+/// Continuous episodes start on the floor under a viewpoint.
+ViewpointIndex nearest_viewpoint(const graph::NavGraph& graph, Vec3d place) {
+  ViewpointIndex nearest(0);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t v = 0; v < graph.size(); ++v) {
+    const double away = length(to_double(graph.position(ViewpointIndex(v))) - place);
+    if (away >= least) continue;
+    least = away;
+    nearest = ViewpointIndex(v);
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -61,12 +77,22 @@ double used_bits(const Phase& phase, std::span<const std::int64_t> submissions, 
   return bits;
 }
 
-double goal_bits(const tasks::EpisodeSet& episodes) {
+double goal_bits(const SecretEpisodes& secret, const graph::GraphSet& graphs) {
   double bits = 0;
-  for (const tasks::ReferencePath& path : episodes.paths) {
-    const std::size_t count =
-        count_in_reach(episodes.graphs->graph(path.scan), path.viewpoints.front());
-    if (count > 0) bits += std::log2(static_cast<double>(count));
+  const auto add = [&bits](std::size_t possible) {
+    if (possible > 0) bits += std::log2(static_cast<double>(possible));
+  };
+  if (const auto* episodes = std::get_if<tasks::EpisodeSet>(&secret)) {
+    for (const tasks::ReferencePath& path : episodes->paths) {
+      add(count_in_reach(episodes->graphs->graph(path.scan), path.viewpoints.front()));
+    }
+    return bits;
+  }
+  std::set<std::string> seen;
+  for (const auto& episode : std::get<ContinuousGoals>(secret).episodes.episodes) {
+    if (!seen.insert(tasks::text_of(episode.trajectory_id)).second) continue;
+    const graph::NavGraph& graph = graphs.graph(episode.scan());
+    add(count_in_reach(graph, nearest_viewpoint(graph, episode.start)));
   }
   return bits;
 }

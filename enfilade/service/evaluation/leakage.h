@@ -17,8 +17,7 @@
 #include <cstdint>
 #include <span>
 
-#include "enfilade/service/phases.h"
-#include "enfilade/tasks/annotations.h"
+#include "enfilade/service/site.h"
 
 namespace enfilade::service::evaluation {
 
@@ -43,7 +42,9 @@ double used_bits(const Phase& phase, std::span<const std::int64_t> submissions, 
 /// What it takes to write down where all paths end, for somebody who knows the starts: the sum over
 /// paths of log2(viewpoints that the path could end at: those in reach of its start, without it).
 /// It counts all of them as equally likely; whoever knows how the paths were drawn needs less. What
-/// else a goal has is not counted: objects, regions, turning points, boxes.
-double goal_bits(const tasks::EpisodeSet& episodes);
+/// else a goal has is not counted: objects, regions, turning points, boxes. Of continuous episodes
+/// as many as of the paths that they follow, each once: they end at viewpoints of the same graphs.
+/// \param graphs of all scans
+double goal_bits(const SecretEpisodes& episodes, const graph::GraphSet& graphs);
 
 }  // namespace enfilade::service::evaluation

@@ -111,7 +111,17 @@ TEST(Leakage, AGoalIsAnyViewpointInReachOfItsStart) {
   }
   const auto episodes = tasks::make_episodes(annotations, graph::GraphSet::of(std::move(graphs)));
   EXPECT_EQ(episodes.episodes.size(), 6U);
-  EXPECT_NEAR(goal_bits(episodes), 2 * std::log2(3), kRounding);
+  EXPECT_NEAR(goal_bits(episodes, *episodes.graphs), 2 * std::log2(3), kRounding);
+  // The same as walks: two episodes of one path, which starts on the floor under v1.
+  ContinuousGoals goals;
+  for (std::int64_t id = 1; id <= 2; ++id) {
+    tasks::ContinuousEpisode& one = goals.episodes.episodes.emplace_back();
+    one.id = id;
+    one.trajectory_id = std::int64_t{7};
+    one.scene = "mp3d/scan/scan.glb";
+    one.start = {2, 0, 0};
+  }
+  EXPECT_NEAR(goal_bits(goals, *episodes.graphs), std::log2(3), kRounding);
 }
 
 TEST(Leakage, AGridHasAsManyValuesAsItSays) {

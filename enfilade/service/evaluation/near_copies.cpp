@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 
 #include "enfilade/service/store/database.h"
 
@@ -38,18 +39,40 @@ std::uint32_t answer_of(const tasks::Trajectory& trajectory) {
   return hash.value();
 }
 
-}  // namespace
+std::uint32_t end_of(const tasks::Trajectory& trajectory) {
+  return trajectory.points.back().viewpoint.value ^ answer_of(trajectory);
+}
 
-std::string trajectory_ends(const std::vector<tasks::Trajectory>& trajectories) {
+std::uint32_t end_of(const tasks::ContinuousResult& walk) {
+  constexpr double kCell = 0.25;  // metres
+  const Vec3f place = walk.positions.back();
+  const auto cell = [](float x) { return std::floor(double{x} / kCell); };
+  Hash hash;
+  hash.add(fmt::format("{} {} {} {}", cell(place.x), cell(place.y), cell(place.z), walk.stopped()));
+  return hash.value();
+}
+
+template <typename Walk>
+std::string ends_of(const std::vector<Walk>& walks) {
   std::string bytes;
-  bytes.reserve(kBytes * trajectories.size());
-  for (const tasks::Trajectory& trajectory : trajectories) {
-    std::uint32_t end = trajectory.points.back().viewpoint.value ^ answer_of(trajectory);
+  bytes.reserve(kBytes * walks.size());
+  for (const Walk& walk : walks) {
+    std::uint32_t end = end_of(walk);
     for (std::size_t k = 0; k < kBytes; ++k, end >>= 8U) {
       bytes.push_back(static_cast<char>(end & 0xFFU));
     }
   }
   return bytes;
+}
+
+}  // namespace
+
+std::string trajectory_ends(const std::vector<tasks::Trajectory>& trajectories) {
+  return ends_of(trajectories);
+}
+
+std::string trajectory_ends(const std::vector<tasks::ContinuousResult>& walks) {
+  return ends_of(walks);
 }
 
 std::optional<std::size_t> count_differing(std::string_view ends, std::string_view other) {

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/results.h"
 
 namespace enfilade::service::store {
@@ -23,6 +24,9 @@ namespace enfilade::service::evaluation {
 /// grounding depend on nothing else of it, and detours, turns and another order of the file change
 /// nothing. The bytes of two files on the same graphs can be compared.
 std::string trajectory_ends(const std::vector<tasks::Trajectory>& trajectories);
+/// The same of walks in continuous space: to a quarter of a metre, a step's length, and whether the
+/// agent stopped there.
+std::string trajectory_ends(const std::vector<tasks::ContinuousResult>& walks);
 
 /// How many episodes end elsewhere; none if the two are of different numbers of episodes.
 std::optional<std::size_t> count_differing(std::string_view ends, std::string_view other);

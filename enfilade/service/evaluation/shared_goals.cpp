@@ -21,7 +21,8 @@ bool share_goals(const Phase* one, const Phase* other) {
 
 SharedGoals::SharedGoals(const Site& site) {
   for (const Phase& phase : site.phases()) {
-    Group joined{{&phase}, phase.goals_secret() ? goal_bits(site.secret_episodes(phase)) : 0};
+    Group joined{{&phase},
+                 phase.goals_secret() ? goal_bits(site.secret_episodes(phase), site.graphs()) : 0};
     const auto is_apart = [&phase](const Group& group) {
       return std::ranges::none_of(
           group.phases, [&phase](const Phase* other) { return share_goals(&phase, other); });

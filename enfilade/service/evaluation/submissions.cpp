@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "enfilade/core/check.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/names.h"
@@ -15,11 +14,9 @@
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/leakage.h"
 #include "enfilade/service/evaluation/limits.h"
+#include "enfilade/service/evaluation/scoring.h"
 #include "enfilade/service/evaluation/shown_metrics.h"
 #include "enfilade/service/store/database.h"
-#include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
-#include "enfilade/tasks/task_score.h"
 
 namespace enfilade::service::evaluation {
 namespace {
@@ -33,8 +30,6 @@ constexpr std::chrono::seconds kRetry{2};
 // Of a stored results file, whose size was checked when it came: eight times what the server takes
 // by default. A damaged row cannot ask for more memory.
 constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
-// The name of a results file in messages.
-constexpr const char* kFileName = "submission";
 
 std::string submissions_where(std::string_view condition) {
   return fmt::format(
@@ -68,30 +63,6 @@ std::optional<double> ladder_step(const Phase& phase, std::optional<double> best
   return grid.round(primary);
 }
 
-/// A score as it is stored, and its mean of the phase's primary metric: shares from 0 to 1.
-struct StoredScore {
-  std::string json;
-  double primary = 0;
-};
-
-StoredScore compute_own(const Phase& phase, const tasks::Results& results,
-                        const tasks::EpisodeSet& episodes) {
-  const tasks::Score score = tasks::compute_score(results.trajectories, episodes);
-  return {tasks::to_json(score), score.mean(phase.primary).mean};
-}
-
-StoredScore compute_public(const Phase& phase, const tasks::Results& results,
-                           const tasks::EpisodeSet& episodes) {
-  const tasks::PublicScorer& scorer = tasks::public_scorer(phase.task, phase.scorer);
-  const auto score = tasks::compute_task_score(results.trajectories, episodes, scorer);
-  const tasks::Measure& primary = phase.primary_measure();
-  const auto metric = std::ranges::find(scorer.metrics, std::string_view(primary.name),
-                                        &tasks::ScorerMetric::mean_name);
-  EN_CHECK(metric != scorer.metrics.end());
-  const auto k = static_cast<std::size_t>(metric - scorer.metrics.begin());
-  return {tasks::to_json(score, episodes, false), score.means[k].mean / primary.whole};
-}
-
 }  // namespace
 
 Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report)
@@ -123,8 +94,7 @@ Receipt Submissions::receive(const Delivery& delivery, const std::string& result
     // at once on the last day.
     const std::scoped_lock lock(checking_);
     attempt = begin_attempt(db_, *phase, sender);
-    receipt.warnings =
-        tasks::parse_results(results, kFileName, site_->secret_episodes(*phase)).warnings;
+    receipt.warnings = check_results(*phase, site_->secret_episodes(*phase), results);
   }
   receipt.submission = db_.transact([&] {
     std::int64_t id = find_same(delivery, digest);  // the same file may have come twice at once
@@ -276,25 +246,12 @@ void Submissions::wait_after_failure(const std::stop_token& stop) {
   asked_ = true;
 }
 
-// What scoring a file gives.
-struct Submissions::Outcome {
-  const Phase* phase = nullptr;
-  std::string score;   // as the column
-  double primary = 0;  // the exact mean of the phase's primary metric; -inf where it has none
-  std::string ends;    // trajectory_ends()
-};
-
-Submissions::Outcome Submissions::score(const std::string& phase_name,
-                                        const std::string& results) const {
-  const Phase* phase = site_->find_phase(phase_name);
+Judgement Submissions::score(const Phase* phase, const std::string& results) const {
   if (phase == nullptr) throw LookupError("the phase is gone");
-  const tasks::EpisodeSet& episodes = site_->secret_episodes(*phase);
-  const tasks::Results checked = tasks::parse_results(results, kFileName, episodes);
-  const auto compute = phase->scorer == tasks::kOwnScorer ? compute_own : compute_public;
-  StoredScore score = compute(*phase, checked, episodes);
+  Judgement judged = score_results(*phase, site_->secret_episodes(*phase), results);
   // The worst where an episode has no value: it beats nothing on a ladder.
-  const double primary = std::isfinite(score.primary) ? score.primary : -HUGE_VAL;
-  return {phase, std::move(score.json), primary, trajectory_ends(checked.trajectories)};
+  if (!std::isfinite(judged.primary)) judged.primary = -HUGE_VAL;
+  return judged;
 }
 
 // Scores the oldest queued submission; false if there is none. A file that cannot be scored is
@@ -304,14 +261,15 @@ bool Submissions::score_next() {
       "SELECT id, phase, content FROM submission WHERE state = 'queued' ORDER BY id LIMIT 1");
   if (!next) return false;
   const auto& [id, phase, content] = *next;
-  std::optional<Outcome> outcome;
+  const Phase* of = site_->find_phase(phase);
+  std::optional<Judgement> judged;
   try {
-    outcome = score(phase, gunzip(content, kMostBytes));
+    judged = score(of, gunzip(content, kMostBytes));
   } catch (const std::exception&) {
-    outcome.reset();  // the phase, its annotations or the graphs changed since it was received
+    judged.reset();  // the phase, its annotations or the graphs changed since it was received
   }
-  if (outcome) {
-    store_score(id, *outcome);
+  if (judged) {
+    store_score(id, *of, *judged);
   } else {
     db_.run(
         "UPDATE submission SET state = 'failed', finished = ? WHERE id = ? AND state = 'queued'",
@@ -321,13 +279,12 @@ bool Submissions::score_next() {
 }
 
 // Submissions are scored one after another, by their numbers: what a ladder showed before is known.
-void Submissions::store_score(std::int64_t id, const Outcome& outcome) {
-  const Phase& phase = *outcome.phase;
+void Submissions::store_score(std::int64_t id, const Phase& phase, const Judgement& judged) {
   std::optional<NearCopy> near;
   if (phase.goals_secret()) {
     std::vector<std::string> names;
     for (const Phase* one : goals_.of(phase).phases) names.push_back(one->name);
-    near = find_near_copy(db_, names, id, outcome.ends);
+    near = find_near_copy(db_, names, id, judged.ends);
   }
   db_.transact([&] {
     std::optional<double> shown;
@@ -336,15 +293,15 @@ void Submissions::store_score(std::int64_t id, const Outcome& outcome) {
           "SELECT max(shown) FROM submission WHERE phase = ?1 AND team = "
           "(SELECT team FROM submission WHERE id = ?2)",
           phase.name, id);
-      shown = ladder_step(phase, best.value_or(std::nullopt), outcome.primary);
+      shown = ladder_step(phase, best.value_or(std::nullopt), judged.primary);
     }
     db_.run(
         "UPDATE submission SET state = 'scored', score = ?, finished = ?, shown = ?, "
         "near_copy_of = ?, differing = ? WHERE id = ? AND state = 'queued'",
-        outcome.score, db_.now(), shown, near ? std::optional(near->of) : std::nullopt,
+        judged.score, db_.now(), shown, near ? std::optional(near->of) : std::nullopt,
         near ? std::optional(near->differing) : std::nullopt, id);
     if (phase.goals_secret()) {
-      db_.run("UPDATE submission SET ends = ? WHERE id = ?", store::Blob{outcome.ends}, id);
+      db_.run("UPDATE submission SET ends = ? WHERE id = ?", store::Blob{judged.ends}, id);
     }
   });
 }

@@ -16,6 +16,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/service/accounts/tokens.h"
 #include "enfilade/service/evaluation/near_copies.h"
+#include "enfilade/service/evaluation/scoring.h"
 #include "enfilade/service/evaluation/shared_goals.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/service/site.h"
@@ -126,9 +127,8 @@ class Submissions {
   void wait_until_asked(const std::stop_token& stop);
   void wait_after_failure(const std::stop_token& stop);
   bool score_next();
-  struct Outcome;
-  Outcome score(const std::string& phase, const std::string& results) const;
-  void store_score(std::int64_t id, const Outcome& outcome);
+  Judgement score(const Phase* phase, const std::string& results) const;
+  void store_score(std::int64_t id, const Phase& phase, const Judgement& judged);
   std::int64_t find_same(const Delivery& delivery, const std::string& digest) const;
   void check_open(const Phase& phase, std::int64_t team) const;
 
