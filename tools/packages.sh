@@ -19,6 +19,7 @@ build libhwy-dev         header  hwy/highway.h
 build libembree-dev      package -
 build libtinygltf-dev    header  tiny_gltf.h
 build librecast-dev      package -
+build libkainjow-mustache-dev header kainjow/mustache.hpp
 build libturbojpeg0-dev  header  turbojpeg.h
 build libspng-dev        header  spng.h
 build libzip-dev         header  zip.h

@@ -32,13 +32,13 @@ int main(int argc, char** argv) {
       "files, 4 Enfilade's own failure.");
   int status = kSuccess;
   for (const auto add :
-       {add_contact_sheet, add_continuous, add_convert,   add_dataset,        add_demo,
-        add_doctor,        add_evaluate,   add_export,    add_features,       add_filmstrip,
-        add_graph,         add_homes,      add_import,    add_import_weights, add_pack,
-        add_panorama,      add_pretrain,   add_r4r,       add_render,         add_report,
-        add_run,           add_sample,     add_scan_mesh, add_score,          add_serve,
-        add_speak,         add_stats,      add_study,     add_submit,         add_synth,
-        add_table,         add_top_down,   add_train}) {
+       {add_ask,       add_contact_sheet, add_continuous, add_convert,  add_dataset,
+        add_demo,      add_doctor,        add_evaluate,   add_export,   add_features,
+        add_filmstrip, add_graph,         add_homes,      add_import,   add_import_weights,
+        add_mcp,       add_pack,          add_panorama,   add_pretrain, add_r4r,
+        add_render,    add_report,        add_run,        add_sample,   add_scan_mesh,
+        add_score,     add_serve,         add_speak,      add_stats,    add_study,
+        add_submit,    add_synth,         add_table,      add_top_down, add_train}) {
     add(app, status);
   }
   return run_program(app, argc, argv, status);

@@ -6,6 +6,7 @@ namespace enfilade::apps {
 
 // Each adds its verb with options, help and examples. `status` is the program's exit code if
 // nothing is thrown; it is kSuccess before, and a verb that ends otherwise sets another ExitCode.
+void add_ask(CLI::App& app, int& status);            ///< a language model walks a split
 void add_contact_sheet(CLI::App& app, int& status);  ///< all viewpoints of a scan, or a trajectory
 void add_continuous(CLI::App& app, int& status);     ///< floors and episodes to walk freely
 void add_convert(CLI::App& app, int& status);        ///< the same content in another form
@@ -18,6 +19,7 @@ void add_features(CLI::App& app, int& status);       ///< an encoder's features 
 void add_graph(CLI::App& app, int& status);          ///< graph check, draw, build, compare
 void add_homes(CLI::App& app, int& status);          ///< makes model homes, with pictures
 void add_import(CLI::App& app, int& status);         ///< adds a user's panoramas to a scan
+void add_mcp(CLI::App& app, int& status);            ///< an assistant walks, over MCP
 void add_pack(CLI::App& app, int& status);           ///< packs a data set's pictures into stores
 void add_panorama(CLI::App& app, int& status);       ///< a viewpoint's panorama as one picture
 void add_pretrain(CLI::App& app, int& status);       ///< trains a small encoder on model homes

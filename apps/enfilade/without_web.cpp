@@ -12,13 +12,16 @@ void add_missing(CLI::App& app, const std::string& name, const std::string& what
   verb.allow_extras();
   verb.callback([name] {
     throw UsageError(name +
-                     ": this build has no server. ./enfilade.sh serve makes one that has; with "
+                     ": this build speaks no HTTP. ./enfilade.sh serve makes one that does; with "
                      "plain CMake it is -DEN_WITH_WEB=ON (docs/service.md)");
   });
 }
 
 }  // namespace
 
+void add_ask(CLI::App& app, int& /*status*/) {
+  add_missing(app, "ask", "Have a language model walk a split");
+}
 void add_serve(CLI::App& app, int& /*status*/) {
   add_missing(app, "serve", "A data set and a benchmark in the browser");
 }

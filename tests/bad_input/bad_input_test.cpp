@@ -17,6 +17,7 @@ class BadInput : public testing::TestWithParam<std::size_t> {};
 TEST_P(BadInput, GetsWhatTheTableSays) {
   const Case one = all_cases()[GetParam()];
   if (one.learns && EN_LEARNS == 0) GTEST_SKIP() << "the program is built without networks";
+  if (one.asks && EN_ASKS == 0) GTEST_SKIP() << "the program is built without HTTP";
   const Outcome outcome = run(one);
   EXPECT_EQ(outcome.exit_code, one.exit_code) << one.input << "\n" << outcome.output;
   EXPECT_THAT(outcome.output, testing::HasSubstr(one.says)) << one.input;

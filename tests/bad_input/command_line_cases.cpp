@@ -13,9 +13,9 @@ std::vector<Case> command_line_cases() {
   return {
       line("no verb", "", 2, "A subcommand is required"),
       line("a verb that is none", "fly", 2,
-           "\"fly\" is none of its verbs: contact-sheet, continuous, convert, dataset, demo, "
+           "\"fly\" is none of its verbs: ask, contact-sheet, continuous, convert, dataset, demo, "
            "doctor, evaluate, "
-           "export, features, filmstrip, graph, homes, import, import-weights, pack, panorama, "
+           "export, features, filmstrip, graph, homes, import, import-weights, mcp, pack, panorama, "
            "pretrain, r4r, "
            "render, report, run, sample, scan-mesh, score, serve, speak, stats, study, submit, "
            "synth, "

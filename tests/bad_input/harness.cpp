@@ -126,8 +126,8 @@ Files& Files::remove(const std::string& file) {
 std::vector<Case> all_cases() {
   std::vector<Case> all;
   for (const auto& group : {graph_cases(), mesh_cases(), annotation_cases(), result_cases(),
-                            task_cases(), free_walk_cases(), command_line_cases(), home_cases(),
-                            import_cases(), render_cases(), weight_cases()}) {
+                            task_cases(), free_walk_cases(), arena_cases(), command_line_cases(),
+                            home_cases(), import_cases(), render_cases(), weight_cases()}) {
     all.insert(all.end(), group.begin(), group.end());
   }
   return all;

@@ -41,8 +41,10 @@ struct Case {
   std::function<void(Files&)> damage;
   bool learns = false;     ///< needs the program with networks
   std::string first = {};  ///< a command that is run before, and succeeds; empty: none
+  bool asks = false;       ///< needs the program that speaks HTTP
 };
 
+std::vector<Case> arena_cases();
 std::vector<Case> graph_cases();
 std::vector<Case> mesh_cases();
 std::vector<Case> annotation_cases();

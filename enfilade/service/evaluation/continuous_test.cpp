@@ -167,7 +167,8 @@ TEST_F(ContinuousPhases, SecretGoalsStaySecretInBothWorlds) {
 
 TEST_F(ContinuousPhases, PhasesOfBothWorldsShareTheirGoals) {
   serve(phase() + R"(, {"name": "graph", "split": "test", "annotations": "secret.json"})");
-  for (const json& one : served_.json("/api/v1/phases").at("phases")) {
+  const json phases = served_.json("/api/v1/phases").at("phases");
+  for (const json& one : phases) {
     EXPECT_EQ(one.at("leakage").at("phases"), (json{"free", "graph"}));
   }
 }

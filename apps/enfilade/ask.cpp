@@ -1,0 +1,205 @@
+// enfilade ask: a language model walks a split.
+#include "enfilade/arena/ask.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/subset_option.h"
+#include "apps/enfilade/task_option.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/arena/stand_in.h"
+#include "enfilade/arena/subsets.h"
+#include "enfilade/core/file.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/score.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string data, task, split = "val_unseen", subset;
+  std::string endpoint, key_file, stand_in, prompt = "text", answers;
+  std::string cache, prices, output = "asked";
+  bool replay = false, list = false;
+  double timeout = 120;
+  std::int64_t answer_tokens = 0, most_tokens = 0, seed = 1;
+  arena::AskConfig ask;
+};
+
+/// Never from the command line, which other people of the machine can read.
+std::string key_of(const Options& options) {
+  std::string key;
+  if (!options.key_file.empty()) {
+    key = read_file(options.key_file);
+  } else {
+    for (const char* name : {"ENFILADE_MODEL_KEY", "OPENAI_API_KEY"}) {
+      const char* value = std::getenv(name);
+      if (key.empty() && value != nullptr) key = value;
+    }
+  }
+  while (!key.empty() && (key.back() == '\n' || key.back() == '\r')) key.pop_back();
+  return key;
+}
+
+arena::Prompt prompt_of(const std::string& name) {
+  return fs::path(name).has_extension() ? arena::Prompt::load(name) : arena::Prompt::named(name);
+}
+
+template <class Enum>
+Enum named(const std::string& text, const char* option) {
+  const auto names = names_of(Enum());
+  const auto found = std::ranges::find(names, text);
+  if (found == names.end()) {
+    throw UsageError(
+        fmt::format("{} {}: one of {} is expected", option, text, fmt::join(names, ", ")));
+  }
+  return static_cast<Enum>(found - names.begin());
+}
+
+void print_report(const arena::AskReport& report, const Options& options) {
+  fmt::print("{} of {} episodes are done", report.done, report.episodes);
+  for (const auto& [ending, count] : report.endings) {
+    fmt::print(", {} {}", count, name_of(ending));
+  }
+  fmt::print("; {} {} could not be carried out\n", report.mistakes,
+             report.mistakes == 1 ? "call" : "calls");
+  const arena::Ledger& ledger = report.ledger;
+  fmt::print("{} answers ({} requests), {} pictures, {} tokens in, {} out, {:.0f} s of answers",
+             ledger.answers, ledger.attempts, ledger.pictures, ledger.prompt_tokens,
+             ledger.answer_tokens, ledger.seconds);
+  if (!options.prices.empty()) {
+    const auto prices = arena::load_prices(options.prices);
+    const auto price = prices.find(options.ask.chat.model);
+    if (price == prices.end()) {
+      throw UsageError(
+          fmt::format("--prices: {} has no {}", options.prices, options.ask.chat.model));
+    }
+    fmt::print(", {:.2f} for them", money_of(ledger, price->second));
+  }
+  fmt::print("\n");
+}
+
+ExitCode ask(Options& options) {
+  const int sources = (options.endpoint.empty() ? 0 : 1) + (options.stand_in.empty() ? 0 : 1) +
+                      (options.replay ? 1 : 0);
+  if (sources != 1 && !options.list) {
+    throw UsageError(
+        "ask: one of --endpoint URL (a server of OpenAI's form), --stand-in RULE (no model: a rule "
+        "answers) and --replay (answers in the cache alone) is needed");
+  }
+  if (!options.stand_in.empty() && options.ask.chat.model.empty()) {
+    options.ask.chat.model = "stand-in-" + options.stand_in;
+  }
+  if (options.ask.chat.model.empty() && !options.list) {
+    throw UsageError("ask: --model NAME is needed, as the server calls it");
+  }
+  const dataset::Dataset data = open_data(options.data);
+  const auto episodes = std::make_shared<const tasks::EpisodeSet>(
+      episodes_of(data, task_of(options.task, data), options.split));
+  const std::vector<std::size_t> which = subset_of(*episodes, options.subset);
+  if (options.list) {
+    for (const std::size_t e : which) fmt::print("{}\n", episodes->episodes[e].instruction_id);
+    return kSuccess;
+  }
+  const arena::Prompt prompt = prompt_of(options.prompt);
+  if (!options.answers.empty()) {
+    options.ask.answers = named<arena::Answers>(options.answers, "--answers");
+  }
+  options.ask.chat.seed = options.seed;
+  if (options.answer_tokens > 0) options.ask.chat.most_tokens = options.answer_tokens;
+  if (options.most_tokens > 0) options.ask.most_tokens = options.most_tokens;
+
+  std::unique_ptr<arena::StandIn> stand_in;
+  std::unique_ptr<arena::Endpoint> endpoint;
+  if (!options.stand_in.empty()) {
+    arena::StandInConfig config{.rule = arena::rule_named(options.stand_in)};
+    config.seed = static_cast<std::uint64_t>(options.seed);
+    stand_in = std::make_unique<arena::StandIn>(episodes, config);
+    endpoint = arena::make_http_endpoint({.url = stand_in->url()});
+  } else if (!options.replay) {
+    endpoint = arena::make_http_endpoint(
+        {.url = options.endpoint, .key = key_of(options), .timeout = options.timeout});
+  }
+  const fs::path folder = options.output;
+  arena::AnswerCache cache(options.cache.empty() ? folder / "cache" : fs::path(options.cache));
+  const arena::AskReport report =
+      arena::ask(episodes, &data, which, prompt, options.ask, endpoint.get(), cache, folder,
+                 progress_bar(options.ask.chat.model + ", " + options.split));
+  fmt::print("{} with the prompt {} on {} {}{}\n", options.ask.chat.model, prompt.name(),
+             tasks::title_of(episodes->task), options.split, data.synthetic() ? ", SYNTHETIC" : "");
+  print_report(report, options);
+  for (const std::string& one : report.given_up) fmt::print(stderr, "{}\n", one);
+  if (report.done > 0 && !goals_hidden(*episodes)) {
+    auto results = tasks::load_results(folder / "results.json", *episodes, tasks::Coverage::kPart);
+    const tasks::EpisodeSet part = part_of(*episodes, results.trajectories);
+    print_score(results.trajectories, part);
+    fmt::print("With {} episodes a share of one half may be {:.1f} points off by chance.\n",
+               report.done, 100 * arena::chance_of(report.done));
+  }
+  fmt::print("{}: results.json, transcripts/, run.json\n", options.output);
+  return report.done == report.episodes ? kSuccess : kFaultsFound;
+}
+
+}  // namespace
+
+void add_ask(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand("ask", "Have a language model walk a split, step by step");
+  const auto options = std::make_shared<Options>();
+  add_data_option(verb, options->data);
+  add_value(verb, "--endpoint", options->endpoint, "URL",
+            "A server of OpenAI's form: http://127.0.0.1:8000/v1");
+  add_value(verb, "--model", options->ask.chat.model, "NAME", "As the server calls it");
+  add_value(verb, "--key-file", options->key_file, "FILE",
+            "The key for the server (default: the environment variable ENFILADE_MODEL_KEY, or "
+            "OPENAI_API_KEY); it is written nowhere");
+  add_value(verb, "--stand-in", options->stand_in, "RULE",
+            fmt::format("Ask no model: a rule answers, one of {}",
+                        fmt::join(names_of(arena::Rule()), ", ")));
+  verb.add_flag("--replay", options->replay, "Ask nobody: answers in the cache alone");
+  add_task_option(verb, options->task, "r2r, or what the data set has");
+  add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
+  add_subset_option(verb, options->subset);
+  verb.add_flag("--list", options->list, "Print the subset's instruction ids, and ask nothing");
+  add_setting(verb, "--prompt", options->prompt, "NAME|FILE",
+              fmt::format("One of {}, or a template file (docs/arena.md)",
+                          fmt::join(arena::Prompt::names(), ", ")));
+  add_value(verb, "--answers", options->answers, "FORM",
+            "tools, json or text: how the model says what to do (default: as the prompt says)");
+  add_whole_number(verb, "--steps", options->ask.limits.steps, "Calls after which an episode ends");
+  add_whole_number(verb, "--parallel", options->ask.parallel, "Episodes at once; changes nothing");
+  add_setting(verb, "--temperature", options->ask.chat.temperature, "T", "0 to 2",
+              finite_number(0, 2));
+  add_whole_number(verb, "--seed", options->seed, "Sent with each request", 0);
+  add_whole_number(verb, "--answer-tokens", options->answer_tokens,
+                   "Most tokens of an answer; 0: the server's limit", 0);
+  add_whole_number(verb, "--most-tokens", options->most_tokens,
+                   "Ask no more once so many tokens, in and out, were used; 0: no limit", 0);
+  add_setting(verb, "--timeout", options->timeout, "S", "Seconds to wait for an answer",
+              finite_number(0.001, 3600));
+  add_whole_number(verb, "--picture-size", options->ask.picture_size, "Pixels, 64 to 2048");
+  add_value(verb, "--prices", options->prices, "FILE",
+            R"(Prices for a million tokens: {"MODEL": {"prompt": 2.5, "answer": 10}})");
+  add_value(verb, "--cache", options->cache, "DIR",
+            "Answers by what was asked (default: cache/ in the output)");
+  add_setting(verb, "-o,--output", options->output, "DIR",
+              "Results, transcripts and cache; a run that was stopped goes on");
+  set_examples(verb,
+               {"enfilade ask --data homes --stand-in oracle",
+                "enfilade ask --endpoint http://127.0.0.1:8000/v1 --model qwen --subset 216",
+                "enfilade ask --endpoint URL --model NAME --prompt marks --parallel 8 -o run",
+                "enfilade ask --replay --model NAME --prompt marks --cache run/cache -o again",
+                "enfilade ask --subset 216 --list"});
+  verb.callback([options, &status] { status = ask(*options); });
+}
+
+}  // namespace enfilade::apps

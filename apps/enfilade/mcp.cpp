@@ -1,0 +1,65 @@
+// enfilade mcp: an assistant walks episodes, over standard input and output.
+#include "enfilade/arena/mcp.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/subset_option.h"
+#include "apps/enfilade/task_option.h"
+#include "apps/enfilade/verbs.h"
+
+namespace enfilade::apps {
+namespace {
+
+struct Options {
+  std::string data, task, split = "val_unseen", subset, output = "played";
+  bool pictures = false;
+  arena::McpConfig config;
+};
+
+void play(Options& options) {
+  const dataset::Dataset data = open_data(options.data);
+  const auto episodes = std::make_shared<const tasks::EpisodeSet>(
+      episodes_of(data, task_of(options.task, data), options.split));
+  options.config.episodes = subset_of(*episodes, options.subset);
+  options.config.folder = options.output;
+  if (options.pictures) options.config.pictures = arena::Pictures::kStrip;
+  arena::McpServer server(episodes, &data, options.config);
+  fmt::print(stderr, "{} of {} are done; an assistant is waited for on standard input\n",
+             server.done(), counted(server.size(), "episode"));
+  for (std::string line; std::getline(std::cin, line);) {
+    if (line.empty()) continue;
+    for (const std::string& answer : server.handle(line)) std::cout << answer << '\n';
+    std::cout.flush();
+  }
+  fmt::print(stderr, "{} of {} are done: {}/results.json\n", server.done(),
+             counted(server.size(), "episode"), options.output);
+}
+
+}  // namespace
+
+void add_mcp(CLI::App& app, int& /*status*/) {
+  CLI::App& verb = *app.add_subcommand(
+      "mcp", "Let an assistant walk: a server of the Model Context Protocol on standard input");
+  const auto options = std::make_shared<Options>();
+  add_data_option(verb, options->data);
+  add_task_option(verb, options->task, "r2r, or what the data set has");
+  add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
+  add_subset_option(verb, options->subset);
+  verb.add_flag("--pictures", options->pictures,
+                "Send a picture of all that is around, with the places' names in it");
+  add_whole_number(verb, "--picture-size", options->config.picture_size, "Pixels, 64 to 2048");
+  add_whole_number(verb, "--steps", options->config.limits.steps,
+                   "Calls after which an episode ends");
+  add_setting(verb, "-o,--output", options->output, "DIR",
+              "Transcripts and results; episodes that have a transcript are left out");
+  set_examples(verb, {"enfilade mcp --data homes --subset 10 -o played",
+                      "enfilade mcp --pictures --task reverie --split val_unseen"});
+  verb.callback([options] { play(*options); });
+}
+
+}  // namespace enfilade::apps

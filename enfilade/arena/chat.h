@@ -1,0 +1,68 @@
+/// \file  Conversations with language models, in the form of OpenAI's chat completions, which most
+/// servers speak (vLLM, Ollama, llama.cpp, SGLang, OpenAI and others).
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/arena/pictures.h"
+#include "enfilade/arena/prompt.h"
+#include "enfilade/arena/session.h"
+#include "enfilade/arena/wire.h"
+#include "enfilade/core/errors.h"
+
+namespace enfilade::arena {
+
+/// What is said with each request.
+struct ChatConfig {
+  std::string model;                             ///< as the server names it; not empty
+  double temperature = 0;                        ///< 0 to 2
+  std::optional<std::int64_t> seed = 1;          ///< none: not sent
+  std::optional<std::int64_t> most_tokens = {};  ///< of an answer (`max_tokens`); none: not sent
+};
+
+/// What a model said.
+struct ChatAnswer {
+  Reading reading;
+  std::string text;                ///< `content`; may be empty
+  std::int64_t prompt_tokens = 0;  ///< as the server counts; 0: it does not say
+  std::int64_t answer_tokens = 0;  ///< likewise
+};
+
+/// One conversation about one episode. A plain object: one thread at a time.
+class Chat {
+ public:
+  Chat(const Prompt& prompt, ChatConfig config, Answers answers, Limits limits);
+  ~Chat();
+  Chat(const Chat&) = delete;
+  Chat& operator=(const Chat&) = delete;
+
+  /// The request for the present step, JSON, in which a picture's address is
+  /// "enfilade-picture:<its key>": the same on each machine, whatever drew the pictures. Begins the
+  /// step. \param pictures  of the observation, with their keys beside
+  std::string ask(const Observation& seen, const std::vector<PictureOrder>& pictures,
+                  const std::vector<std::string>& keys);
+  /// Reads the body of the answer to the last request. \throws InvalidInput for what is no chat
+  /// completion with a message, which is a fault of the server
+  ChatAnswer read(std::string_view body) const;
+  /// Ends the step: the answer and what came of it become part of the conversation.
+  void close(std::string_view body, const ChatAnswer& answer, const Observation& after);
+
+  /// The pictures of the last request, by key.
+  const PictureOrder* find_picture(std::string_view key) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The same request with the pictures in it, as data URLs. \param picture  the bytes of a JPEG by
+/// its key
+std::string with_pictures(std::string_view request,
+                          const std::function<std::string(std::string_view key)>& picture);
+
+}  // namespace enfilade::arena

@@ -1,0 +1,40 @@
+/// \file  The text of a session's transcript: a line of JSON for the episode, one a call, one for
+/// the end. Nothing in it depends on time or machine.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "enfilade/arena/session.h"
+
+namespace enfilade::arena::detail {
+
+class Transcript {
+ public:
+  explicit Transcript(const Session& session);
+  /// \param before what was known when it was called  \param call null: none could be read
+  /// \param more fields of the line, before `told`
+  void add(const Observation& before, const Call* call, const Session& after,
+           const nlohmann::ordered_json& more = nlohmann::ordered_json::object());
+  /// The whole text. \pre the session has ended
+  std::string finish(const Session& session, const tasks::EpisodeSet& episodes) &&;
+
+ private:
+  std::string text_;
+};
+
+/// The last line of a whole transcript. \throws FileError; InvalidInput if it has none
+nlohmann::ordered_json end_of_transcript(const std::filesystem::path& file);
+
+/// Writes results.json of those of the episodes that have a transcript; nothing if none has.
+/// \returns the ends of their transcripts
+std::vector<nlohmann::ordered_json> write_results(const std::filesystem::path& folder,
+                                                  const tasks::EpisodeSet& episodes,
+                                                  const std::vector<std::size_t>& which);
+
+/// "<id>.jsonl", with what file names should not have as "%3a".
+std::string transcript_name(const std::string& episode_id);
+
+}  // namespace enfilade::arena::detail

@@ -1,0 +1,53 @@
+/// \file  The Model Context Protocol: an assistant walks episodes with the tools of its program.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/arena/pictures.h"
+#include "enfilade/arena/session.h"
+#include "enfilade/dataset/dataset.h"
+
+namespace enfilade::arena {
+
+/// What an assistant plays.
+struct McpConfig {
+  std::vector<std::size_t> episodes;  ///< in this order; those with a transcript are left out
+  Limits limits = {};
+  Pictures pictures = Pictures::kNone;
+  std::uint32_t picture_size = 512;
+  std::filesystem::path folder = {};  ///< transcripts/ and results.json, as ask() writes them
+};
+
+/// The protocol's server for one assistant, whatever carries the messages. Speaks the revision of
+/// 2026-07-28 (`server/discover`, nothing to remember) and those from 2024-11-05 to 2025-11-25
+/// (`initialize`). Tools: `begin` starts the next episode, then those of the session, whose values
+/// are enumerated as they are now. One thread at a time.
+class McpServer {
+ public:
+  /// \param data for pictures; may be null if there are none
+  /// \throws ArgumentError for no episode, an index out of range, pictures without data; FileError
+  McpServer(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
+            McpConfig config);
+  ~McpServer();
+  McpServer(const McpServer&) = delete;
+  McpServer& operator=(const McpServer&) = delete;
+
+  /// Takes a message, JSON-RPC 2.0, and gives what is to be sent: an answer, then perhaps a
+  /// notification that the tools have changed. Empty for notifications. Never throws for what
+  /// anybody sends; FileError where a transcript cannot be written
+  std::vector<std::string> handle(std::string_view message);
+
+  std::size_t done() const noexcept;  ///< episodes with a transcript
+  std::size_t size() const noexcept;  ///< episodes in all
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::arena

@@ -1,0 +1,64 @@
+/// \file  What a session shows in pictures: described first, drawn only if somebody looks.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/arena/session.h"
+#include "enfilade/dataset/dataset.h"
+
+namespace enfilade::arena {
+
+/// Which pictures go with an observation.
+enum class Pictures : std::uint8_t {
+  kNone,
+  kStrip,   ///< one: left, ahead, right and behind side by side, with the places' names in it
+  kPlaces,  ///< one a place, looking there, 60 degrees wide
+};
+constexpr std::array<std::string_view, 3> names_of(Pictures /*enum*/) {
+  return {"none", "strip", "places"};
+}
+
+/// A direction with a name, as drawn into a strip.
+struct NamedDirection {
+  std::string name;
+  Radians heading, elevation;  ///< world frame
+};
+
+/// A picture before it is drawn. Two that are equal show the same, to the bit.
+struct PictureOrder {
+  std::string caption;  ///< "B": the place that it looks to; of a strip empty
+  GraphPose pose;       ///< of a strip the heading of its second quarter
+  bool strip = false;
+  std::uint32_t size = 512;           ///< pixels: height, of a strip a quarter of the width
+  std::vector<NamedDirection> marks;  ///< in a strip
+
+  /// Names what it shows, by scan, viewpoint, angles, size and marks: equal on all machines that
+  /// have the same data set, and known without drawing it.
+  std::string key(const graph::GraphSet& graphs) const;
+};
+
+/// The pictures of an observation, in the order of its places. \param size pixels, 64 to 2048
+/// \throws ArgumentError for another size
+std::vector<PictureOrder> order_pictures(const GraphSession& session, Pictures pictures,
+                                         std::uint32_t size = 512);
+
+/// Draws pictures of a data set. One thread at a time.
+class Painter {
+ public:
+  /// \throws as dataset::Dataset::faces()
+  explicit Painter(const dataset::Dataset& data);
+  ~Painter();
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+
+  /// JPEG, quality 85. \throws as render::Renderer::render()
+  std::string draw(const PictureOrder& order);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::arena

@@ -1,0 +1,324 @@
+#include "enfilade/arena/prompt.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <kainjow/mustache.hpp>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "enfilade/arena/detail/names.h"
+#include "enfilade/arena/detail/prompt_files.h"
+#include "enfilade/arena/detail/texts.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+
+namespace enfilade::arena {
+namespace {
+
+using kainjow::mustache::data;
+using kainjow::mustache::mustache;
+
+constexpr std::uint32_t kMostKept = 100;
+
+struct BuiltIn {
+  std::string_view name, text;
+};
+std::array<BuiltIn, 4> built_in() {
+  return {{{"text", detail::kTextPrompt},
+           {"marks", detail::kMarksPrompt},
+           {"navgpt", detail::kNavgptPrompt},
+           {"mapgpt", detail::kMapgptPrompt}}};
+}
+
+/// What is read of a template's file.
+struct Parts {
+  Pictures pictures = Pictures::kNone;
+  Answers answers = Answers::kTools;
+  Memory memory = Memory::kAll;
+  std::uint32_t kept_pictures = 1;
+  std::string start, step;
+};
+
+[[noreturn]] void refuse(const std::string& file, std::size_t line, const char* code,
+                         std::string text) {
+  throw InvalidInput(
+      {{Severity::kError, file, fmt::format("line {}", line), code, std::move(text)}});
+}
+
+template <class Enum>
+Enum read_name(std::string_view value, const std::string& file, std::size_t line) {
+  const auto names = names_of(Enum());
+  const auto found = std::ranges::find(names, value);
+  if (found == names.end()) {
+    refuse(file, line, "bad-value",
+           fmt::format("{:?}, not one of {}", value.substr(0, 40), fmt::join(names, ", ")));
+  }
+  return static_cast<Enum>(found - names.begin());
+}
+
+void read_head(std::string_view line, const std::string& file, std::size_t number, Parts& parts) {
+  const std::size_t colon = line.find(':');
+  if (colon == std::string_view::npos) {
+    refuse(file, number, "bad-head", R"(not "name: value", nor "---")");
+  }
+  const std::string_view name = detail::trimmed(line.substr(0, colon));
+  const std::string_view value = detail::trimmed(line.substr(colon + 1));
+  if (name == "pictures") {
+    parts.pictures = read_name<Pictures>(value, file, number);
+  } else if (name == "answers") {
+    parts.answers = read_name<Answers>(value, file, number);
+  } else if (name == "memory") {
+    parts.memory = read_name<Memory>(value, file, number);
+  } else if (name == "kept_pictures") {
+    const auto [end, error] =
+        std::from_chars(value.data(), value.data() + value.size(), parts.kept_pictures);
+    if (error != std::errc() || end != value.data() + value.size() ||
+        parts.kept_pictures > kMostKept) {
+      refuse(file, number, "bad-value",
+             fmt::format("{:?}, not a whole number from 0 to {}", value.substr(0, 40), kMostKept));
+    }
+  } else {
+    refuse(file, number, "unknown-name",
+           fmt::format("{:?}, not pictures, answers, memory or kept_pictures", name.substr(0, 40)));
+  }
+}
+
+Parts read_parts(std::string_view text, const std::string& file) {
+  Parts parts;
+  std::array<std::size_t, 2> begins{};  // lines
+  std::size_t number = 0, section = 0;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    ++number;
+    if (detail::trimmed(line) == "---") {
+      if (++section > 2) refuse(file, number, "third-text", "a third text; there are two");
+      begins.at(section - 1) = number + 1;
+    } else if (section > 0) {
+      std::string& part = section == 1 ? parts.start : parts.step;
+      part += line;
+      part += '\n';
+    } else if (!detail::trimmed(line).empty()) {
+      read_head(line, file, number, parts);
+    }
+  }
+  if (section < 2) {
+    refuse(file, number, "missing-text",
+           "the texts of the start and of a step are expected, each after a line \"---\"");
+  }
+  for (const std::size_t k : {0U, 1U}) {
+    mustache compiled(k == 0 ? parts.start : parts.step);
+    if (!compiled.is_valid()) refuse(file, begins[k], "bad-tag", compiled.error_message());
+  }
+  return parts;
+}
+
+/// "ahead on the right"
+std::string direction_of(Radians turn) {
+  constexpr std::array<std::string_view, 8> kDirections{
+      "Ahead",  "Ahead on the right", "Right", "Behind on the right",
+      "Behind", "Behind on the left", "Left",  "Ahead on the left"};
+  const auto eighth = static_cast<int>(std::lround(to_degrees(turn) / 45));
+  return std::string(kDirections[static_cast<std::size_t>((eighth + 8) % 8)]);
+}
+
+/// ", upstairs" where the way goes up or down enough to be seen.
+std::string elevation_words(Radians elevation) {
+  constexpr double kNoticed = 10;  // degrees
+  const double degrees = to_degrees(elevation);
+  if (std::abs(degrees) < kNoticed) return "";
+  return fmt::format(", {:.0f} degrees {}", std::abs(degrees), degrees > 0 ? "up" : "down");
+}
+
+std::string text_of_list(const std::vector<std::string>& list) {
+  return fmt::format("{}", fmt::join(list, ", "));
+}
+
+std::string answer_rule(Answers answers) {
+  switch (answers) {
+    case Answers::kTools:
+      return "Each of your answers calls one tool.";
+    case Answers::kJson:
+      return R"(Answer with JSON alone: {"thought": what you think, "tool": one of the tools, "argument": its value, or null if it has none}.)";
+    case Answers::kText:
+      return "End each answer with a line of this form: \"Action: \", the tool, a blank, and its "
+             "value if it has one.";
+  }
+  return {};
+}
+
+/// The tools in words, for models that get no tools from the protocol.
+std::string tools_text(const Observation& seen) {
+  std::string text;
+  for (const ToolUse& use : seen.tools) {
+    text += std::string(name_of(use.tool));
+    if (!use.argument.empty()) {
+      text += fmt::format(
+          " <{}: {}{}>", use.argument,
+          use.list ? fmt::format("one to {}, with commas between, of ", kMostMoves) : "",
+          text_of_list(use.allowed));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+data places_data(const Observation& seen) {
+  data places(data::type::list);
+  for (const Place& one : seen.places) {
+    data place;
+    place["name"] = one.name;
+    place["turn"] = fmt::format("{:.0f}", to_degrees(one.turn));
+    place["turn_words"] = turn_words(one.turn);
+    place["direction"] = direction_of(one.turn);
+    place["elevation_words"] = elevation_words(one.elevation);
+    place["distance"] = fmt::format("{:.1f}", one.distance);
+    place["visited"] = one.visited;
+    place["seen_before"] = one.seen_before;
+    place["what"] = one.what.empty() ? data(false) : data(one.what);
+    places.push_back(std::move(place));
+  }
+  return places;
+}
+
+data things_data(const Observation& seen) {
+  data things(data::type::list);
+  for (const Thing& one : seen.things) {
+    data thing;
+    thing["name"] = one.name;
+    thing["category"] = one.category;
+    thing["turn_words"] = turn_words(one.turn);
+    things.push_back(std::move(thing));
+  }
+  return things;
+}
+
+void add_map(const Observation& seen, data& all) {
+  data map(data::type::list);
+  std::set<std::string> visited;
+  std::vector<std::string> open;
+  for (const MappedPlace& one : seen.map) visited.insert(one.name);
+  for (const MappedPlace& one : seen.map) {
+    data place;
+    place["name"] = one.name;
+    place["leads_to"] = text_of_list(one.leads_to);
+    place["is_here"] = one.name == seen.here;
+    map.push_back(std::move(place));
+    for (const std::string& next : one.leads_to) {
+      if (!visited.contains(next) && std::ranges::find(open, next) == open.end()) {
+        open.push_back(next);
+      }
+    }
+  }
+  std::ranges::sort(open, {},
+                    [](const std::string& name) { return detail::number_of_letters(name); });
+  all["map"] = std::move(map);
+  all["unvisited"] = open.empty() ? data(false) : data(text_of_list(open));
+}
+
+data step_data(const Observation& seen, Answers answers, const Limits& limits,
+               std::span<const PastStep> past) {
+  data all;
+  all["instruction"] = seen.instruction;
+  all["answer_rule"] = answer_rule(answers);
+  all["step"] = std::to_string(seen.step + 1);
+  all["steps"] = std::to_string(limits.steps);
+  all["heading"] = fmt::format("{:.0f}", to_degrees(seen.heading));
+  all["here"] = seen.here;
+  all["moving"] = seen.here.empty();
+  all["told"] = seen.told.empty() ? data(false) : data(seen.told);
+  all["places"] = places_data(seen);
+  all["things"] = things_data(seen);
+  add_map(seen, all);
+  data history(data::type::list);
+  for (std::size_t k = 0; k < past.size(); ++k) {
+    data one;
+    one["number"] = std::to_string(k + 1);
+    one["thought"] = past[k].thought.empty() ? data(false) : data(past[k].thought);
+    one["call"] = past[k].call.empty() ? "none" : past[k].call;
+    one["told"] = past[k].told;
+    history.push_back(std::move(one));
+  }
+  all["history"] = std::move(history);
+  return all;
+}
+
+std::string fill(const std::string& text, const data& values) {
+  mustache compiled(text);
+  compiled.set_custom_escape([](const std::string& value) { return value; });  // it is no HTML
+  return std::string(detail::trimmed(compiled.render(values)));
+}
+
+}  // namespace
+
+struct Prompt::Impl {
+  std::string name, text;
+  Parts parts;
+};
+
+Prompt Prompt::parse(std::string_view text, const std::string& file, std::string name) {
+  auto impl = std::make_unique<Impl>();
+  impl->name = std::move(name);
+  impl->text = text;
+  impl->parts = read_parts(text, file);
+  return Prompt(std::move(impl));
+}
+
+Prompt Prompt::load(const std::filesystem::path& file) {
+  return parse(read_file(file), file.string(), file.stem().string());
+}
+
+Prompt Prompt::named(std::string_view name) {
+  const auto known = built_in();
+  const auto found = std::ranges::find(known, name, &BuiltIn::name);
+  if (found == known.end()) {
+    throw LookupError(
+        fmt::format("no prompt {:?}; there are {}", name, fmt::join(Prompt::names(), ", ")));
+  }
+  return parse(found->text, fmt::format("prompt {}", name), std::string(name));
+}
+
+std::vector<std::string> Prompt::names() {
+  std::vector<std::string> names;
+  for (const BuiltIn& one : built_in()) names.emplace_back(one.name);
+  return names;
+}
+
+Prompt::Prompt(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+Prompt::~Prompt() = default;
+Prompt::Prompt(Prompt&&) noexcept = default;
+Prompt& Prompt::operator=(Prompt&&) noexcept = default;
+
+const std::string& Prompt::name() const noexcept { return impl_->name; }
+const std::string& Prompt::text() const noexcept { return impl_->text; }
+Pictures Prompt::pictures() const noexcept { return impl_->parts.pictures; }
+Answers Prompt::answers() const noexcept { return impl_->parts.answers; }
+Memory Prompt::memory() const noexcept { return impl_->parts.memory; }
+std::uint32_t Prompt::kept_pictures() const noexcept { return impl_->parts.kept_pictures; }
+
+std::string Prompt::start(const Observation& seen, Answers answers, const Limits& limits) const {
+  return fill(impl_->parts.start, step_data(seen, answers, limits, {}));
+}
+
+std::string Prompt::step(const Observation& seen, Answers answers, const Limits& limits,
+                         std::span<const PastStep> past) const {
+  std::string text = fill(impl_->parts.step, step_data(seen, answers, limits, past));
+  if (answers != Answers::kTools) text += "\n\nTools:\n" + tools_text(seen);
+  return text;
+}
+
+std::string turn_words(Radians turn) {
+  constexpr double kStraight = 10, kBehind = 170;  // degrees
+  const double right = to_degrees(turn);
+  if (std::abs(right) < kStraight) return "straight on";
+  if (std::abs(right) > kBehind) return "behind you";
+  return fmt::format("{:.0f} degrees to the {}", std::abs(right), right > 0 ? "right" : "left");
+}
+
+}  // namespace enfilade::arena

@@ -1,0 +1,89 @@
+/// \file  Prompts: what a model is told at the start and at each step, from template files.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/arena/pictures.h"
+#include "enfilade/arena/session.h"
+
+namespace enfilade::arena {
+
+/// How a model's answer says what to do.
+enum class Answers : std::uint8_t {
+  kTools,  ///< by a tool call of the chat's protocol
+  kJson,   ///< by JSON that fits answer_schema()
+  kText,   ///< by a line "Action: go_to B"
+};
+constexpr std::array<std::string_view, 3> names_of(Answers /*enum*/) {
+  return {"tools", "json", "text"};
+}
+
+/// What of the steps before is sent again at each step.
+enum class Memory : std::uint8_t {
+  kAll,   ///< the whole conversation
+  kLast,  ///< nothing: the template has to tell what counts (`history`, `map`)
+};
+constexpr std::array<std::string_view, 2> names_of(Memory /*enum*/) { return {"all", "last"}; }
+
+/// A step that is past.
+struct PastStep {
+  std::string thought;  ///< what the model wrote beside the call; may be empty
+  std::string call;     ///< "go_to B"; empty where none could be read
+  std::string told;     ///< what came of it
+};
+
+/// A template: a head of lines "name: value", then, each after a line "---", the text of the start
+/// and that of a step, in Mustache (docs/arena.md has the names that it can use).
+///
+///     pictures: strip          none, strip or places
+///     answers: tools           tools, json or text
+///     memory: all              all or last
+///     kept_pictures: 2         of all: how many observations back pictures are sent again
+///     ---
+///     You are in a building. Follow this instruction: {{instruction}}
+///     ---
+///     {{#places}}{{name}}: {{turn_words}}, {{distance}} m{{/places}}
+///
+/// Immutable: any thread.
+class Prompt {
+ public:
+  /// One that is built in: "text", "marks", "navgpt", "mapgpt". \throws LookupError listing them
+  static Prompt named(std::string_view name);
+  static std::vector<std::string> names();
+  /// \throws FileError; InvalidInput naming file and line: an unknown name in the head, a value
+  /// that is not possible, no two texts, a tag that is not closed
+  static Prompt load(const std::filesystem::path& file);
+  /// \param file  for messages
+  static Prompt parse(std::string_view text, const std::string& file, std::string name);
+  ~Prompt();
+  Prompt(Prompt&&) noexcept;
+  Prompt& operator=(Prompt&&) noexcept;
+
+  const std::string& name() const noexcept;
+  const std::string& text() const noexcept;  ///< of the whole file
+  Pictures pictures() const noexcept;
+  Answers answers() const noexcept;
+  Memory memory() const noexcept;
+  std::uint32_t kept_pictures() const noexcept;
+
+  /// What is said once, at the start. \param answers  how the model is to answer
+  std::string start(const Observation& seen, Answers answers, const Limits& limits) const;
+  /// What is said at a step.
+  std::string step(const Observation& seen, Answers answers, const Limits& limits,
+                   std::span<const PastStep> past) const;
+
+ private:
+  struct Impl;
+  explicit Prompt(std::unique_ptr<const Impl> impl);
+  std::unique_ptr<const Impl> impl_;
+};
+
+/// "30 degrees to the right", "straight on", "behind you".
+std::string turn_words(Radians turn);
+
+}  // namespace enfilade::arena

@@ -1,0 +1,121 @@
+#include "enfilade/arena/session.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <utility>
+
+#include "enfilade/arena/detail/texts.h"
+#include "enfilade/core/errors.h"
+
+namespace enfilade::arena {
+namespace {
+
+constexpr std::size_t kQuoted = 60;  // characters of what somebody wrote, in a message to them
+
+std::vector<std::string_view> parts_of(std::string_view list) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t comma = list.find(',');
+    parts.push_back(detail::trimmed(list.substr(0, comma)));
+    if (comma == std::string_view::npos) return parts;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+/// The allowed value that a text means. Models write "b" for "B", and "STOP".
+const std::string* find_value(const ToolUse& use, std::string_view text) {
+  const auto found = std::ranges::find_if(
+      use.allowed, [text](const std::string& one) { return detail::is_same(one, text); });
+  return found == use.allowed.end() ? nullptr : &*found;
+}
+
+std::string quoted(std::string_view text) { return fmt::format("{:?}", text.substr(0, kQuoted)); }
+
+/// Reads the values of a call. \returns what is wrong with it; empty: nothing
+std::string read_values(const ToolUse& use, std::string_view argument,
+                        std::vector<std::string>& values) {
+  const std::string_view tool = name_of(use.tool);
+  if (use.argument.empty()) {
+    return detail::trimmed(argument).empty() ? "" : fmt::format("{} has no argument", tool);
+  }
+  const auto parts = use.list ? parts_of(argument) : std::vector{detail::trimmed(argument)};
+  if (parts.size() > kMostMoves) {
+    return fmt::format("{}: {} {}; 1 to {} are possible", tool, parts.size(), use.argument,
+                       kMostMoves);
+  }
+  for (const std::string_view part : parts) {
+    const std::string* value = find_value(use, part);
+    if (value == nullptr) {
+      return fmt::format("{}: {} {} is not one of {}", tool, use.argument, quoted(part),
+                         fmt::join(use.allowed, ", "));
+    }
+    values.push_back(*value);
+  }
+  return {};
+}
+
+std::shared_ptr<const graph::GraphSet> graphs_of(const tasks::EpisodeSet* episodes) {
+  if (episodes == nullptr || episodes->episodes.empty()) throw ArgumentError("episodes: none");
+  return episodes->graphs;
+}
+
+}  // namespace
+
+std::string_view name_of(Tool tool) noexcept { return names_of(tool).at(std::size_t(tool)); }
+std::string_view name_of(Ending ending) noexcept {
+  return names_of(ending).at(std::size_t(ending));
+}
+
+void validate(const Limits& limits) {
+  if (limits.steps == 0) throw ArgumentError("limits.steps: 0, at least 1");
+  if (limits.mistakes == 0) throw ArgumentError("limits.mistakes: 0, at least 1");
+}
+
+bool Session::call(const Call& call) {
+  if (ending_) return false;
+  const std::string_view wanted = detail::trimmed(call.tool);
+  const auto use = std::ranges::find_if(seen_.tools, [wanted](const ToolUse& one) {
+    return detail::is_same(name_of(one.tool), wanted);
+  });
+  if (use == seen_.tools.end()) {
+    std::vector<std::string_view> names;
+    for (const ToolUse& one : seen_.tools) names.push_back(name_of(one.tool));
+    refuse(fmt::format("there is no {} here, but {}", quoted(wanted), fmt::join(names, ", ")));
+    return false;
+  }
+  std::vector<std::string> values;
+  const std::string fault = read_values(*use, call.argument, values);
+  if (!fault.empty()) {
+    refuse(fault);
+    return false;
+  }
+  ++seen_.step;
+  in_a_row_ = 0;
+  carry_out(use->tool, values);
+  if (!ending_ && seen_.step >= limits_.steps) end(Ending::kOutOfSteps);
+  if (!ending_) look_around(seen_);
+  return true;
+}
+
+void Session::misread(std::string_view why) {
+  if (!ending_) refuse(why);
+}
+
+void Session::refuse(std::string_view why) {
+  ++mistakes_;
+  tell(fmt::format("Nothing was done: {}.", why));
+  if (++in_a_row_ >= limits_.mistakes) end(Ending::kMistakes);
+}
+
+void Session::end(Ending ending) {
+  ending_ = ending;
+  seen_.tools.clear();
+  seen_.places.clear();
+  seen_.things.clear();
+}
+
+GraphWorld::GraphWorld(std::shared_ptr<const tasks::EpisodeSet> episodes)
+    : episodes_(std::move(episodes)), panoramas_(graphs_of(episodes_.get())) {}
+
+}  // namespace enfilade::arena

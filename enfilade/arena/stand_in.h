@@ -1,0 +1,58 @@
+/// \file  A server that answers as a language model would, by a rule: for tests, and for trying out
+/// what asks models. Only in builds with EN_WITH_WEB.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/arena/rules.h"
+#include "enfilade/arena/session.h"
+
+namespace enfilade::arena {
+
+/// What may go wrong with an answer.
+enum class Fault : std::uint8_t {
+  kServerError,   ///< status 500, the first time
+  kRateLimit,     ///< status 429 with Retry-After: 0, the first time
+  kCutOff,        ///< half of the body, the first time
+  kNotJson,       ///< a body that is no JSON, the first time
+  kNoChoice,      ///< a completion without an answer, the first time
+  kSilence,       ///< no answer within StandInConfig::silence, the first time
+  kUnknownPlace,  ///< a call with a value that is not offered: the model's mistake
+  kNoCall,        ///< words alone: the model's mistake
+};
+
+/// How it answers.
+struct StandInConfig {
+  Rule rule = Rule::kOracle;
+  std::uint64_t seed = 1;  ///< of Rule::kRandom
+  /// One request of so many has a fault, in the order of this list; empty: none.
+  std::vector<Fault> faults = {};
+  std::uint32_t one_in = 3;
+  double silence = 1;      ///< seconds
+  std::string key = {};    ///< asked for as `Authorization: Bearer`; empty: anybody may ask
+  bool with_tools = true;  ///< false: requests with `tools` are refused with status 400
+};
+
+/// POST /v1/chat/completions on a free port of 127.0.0.1. Finds the episode and what was done in it
+/// in the headers that make_http_endpoint() sends, so that it keeps nothing between requests, and
+/// gives equal answers to equal requests. Which requests have faults depends on their bytes alone.
+class StandIn {
+ public:
+  StandIn(std::shared_ptr<const tasks::EpisodeSet> episodes, const StandInConfig& config);
+  ~StandIn();
+  StandIn(const StandIn&) = delete;
+  StandIn& operator=(const StandIn&) = delete;
+
+  std::string url() const;       ///< "http://127.0.0.1:4321/v1"
+  std::size_t requests() const;  ///< so far
+  std::size_t answers() const;   ///< of these, those with a whole answer
+  std::size_t most_at_once() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::arena

@@ -1,0 +1,87 @@
+#include "enfilade/arena/detail/transcript.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <utility>
+
+#include "enfilade/arena/wire.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/tasks/results.h"
+
+namespace enfilade::arena::detail {
+
+using Json = nlohmann::ordered_json;
+
+Transcript::Transcript(const Session& session)
+    : text_(Json{{"episode", session.episode_id()},
+                 {"instruction", session.observation().instruction}}
+                .dump() +
+            "\n") {}
+
+void Transcript::add(const Observation& before, const Call* call, const Session& after,
+                     const Json& more) {
+  Json step{{"observation", Json::parse(to_json(before))}};
+  step["call"] =
+      call == nullptr ? Json() : Json{{"tool", call->tool}, {"argument", call->argument}};
+  step.update(more);
+  step["told"] = after.observation().told;
+  text_ += step.dump() + "\n";
+}
+
+std::string Transcript::finish(const Session& session, const tasks::EpisodeSet& episodes) && {
+  const auto walked = std::get<tasks::Trajectory>(session.walked());
+  const Json result = Json::parse(tasks::to_json({walked}, episodes));
+  return std::move(text_) +
+         Json{{"ending", name_of(*session.ending())},
+              {"steps", session.observation().step},
+              {"mistakes", session.mistakes()},
+              {"result", result[0]}}
+             .dump() +
+         "\n";
+}
+
+Json end_of_transcript(const std::filesystem::path& file) {
+  const std::string text = read_file(file);
+  const std::size_t before = text.find_last_not_of('\n');
+  const std::size_t begin = before == std::string::npos ? 0 : text.rfind('\n', before) + 1;
+  Json end = Json::parse(text.substr(begin), nullptr, false);
+  const auto endings = names_of(Ending());
+  const bool whole = end.is_object() && end.contains("result") && end.contains("mistakes") &&
+                     end["mistakes"].is_number_unsigned() && end.contains("ending") &&
+                     end["ending"].is_string() &&
+                     std::ranges::find(endings, end["ending"].get<std::string>()) != endings.end();
+  if (!whole) {
+    throw InvalidInput({{Severity::kError, file.string(), "the last line", "no-end",
+                         "no end of an episode; remove the file, and it is walked again"}});
+  }
+  return end;
+}
+
+std::vector<Json> write_results(const std::filesystem::path& folder,
+                                const tasks::EpisodeSet& episodes,
+                                const std::vector<std::size_t>& which) {
+  std::vector<Json> ends;
+  std::string results;
+  for (const std::size_t episode : which) {
+    const auto file =
+        folder / "transcripts" / transcript_name(episodes.episodes[episode].instruction_id);
+    if (!file_exists(file)) continue;
+    ends.push_back(end_of_transcript(file));
+    results += (results.empty() ? "[\n" : ",\n") + ends.back()["result"].dump();
+  }
+  if (!results.empty()) write_file_atomically(folder / "results.json", results + "\n]\n");
+  return ends;
+}
+
+std::string transcript_name(const std::string& episode_id) {
+  std::string name;
+  for (const char c : episode_id) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                       c == '-' || c == '_' || c == '.';
+    name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
+  }
+  return name + ".jsonl";
+}
+
+}  // namespace enfilade::arena::detail

@@ -1,0 +1,231 @@
+#include "enfilade/arena/wire.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "enfilade/arena/detail/texts.h"
+
+namespace enfilade::arena {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double rounded(double value, double parts) { return std::round(value * parts) / parts + 0.0; }
+double degrees_of(Radians angle) { return rounded(to_degrees(angle), 100); }
+double metres_of(double length) { return rounded(length, 1000); }
+
+/// What is between the first { and the last }, which models put into ``` marks or sentences.
+std::string_view object_in(std::string_view text) {
+  const std::size_t first = text.find('{'), last = text.rfind('}');
+  if (first == std::string_view::npos || last == std::string_view::npos || last < first) return {};
+  return text.substr(first, last - first + 1);
+}
+
+Reading fault(std::string text) { return {std::nullopt, {}, std::move(text)}; }
+
+/// The text of a value: of a list, its parts with commas between. None for others.
+std::optional<std::string> value_text(const Json& value) {
+  if (value.is_null()) return "";
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_integer()) return std::to_string(value.get<std::int64_t>());
+  if (!value.is_array()) return std::nullopt;
+  std::string list;
+  for (const Json& part : value) {
+    const auto text = part.is_array() ? std::nullopt : value_text(part);
+    if (!text) return std::nullopt;
+    list += (list.empty() ? "" : ",") + *text;
+  }
+  return list;
+}
+
+constexpr std::array<std::string_view, 4> kArguments{"place", "direction", "actions", "object"};
+
+/// The JSON Schema of a tool's arguments.
+Json schema_of(const ToolUse& use) {
+  Json schema{{"type", "object"}, {"properties", Json::object()}, {"additionalProperties", false}};
+  if (use.argument.empty()) return schema;
+  const std::string argument(use.argument);
+  Json value{{"type", "string"}, {"enum", use.allowed}};
+  if (use.list) {
+    value = {{"type", "array"}, {"items", value}, {"minItems", 1}, {"maxItems", kMostMoves}};
+  }
+  schema["properties"][argument] = std::move(value);
+  schema["required"] = Json::array({argument});
+  return schema;
+}
+
+Reading read_arguments(std::string_view name, const Json& arguments) {
+  if (name.empty()) return fault("no tool is named");
+  if (!arguments.is_object()) {
+    return fault(fmt::format("the arguments of {:?} are no JSON object", name));
+  }
+  Call call{std::string(name), {}};
+  for (const std::string_view argument : kArguments) {
+    const auto found = arguments.find(argument);
+    if (found == arguments.end()) continue;
+    const auto text = value_text(*found);
+    if (!text) {
+      return fault(fmt::format("{} of {:?} is neither a text nor a list of them", argument, name));
+    }
+    call.argument = *text;
+  }
+  return {std::move(call), {}, {}};
+}
+
+}  // namespace
+
+std::string to_json(const Observation& seen) {
+  Json out{{"instruction", seen.instruction},
+           {"step", seen.step},
+           {"heading", degrees_of(seen.heading)},
+           {"elevation", degrees_of(seen.elevation)}};
+  if (!seen.here.empty()) {
+    out["here"] = seen.here;
+    Json& places = out["places"] = Json::array();
+    for (const Place& one : seen.places) {
+      places.push_back({{"name", one.name},
+                        {"turn", degrees_of(one.turn)},
+                        {"elevation", degrees_of(one.elevation)},
+                        {"distance", metres_of(one.distance)},
+                        {"visited", one.visited},
+                        {"seen_before", one.seen_before}});
+      if (!one.what.empty()) places.back()["what"] = one.what;
+    }
+    Json& map = out["map"] = Json::array();
+    for (const MappedPlace& one : seen.map) {
+      map.push_back({{"name", one.name}, {"leads_to", one.leads_to}});
+    }
+  }
+  if (!seen.things.empty()) {
+    Json& things = out["things"] = Json::array();
+    for (const Thing& one : seen.things) {
+      things.push_back({{"name", one.name},
+                        {"category", one.category},
+                        {"turn", degrees_of(one.turn)},
+                        {"elevation", degrees_of(one.elevation)}});
+    }
+  }
+  out["told"] = seen.told;
+  Json& tools = out["tools"] = Json::array();
+  for (const ToolUse& use : seen.tools) {
+    Json& one = tools.emplace_back(Json{{"tool", name_of(use.tool)}});
+    if (use.argument.empty()) continue;
+    one["argument"] = use.argument;
+    one["allowed"] = use.allowed;
+    if (use.list) one["list"] = true;
+  }
+  return out.dump();
+}
+
+std::string_view purpose_of(Tool tool) noexcept {
+  switch (tool) {
+    case Tool::kGoTo:
+      return "Walk to one of the places that are listed now.";
+    case Tool::kBackTo:
+      return "Walk back to a place where you have been, along the ways that you know.";
+    case Tool::kLook:
+      return "Turn where you stand, and look in that direction.";
+    case Tool::kMove:
+      return "Do one to four actions, one after another.";
+    case Tool::kAnswer:
+      return "Say which of the listed objects is meant, and stop. Nothing can be done after it.";
+    case Tool::kStop:
+      return "Stop for good: you are where the instruction ends. Nothing can be done after it.";
+  }
+  return {};
+}
+
+std::string functions_json(const Observation& seen) {
+  Json functions = Json::array();
+  for (const ToolUse& use : seen.tools) {
+    functions.push_back({{"name", name_of(use.tool)},
+                         {"description", purpose_of(use.tool)},
+                         {"parameters", schema_of(use)}});
+  }
+  return functions.dump();
+}
+
+std::string answer_schema(const Observation& seen) {
+  Json tools = Json::array(), values = Json::array(), choices = Json::array();
+  for (const ToolUse& use : seen.tools) {
+    tools.push_back(name_of(use.tool));
+    if (use.list) {
+      choices.push_back(schema_of(use)["properties"][std::string(use.argument)]);
+      continue;
+    }
+    for (const std::string& value : use.allowed) {
+      if (std::ranges::find(values, Json(value)) == values.end()) values.push_back(value);
+    }
+  }
+  if (!values.empty()) choices.push_back({{"type", "string"}, {"enum", std::move(values)}});
+  choices.push_back({{"type", "null"}});
+  return Json{{"type", "object"},
+              {"properties",
+               {{"thought", {{"type", "string"}}},
+                {"tool", {{"type", "string"}, {"enum", std::move(tools)}}},
+                {"argument", {{"anyOf", std::move(choices)}}}}},
+              {"required", Json::array({"thought", "tool", "argument"})},
+              {"additionalProperties", false}}
+      .dump();
+}
+
+Reading read_call(std::string_view tool, std::string_view arguments) {
+  const std::string_view text = detail::trimmed(arguments);
+  const Json parsed = text.empty() ? Json::object() : Json::parse(text, nullptr, false);
+  if (parsed.is_discarded()) {
+    return fault(fmt::format("the arguments of {:?} are no JSON", detail::trimmed(tool)));
+  }
+  return read_arguments(detail::trimmed(tool), parsed);
+}
+
+Reading read_answer_json(std::string_view text) {
+  const Json answer = Json::parse(object_in(text), nullptr, false);
+  if (!answer.is_object()) return fault("the answer is no JSON object");
+  const auto tool = answer.find("tool"), argument = answer.find("argument"),
+             thought = answer.find("thought");
+  if (tool == answer.end() || !tool->is_string()) return fault("the answer has no text \"tool\"");
+  const auto value =
+      argument == answer.end() ? std::optional<std::string>("") : value_text(*argument);
+  if (!value) return fault("\"argument\" is neither a text nor a list of them");
+  Reading reading{Call{std::string(detail::trimmed(tool->get<std::string>())), *value}, {}, {}};
+  if (thought != answer.end() && thought->is_string())
+    reading.thought = thought->get<std::string>();
+  return reading;
+}
+
+Reading read_answer_text(std::string_view text) {
+  constexpr std::string_view kMark = "action:";
+  for (std::size_t end = text.size(); end > 0;) {
+    const std::size_t before = text.rfind('\n', end - 1);
+    const std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
+    std::string_view line = detail::trimmed(text.substr(begin, end - begin));
+    while (!line.empty() && (line.front() == '*' || line.front() == '#')) line.remove_prefix(1);
+    line = detail::trimmed(line);
+    if (line.size() >= kMark.size() && detail::is_same(line.substr(0, kMark.size()), kMark)) {
+      std::string_view said = line.substr(kMark.size());
+      const auto is_mark = [](char c) { return c == '*' || c == '`' || c == '.' || c == '"'; };
+      std::string words;
+      for (const char c : said) words += is_mark(c) ? ' ' : c;
+      said = detail::trimmed(words);
+      if (said.empty()) return fault("nothing stands after \"Action:\"");
+      const std::size_t blank = said.find_first_of(" (:");
+      std::string argument(
+          blank == std::string_view::npos ? "" : detail::trimmed(said.substr(blank + 1)));
+      while (!argument.empty() && (argument.back() == ')' || argument.back() == ' ')) {
+        argument.pop_back();
+      }
+      return {Call{std::string(said.substr(0, blank)), argument},
+              std::string(detail::trimmed(text.substr(0, begin))),
+              {}};
+    }
+    end = begin == 0 ? 0 : begin - 1;
+  }
+  return fault("no line begins with \"Action:\"");
+}
+
+}  // namespace enfilade::arena

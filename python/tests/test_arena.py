@@ -1,0 +1,76 @@
+"""The server of the Model Context Protocol, driven by the protocol's own client library."""
+
+import asyncio
+import json
+import os
+import subprocess
+
+import pytest
+
+mcp = pytest.importorskip("mcp", reason="the package mcp is not installed (Python 3.10 or newer)")
+from mcp.client.stdio import StdioServerParameters, stdio_client  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def program():
+    found = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
+    if not found:
+        pytest.skip("neither ENFILADE_COMMAND nor ENFILADE_PROGRAM is set: no `enfilade mcp`")
+    return found
+
+
+@pytest.fixture(scope="module")
+def homes(program, tmp_path_factory):
+    """Three small homes without pictures (SYNTHETIC)."""
+    folder = tmp_path_factory.mktemp("arena") / "homes"
+    subprocess.run([program, "homes", "-o", str(folder), "--preset", "graphs", "--homes", "3"], check=True, capture_output=True)
+    return folder
+
+
+def texts(result):
+    return "\n".join(block.text for block in result.content if block.type == "text")
+
+
+async def play(session, folder):
+    """Lists the tools and walks two episodes by them."""
+    assert [tool.name for tool in (await session.list_tools()).tools] == ["begin"]
+    for _ in range(2):
+        begun = await session.call_tool("begin", {})
+        assert "Instruction: " in texts(begun)
+        tools = {tool.name: tool for tool in (await session.list_tools()).tools}
+        assert set(tools) == {"go_to", "look", "stop"}
+        schema = getattr(tools["go_to"], "input_schema", None) or tools["go_to"].inputSchema
+        places = schema["properties"]["place"]["enum"]
+        refused = await session.call_tool("go_to", {"place": "QQ"})
+        assert "is not one of" in texts(refused)
+        walked = await session.call_tool("go_to", {"place": places[0]})
+        assert f"You went to {places[0]}" in texts(walked)
+        assert "The episode is over" in texts(await session.call_tool("stop", {}))
+    results = json.loads((folder / "results.json").read_text())
+    assert len(results) == 2
+    assert all(len(entry["trajectory"]) == 2 for entry in results)
+
+
+def parameters(program, homes, folder):
+    arguments = ["mcp", "--data", str(homes), "--split", "val_unseen", "--subset", "5", "-o", str(folder)]
+    return StdioServerParameters(command=program, args=arguments)
+
+
+def test_the_protocols_client_walks_by_the_handshake(program, homes, tmp_path):
+    async def run():
+        async with stdio_client(parameters(program, homes, tmp_path)) as (read, write):
+            async with mcp.ClientSession(read, write) as session:
+                await session.initialize()
+                await play(session, tmp_path)
+
+    asyncio.run(run())
+
+
+@pytest.mark.skipif(not hasattr(mcp, "Client"), reason="this version of mcp knows the handshake only")
+def test_the_protocols_client_walks_without_a_handshake(program, homes, tmp_path):
+    async def run():
+        async with mcp.Client(parameters(program, homes, tmp_path)) as client:
+            assert client.protocol_version == "2026-07-28"
+            await play(client, tmp_path)
+
+    asyncio.run(run())

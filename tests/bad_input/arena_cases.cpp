@@ -1,0 +1,71 @@
+// A language model walks: `enfilade ask`.
+#include <string>
+#include <utility>
+
+#include "tests/bad_input/harness.h"
+
+namespace enfilade::bad_input {
+namespace {
+
+Case ask(std::string input, const std::string& options, int exit_code, std::string says,
+         std::function<void(Files&)> damage = {}) {
+  Case made{
+      "Language models", std::move(input), "ask --data {} --split made -o {}/asked " + options,
+      exit_code,         std::move(says),  std::move(damage)};
+  made.asks = true;
+  return made;
+}
+
+Case prompt(std::string input, std::string text, std::string says) {
+  return ask(std::move(input), "--stand-in oracle --prompt {}/p.txt", 3, std::move(says),
+             [text = std::move(text)](Files& files) { files.write("p.txt", text); });
+}
+
+Case subset(std::string input, std::string text, std::string says) {
+  return ask(std::move(input), "--stand-in oracle --subset {}/ids.txt", 3, std::move(says),
+             [text = std::move(text)](Files& files) { files.write("ids.txt", text); });
+}
+
+}  // namespace
+
+std::vector<Case> arena_cases() {
+  return {
+      ask("nobody to ask", "", 2, "one of --endpoint URL"),
+      ask("a model and a stand-in", "--endpoint http://127.0.0.1:9/v1 --model m --stand-in oracle",
+          2, "one of --endpoint URL"),
+      ask("a model without a name", "--endpoint http://127.0.0.1:9/v1", 2,
+          "--model NAME is needed"),
+      ask("a rule that is none", "--stand-in clever", 2,
+          "no rule \"clever\"; there are first, random, oracle, stop"),
+      ask("a prompt that is none", "--stand-in oracle --prompt poem", 2,
+          "no prompt \"poem\"; there are text, marks, navgpt, mapgpt"),
+      ask("a form of answers that is none", "--stand-in oracle --answers songs", 2,
+          "--answers songs: one of tools, json, text is expected"),
+      ask("an address with a key in it", "--endpoint http://me:secret@127.0.0.1/v1 --model m", 2,
+          "an address without user, password, query and blanks is expected"),
+      ask("an address of another kind", "--endpoint 127.0.0.1:8000 --model m", 2,
+          "not http://... or https://..."),
+      ask("pictures that are not there", "--stand-in oracle --prompt marks", 2, "panorama"),
+      ask("answers that are not in the cache", "--replay --model m", 1, "is not in the cache"),
+      ask("more episodes than there are", "--stand-in oracle --subset 5000", 2, "split made has"),
+      subset("an id that the split does not have", "1_0\n77_0\n",
+             "{}/ids.txt: line 2: \"77_0\" is no episode of the split"),
+      subset("an id twice", "1_0\n1_0\n", "line 2: \"1_0\" is there twice"),
+      subset("no id", "# none\n", "no id in it"),
+      prompt("an unknown word in the head", "model: m\n---\n---\n",
+             "{}/p.txt: line 1: \"model\", not pictures, answers, memory or kept_pictures"),
+      prompt("a value that is none", "pictures: film\n---\n---\n",
+             "line 1: \"film\", not one of none, strip, places"),
+      prompt("a template of one text", "---\nGo.\n", "the texts of the start and of a step"),
+      prompt("a tag that is not closed", "---\nGo.\n---\n{{#places}} A\n", "line 4"),
+      ask("another run's folder", "--stand-in oracle", 3, "$.model: \"other\"",
+          [](Files& files) {
+            files.write(
+                "asked/run.json",
+                R"({"format": "enfilade-ask", "version": 1, "task": "r2r", "split": "made",)"
+                R"( "model": "other"})");
+          }),
+  };
+}
+
+}  // namespace enfilade::bad_input
