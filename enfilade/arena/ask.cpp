@@ -18,6 +18,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/folder_lock.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
 
@@ -29,7 +30,8 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kVersion = 1;
-constexpr double kLongestWait = 60;  // seconds between two attempts, unless the server says more
+constexpr double kLongestWait = 60;     // seconds between two attempts, unless the server says more
+constexpr double kMostAskedWait = 600;  // more than that is no wait
 constexpr std::size_t kMostParallel = 256;
 
 /// An episode that cannot go on now; the run's others can.
@@ -76,6 +78,7 @@ Json run_json(const tasks::EpisodeSet& episodes, const Prompt& prompt, const Ask
 }
 
 /// Writes run.json, or checks that the folder's is the same.
+/// \pre this process has it alone
 void claim_folder(const fs::path& folder, const Json& run) {
   make_folder(folder / "transcripts");
   remove_unfinished(folder);
@@ -151,6 +154,7 @@ class Run {
     }
     if (fault_) std::rethrow_exception(fault_);
     if (progress && done_ < which.size()) progress(which.size(), which.size());
+    std::ranges::sort(report_.given_up);
     sum_up(which);
     return report_;
   }
@@ -180,9 +184,13 @@ class Run {
     } catch (...) {
       const std::scoped_lock lock(mutex_);
       if (!fault_) fault_ = std::current_exception();
-      stop_ = true;
-      pause_.stop();
+      stop();
     }
+  }
+
+  void stop() {
+    stop_ = true;
+    pause_.stop();
   }
 
   /// \returns the transcript
@@ -243,6 +251,7 @@ class Run {
         std::string answer = endpoint_->post(body, origin);
         const ChatAnswer read = chat.read(answer);  // what is no completion is asked again
         tokens_ += read.prompt_tokens + read.answer_tokens;
+        silent_ = 0;
         const std::chrono::duration<double> seconds = Clock::now() - begin;
         return {std::move(answer), seconds.count(), attempt};
       } catch (const EndpointError& error) {
@@ -250,11 +259,13 @@ class Run {
           throw InvalidInput(
               {{Severity::kError, "endpoint", origin.episode, "refused", error.what()}});
         failed = error.what();
-        asked_wait = error.wait().value_or(0);
+        asked_wait = std::min(error.wait().value_or(0), kMostAskedWait);
       } catch (const InvalidInput& error) {
         failed = error.what();
       }
       if (attempt >= config_.attempts || stop_) {
+        // Nobody there: the episodes that are left need not find that out one after another.
+        if (++silent_ >= config_.parallel) stop();
         throw GivenUp(fmt::format("no answer in {} attempts; the last: {}", attempt, failed));
       }
       pause_.wait(std::max(wait, asked_wait));
@@ -312,6 +323,7 @@ class Run {
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> stop_ = false;
   std::atomic<std::int64_t> tokens_ = 0;
+  std::atomic<std::size_t> silent_ = 0;  // episodes that were given up since the last answer
   Pause pause_;
   std::mutex mutex_;  // of what follows
   std::size_t done_ = 0;
@@ -337,6 +349,8 @@ AskReport ask(const std::shared_ptr<const tasks::EpisodeSet>& episodes,
     throw ArgumentError(fmt::format("episode: {}; there are {}", one, episodes->episodes.size()));
   }
   const Answers answers = config.answers.value_or(prompt.answers());
+  make_folder(folder);
+  const FolderLock lock(folder / "ask.lock");
   claim_folder(folder, run_json(*episodes, prompt, config, answers));
   return Run(episodes, data, prompt, config, answers, endpoint, cache, folder)
       .walk(which, progress);

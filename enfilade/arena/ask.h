@@ -67,7 +67,8 @@ struct AskReport {
 /// \param which indices of episodes, each once
 /// \param endpoint null: nothing is asked, and an answer that is not in the cache is an error
 /// \throws ArgumentError for values out of range; InvalidInput for a folder of another run, naming
-/// what differs, and for a refusal that waiting does not change; FileError
+/// what differs, and for a refusal that waiting does not change; FileError, also if another process
+/// works in the folder
 AskReport ask(const std::shared_ptr<const tasks::EpisodeSet>& episodes,
               const dataset::Dataset* data, const std::vector<std::size_t>& which,
               const Prompt& prompt, const AskConfig& config, Endpoint* endpoint, AnswerCache& cache,

@@ -13,6 +13,7 @@
 #include "enfilade/core/base64.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/folder_lock.h"
 
 namespace enfilade::arena {
 namespace {
@@ -62,6 +63,7 @@ struct McpServer::Impl {
   GraphWorld world;
   std::unique_ptr<Painter> painter;
   Prompt prompt;
+  std::unique_ptr<FolderLock> lock;
   std::unique_ptr<GraphSession> session;  // none: nothing is being walked
   std::optional<detail::Transcript> transcript;
 
@@ -82,6 +84,7 @@ struct McpServer::Impl {
       painter = std::make_unique<Painter>(*data);
     }
     make_folder(config.folder / "transcripts");
+    lock = std::make_unique<FolderLock>(config.folder / "ask.lock");
   }
 
   std::filesystem::path file_of(std::size_t episode) const {

@@ -30,7 +30,8 @@ struct McpConfig {
 class McpServer {
  public:
   /// \param data for pictures; may be null if there are none
-  /// \throws ArgumentError for no episode, an index out of range, pictures without data; FileError
+  /// \throws ArgumentError for no episode, an index out of range, pictures without data;
+  /// FileError, also if another process works in the folder
   McpServer(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
             McpConfig config);
   ~McpServer();

@@ -26,6 +26,7 @@ class Mcp : public ::testing::Test {
   Mcp() : folder_("mcp"), episodes_(episodes(tasks::Task::kR2r, 1)) { start(); }
 
   void start() {
+    server_.reset();  // it has its folder alone
     server_ = std::make_unique<McpServer>(
         episodes_, nullptr,
         McpConfig{.episodes = {0, 1}, .limits = {.steps = 9}, .folder = folder_.path()});
@@ -150,7 +151,7 @@ TEST_F(Mcp, NothingTellsWhereTheGoalIs) {
 
 TEST_F(Mcp, ConfigurationsAreChecked) {
   const auto fault = [this](McpConfig config) {
-    config.folder = folder_.path();
+    config.folder = folder_.path() / "other";
     return tests::refusal<ArgumentError>([&] { McpServer(episodes_, nullptr, config); });
   };
   EXPECT_THAT(fault({}), HasSubstr("episodes: none"));

@@ -88,10 +88,11 @@ struct StandIn::Impl {
   std::map<std::string, std::size_t> by_id;
   httplib::Server server;
   int port = 0;
-  std::atomic<std::size_t> requests = 0, answers = 0, now = 0, most = 0;
+  std::atomic<std::size_t> requests = 0, answers = 0, repeats = 0, now = 0, most = 0;
   std::mutex mutex;
-  std::set<std::uint64_t> failed;  // requests that had their fault
-  std::jthread thread;             // last: it uses the others
+  std::set<std::uint64_t> failed;    // requests that had their fault
+  std::set<std::uint64_t> answered;  // requests that had a whole answer
+  std::jthread thread;               // last: it uses the others
 
   /// The rule's call for an episode in which this was done.
   Call next_call(const std::string& episode, const std::vector<Call>& done) const {
@@ -165,7 +166,12 @@ struct StandIn::Impl {
     std::string body = fault == Fault::kNotJson ? "<html>Bad gateway</html>" : completion.dump();
     if (fault == Fault::kCutOff) body.resize(body.size() / 2);
     response.set_content(body, "application/json");
-    if (!fault || fault == Fault::kUnknownPlace || fault == Fault::kNoCall) ++answers;
+    const bool whole =
+        fault != Fault::kNoChoice && fault != Fault::kNotJson && fault != Fault::kCutOff;
+    if (!whole) return;
+    ++answers;
+    const std::scoped_lock lock(mutex);
+    if (!answered.insert(stream_of(request.body.data(), request.body.size())).second) ++repeats;
   }
 };
 
@@ -199,6 +205,7 @@ StandIn::~StandIn() { impl_->server.stop(); }
 std::string StandIn::url() const { return fmt::format("http://127.0.0.1:{}/v1", impl_->port); }
 std::size_t StandIn::requests() const { return impl_->requests; }
 std::size_t StandIn::answers() const { return impl_->answers; }
+std::size_t StandIn::repeats() const { return impl_->repeats; }
 std::size_t StandIn::most_at_once() const { return impl_->most; }
 
 }  // namespace enfilade::arena

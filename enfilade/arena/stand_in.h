@@ -48,6 +48,7 @@ class StandIn {
   std::string url() const;       ///< "http://127.0.0.1:4321/v1"
   std::size_t requests() const;  ///< so far
   std::size_t answers() const;   ///< of these, those with a whole answer
+  std::size_t repeats() const;   ///< of these, those to a request that had had one before
   std::size_t most_at_once() const;
 
  private:

@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "enfilade/core/file.h"
-#include "enfilade/models/folder_lock.h"
+#include "enfilade/core/folder_lock.h"
 #include "enfilade/models/instructions.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/continuous_agent.h"
@@ -340,7 +340,7 @@ class Training {
   std::optional<Origin> origin_;
   models::InstructionWords words_;
   models::ModelConfig model_;
-  models::FolderLock lock_;
+  FolderLock lock_;
   std::unique_ptr<detail::Learner> learner_;
   std::uint64_t iteration_ = 0;  // done
   std::uint64_t begun_at_ = 0;

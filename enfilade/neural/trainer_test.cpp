@@ -14,7 +14,7 @@
 #include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/models/folder_lock.h"
+#include "enfilade/core/folder_lock.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/model.h"
 #include "enfilade/neural/speaker.h"
@@ -410,9 +410,9 @@ TEST_F(TrainerTest, ADiskThatFillsUpLeavesTheLastCheckpointWhole) {
 TEST_F(TrainerTest, OneProcessAtATime) {
   const fs::path folder = fresh("model");
   make_folder(folder);
-  const models::FolderLock lock(models::ModelFiles{folder}.lock());
+  const FolderLock lock(models::ModelFiles{folder}.lock());
   EXPECT_THAT([&] { train_into(folder, small_->config()); },
-              ThrowsMessage<FileError>(HasSubstr("another process is training in this folder")));
+              ThrowsMessage<FileError>(HasSubstr("another process works in this folder")));
 }
 
 TEST_F(TrainerTest, SplitsToTrainOnAreJoined) {

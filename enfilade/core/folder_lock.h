@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-namespace enfilade::models {
+namespace enfilade {
 
 /// Holds the lock while it exists. The system releases it when the process ends, however it ends.
 class FolderLock {
@@ -18,4 +18,4 @@ class FolderLock {
   int descriptor_;
 };
 
-}  // namespace enfilade::models
+}  // namespace enfilade

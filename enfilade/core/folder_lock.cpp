@@ -1,4 +1,4 @@
-#include "enfilade/models/folder_lock.h"
+#include "enfilade/core/folder_lock.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 
 #include "enfilade/core/errors.h"
 
-namespace enfilade::models {
+namespace enfilade {
 
 FolderLock::FolderLock(const std::filesystem::path& file)
     : descriptor_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
@@ -22,7 +22,7 @@ FolderLock::FolderLock(const std::filesystem::path& file)
   ::close(descriptor_);
   // File systems without locks (some network ones) report other errors: goes on without a lock.
   if (reason == EWOULDBLOCK) {
-    throw FileError(fmt::format("{}: another process is training in this folder", file.string()));
+    throw FileError(fmt::format("{}: another process works in this folder", file.string()));
   }
   descriptor_ = -1;
 }
@@ -31,4 +31,4 @@ FolderLock::~FolderLock() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-}  // namespace enfilade::models
+}  // namespace enfilade

@@ -1,0 +1,103 @@
+// `enfilade ask` is killed in the middle, again and again: the run goes on, and what was answered
+// is not asked again.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enfilade/arena/stand_in.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/dataset/dataset.h"
+#include "tests/support/process.h"
+#include "tests/support/small_homes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kParallel = 4;
+constexpr int kKills = 20;
+
+class AskKill : public ::testing::Test {
+ protected:
+  AskKill() : folder_("ask_kill") {
+    write_small_homes(folder_.path() / "homes");
+    const dataset::Dataset data(folder_.path() / "homes");
+    episodes_ = std::make_shared<const tasks::EpisodeSet>(data.episodes("val_unseen"));
+  }
+
+  std::vector<std::string> words(const arena::StandIn& model, const std::string& output) const {
+    return {EN_PROGRAM,   "ask",
+            "--data",     (folder_.path() / "homes").string(),
+            "--endpoint", model.url(),
+            "--model",    "m",
+            "--subset",   "60",
+            "--parallel", std::to_string(kParallel),
+            "-o",         (folder_.path() / output).string()};
+  }
+  /// What a run has written, but for its cache.
+  std::map<std::string, std::string> files(const std::string& name) const {
+    std::map<std::string, std::string> all;
+    const fs::path folder = folder_.path() / name;
+    for (const auto& one : fs::recursive_directory_iterator(folder)) {
+      const std::string file = fs::relative(one.path(), folder).string();
+      if (one.is_regular_file() && !file.starts_with("cache")) all[file] = read_file(one.path());
+    }
+    return all;
+  }
+
+  TemporaryFolder folder_;
+  std::shared_ptr<const tasks::EpisodeSet> episodes_;
+};
+
+TEST_F(AskKill, TheRunGoesOnAndNothingIsAskedTwice) {
+  // Each answer takes 10 ms, so that there is a middle to be killed in.
+  const arena::StandIn model(episodes_, {.rule = arena::Rule::kRandom,
+                                         .faults = {arena::Fault::kSilence},
+                                         .one_in = 1,
+                                         .silence = 0.01});
+  Rng rng(20);
+  int killed = 0;
+  for (int k = 0; k < kKills; ++k) {
+    const std::size_t until = model.answers() + 1 + rng.below(12);
+    Process run(words(model, "killed"));
+    killed += run.killed_when([&] { return model.answers() >= until; }) ? 1 : 0;
+  }
+  EXPECT_EQ(killed, kKills);  // 60 episodes of six answers: it never came to its end
+  EXPECT_EQ(Process(words(model, "killed")).wait(), 0);
+  // Lost is at most what was on its way when it was killed.
+  EXPECT_LE(model.repeats(), kKills * kParallel);
+  const std::size_t answered = model.answers() - model.repeats();
+
+  const arena::StandIn fresh(episodes_, {.rule = arena::Rule::kRandom});
+  EXPECT_EQ(Process(words(fresh, "whole")).wait(), 0);
+  EXPECT_EQ(fresh.answers(), answered);
+  EXPECT_EQ(files("killed"), files("whole"));
+}
+
+TEST_F(AskKill, AServerThatIsKilledIsWaitedFor) {
+  auto model = std::make_unique<arena::StandIn>(
+      episodes_,
+      arena::StandInConfig{.faults = {arena::Fault::kSilence}, .one_in = 1, .silence = 0.01});
+  Process run(words(*model, "run"));
+  while (model->answers() < 30) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  model.reset();
+  // It asks again six times; then the exit code says that something is left to do.
+  EXPECT_EQ(run.wait(), 1);
+  const arena::StandIn other(episodes_, {});
+  EXPECT_EQ(Process(words(other, "run")).wait(), 0);
+  EXPECT_LT(other.answers(), 400U);
+  const arena::StandIn fresh(episodes_, {});
+  EXPECT_EQ(Process(words(fresh, "whole")).wait(), 0);
+  EXPECT_EQ(files("run"), files("whole"));
+}
+
+}  // namespace
+}  // namespace enfilade::tests
