@@ -36,6 +36,7 @@ struct ChatAnswer {
 /// One conversation about one episode. A plain object: one thread at a time.
 class Chat {
  public:
+  /// \param prompt outlives it \throws ArgumentError for no model, or a temperature out of range
   Chat(const Prompt& prompt, ChatConfig config, Answers answers, Limits limits);
   ~Chat();
   Chat(const Chat&) = delete;

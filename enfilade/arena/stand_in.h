@@ -40,6 +40,7 @@ struct StandInConfig {
 /// gives equal answers to equal requests. Which requests have faults depends on their bytes alone.
 class StandIn {
  public:
+  /// Listens when this returns. \throws Error if no port is free
   StandIn(std::shared_ptr<const tasks::EpisodeSet> episodes, const StandInConfig& config);
   ~StandIn();
   StandIn(const StandIn&) = delete;
