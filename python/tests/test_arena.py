@@ -23,7 +23,11 @@ def program():
 def homes(program, tmp_path_factory):
     """Three small homes without pictures (SYNTHETIC)."""
     folder = tmp_path_factory.mktemp("arena") / "homes"
-    subprocess.run([program, "homes", "-o", str(folder), "--preset", "graphs", "--homes", "3"], check=True, capture_output=True)
+    subprocess.run(
+        [program, "homes", "-o", str(folder), "--preset", "graphs", "--homes", "3"],
+        check=True,
+        capture_output=True,
+    )
     return folder
 
 
@@ -52,7 +56,17 @@ async def play(session, folder):
 
 
 def parameters(program, homes, folder):
-    arguments = ["mcp", "--data", str(homes), "--split", "val_unseen", "--subset", "5", "-o", str(folder)]
+    arguments = [
+        "mcp",
+        "--data",
+        str(homes),
+        "--split",
+        "val_unseen",
+        "--subset",
+        "5",
+        "-o",
+        str(folder),
+    ]
     return StdioServerParameters(command=program, args=arguments)
 
 
