@@ -11,6 +11,7 @@
 #include "apps/enfilade/subset_option.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
+#include "apps/enfilade/version.h"
 
 namespace enfilade::apps {
 namespace {
@@ -27,6 +28,7 @@ void play(Options& options) {
       episodes_of(data, task_of(options.task, data), options.split));
   options.config.episodes = subset_of(*episodes, options.subset);
   options.config.folder = options.output;
+  options.config.version = version_with_commit();
   if (options.pictures) options.config.pictures = arena::Pictures::kStrip;
   arena::McpServer server(episodes, &data, options.config);
   fmt::print(stderr, "{} of {} are done; an assistant is waited for on standard input\n",

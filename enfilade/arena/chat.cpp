@@ -45,8 +45,7 @@ std::string text_in(const Json& object, const char* name) {
 }
 
 /// The message of a chat completion.
-Json message_of(std::string_view body) {
-  const Json completion = Json::parse(body, nullptr, false);
+Json message_of(const Json& completion) {
   if (!completion.is_object()) refuse("$", "no JSON object");
   const auto choices = completion.find("choices");
   if (choices == completion.end() || !choices->is_array() || choices->empty()) {
@@ -177,7 +176,8 @@ std::string Chat::ask(const Observation& seen, const std::vector<PictureOrder>& 
 }
 
 ChatAnswer Chat::read(std::string_view body) const {
-  const Json message = message_of(body);
+  const Json completion = Json::parse(body, nullptr, false);
+  const Json message = message_of(completion);
   ChatAnswer answer;
   answer.text = text_in(message, "content");
   switch (impl_->answers) {
@@ -192,7 +192,6 @@ ChatAnswer Chat::read(std::string_view body) const {
       answer.reading = read_answer_text(answer.text);
       break;
   }
-  const Json completion = Json::parse(body);
   answer.prompt_tokens = count_in(completion, "prompt_tokens");
   answer.answer_tokens = count_in(completion, "completion_tokens");
   return answer;
@@ -204,8 +203,8 @@ void Chat::close(std::string_view body, const ChatAnswer& answer, const Observat
   const std::string space = call && !call->argument.empty() ? " " : "";
   chat.steps.push_back(
       {answer.reading.thought, call ? call->tool + space + call->argument : "", after.told});
-  const Json calls =
-      chat.answers == Answers::kTools ? calls_of(message_of(body)) : Json(Json::array());
+  const Json calls = chat.answers == Answers::kTools ? calls_of(message_of(Json::parse(body)))
+                                                     : Json(Json::array());
   chat.told_by_tool = !calls.empty() && chat.prompt.memory() == Memory::kAll;
   if (chat.prompt.memory() == Memory::kLast) return;
   chat.past.push_back(chat.user);

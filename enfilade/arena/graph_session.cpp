@@ -69,9 +69,8 @@ class OneGraphSession : public GraphSession {
   void carry_out(Tool tool, const std::vector<std::string>& values) override {
     switch (tool) {
       case Tool::kGoTo:
-        return go(node_named(values[0]));
       case Tool::kBackTo:
-        return go(node_named(values[0]));
+        return go(detail::number_of_letters(values[0]));
       case Tool::kLook:
         return look(values[0]);
       case Tool::kAnswer:
@@ -104,7 +103,6 @@ class OneGraphSession : public GraphSession {
     return world_.panoramas().at(location()).candidates;
   }
   Node here() const { return map_.find(location().viewpoint).value(); }
-  Node node_named(const std::string& name) const { return detail::number_of_letters(name); }
   static std::size_t number_of(const std::string& name) { return std::stoul(name) - 1; }
 
   void arrive() {
@@ -206,7 +204,7 @@ class OneGraphSession : public GraphSession {
 
   GraphWorld& world_;
   agents::EpisodeBatch batch_;
-  mutable TopologicalMap map_;
+  TopologicalMap map_;
   std::set<std::uint32_t> new_here_;  // viewpoints that were seen from here for the first time
   Radians heading_, elevation_;
 };

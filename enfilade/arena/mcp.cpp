@@ -34,8 +34,6 @@ enum ErrorCode : int {
   kInvalidParams = -32602,
 };
 
-Json server_info() { return {{"name", "enfilade"}, {"version", "0.1.0"}}; }
-
 constexpr const char* kInstructions =
     "You walk through a building as an instruction says, one tool call at a time. begin starts an "
     "episode; then go_to, back_to and look take one of the listed values, and stop ends it where "
@@ -87,6 +85,7 @@ struct McpServer::Impl {
     lock = std::make_unique<FolderLock>(config.folder / "ask.lock");
   }
 
+  Json server_info() const { return {{"name", "enfilade"}, {"version", config.version}}; }
   std::filesystem::path file_of(std::size_t episode) const {
     return config.folder / "transcripts" /
            detail::transcript_name(episodes->episodes[episode].instruction_id);

@@ -20,6 +20,7 @@ struct McpConfig {
   Limits limits = {};
   Pictures pictures = Pictures::kNone;
   std::uint32_t picture_size = 512;
+  std::string version = {};           ///< of the program, told to the assistant's
   std::filesystem::path folder = {};  ///< transcripts/ and results.json, as ask() writes them
 };
 

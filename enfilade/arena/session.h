@@ -142,7 +142,7 @@ class Session {
 
  protected:
   explicit Session(const Limits& limits) : limits_(limits) {}
-  /// Carries out a call that observation().tools allow, and looks around.
+  /// Carries out a call that observation().tools allow, and tells what came of it.
   virtual void carry_out(Tool tool, const std::vector<std::string>& values) = 0;
   /// Fills places, tools, ... from where one stands. `told` is kept.
   virtual void look_around(Observation& seen) = 0;
@@ -207,7 +207,9 @@ class ContinuousSession : public Session {
 std::unique_ptr<GraphSession> start_session(GraphWorld& world, std::size_t episode,
                                             const Limits& limits = {});
 /// Begins an episode of walking freely: a step is a call of one to four actions.
-/// \throws ArgumentError as above; InvalidInput for a start or goals off the floor
+/// \throws ArgumentError for an episode that there is not, limits out of range, a world without
+/// episodes or buildings; LookupError for a building that it has not; ActionError for a start off
+/// the floor; errors of files
 std::unique_ptr<ContinuousSession> start_session(const agents::ContinuousWorld& world,
                                                  const agents::ContinuousBenchmark& benchmark,
                                                  std::size_t episode, const Limits& limits = {});

@@ -77,6 +77,26 @@ Reading read_arguments(std::string_view name, const Json& arguments) {
   return {std::move(call), {}, {}};
 }
 
+/// What stands after "Action:" in a line, without the marks of Markdown; none in other lines.
+std::optional<std::string> action_in(std::string_view line) {
+  constexpr std::string_view kMark = "action:";
+  line.remove_prefix(std::min(line.find_first_not_of("*# \t"), line.size()));
+  if (!detail::is_same(line.substr(0, kMark.size()), kMark)) return std::nullopt;
+  std::string said(line.substr(kMark.size()));
+  std::ranges::replace_if(
+      said, [](char c) { return c == '*' || c == '`' || c == '.' || c == '"'; }, ' ');
+  return std::string(detail::trimmed(said));
+}
+
+/// "go_to B", also "go_to(B)" and "go_to: B".
+Reading read_action(std::string_view said) {
+  if (said.empty()) return fault("nothing stands after \"Action:\"");
+  const std::size_t end = std::min(said.find_first_of(" (:"), said.size());
+  std::string_view argument = detail::trimmed(said.substr(std::min(end + 1, said.size())));
+  while (argument.ends_with(')') || argument.ends_with(' ')) argument.remove_suffix(1);
+  return {Call{std::string(said.substr(0, end)), std::string(argument)}, {}, {}};
+}
+
 }  // namespace
 
 std::string to_json(const Observation& seen) {
@@ -199,29 +219,13 @@ Reading read_answer_json(std::string_view text) {
 }
 
 Reading read_answer_text(std::string_view text) {
-  constexpr std::string_view kMark = "action:";
   for (std::size_t end = text.size(); end > 0;) {
     const std::size_t before = text.rfind('\n', end - 1);
     const std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
-    std::string_view line = detail::trimmed(text.substr(begin, end - begin));
-    while (!line.empty() && (line.front() == '*' || line.front() == '#')) line.remove_prefix(1);
-    line = detail::trimmed(line);
-    if (line.size() >= kMark.size() && detail::is_same(line.substr(0, kMark.size()), kMark)) {
-      std::string_view said = line.substr(kMark.size());
-      const auto is_mark = [](char c) { return c == '*' || c == '`' || c == '.' || c == '"'; };
-      std::string words;
-      for (const char c : said) words += is_mark(c) ? ' ' : c;
-      said = detail::trimmed(words);
-      if (said.empty()) return fault("nothing stands after \"Action:\"");
-      const std::size_t blank = said.find_first_of(" (:");
-      std::string argument(
-          blank == std::string_view::npos ? "" : detail::trimmed(said.substr(blank + 1)));
-      while (!argument.empty() && (argument.back() == ')' || argument.back() == ' ')) {
-        argument.pop_back();
-      }
-      return {Call{std::string(said.substr(0, blank)), argument},
-              std::string(detail::trimmed(text.substr(0, begin))),
-              {}};
+    if (const auto said = action_in(text.substr(begin, end - begin))) {
+      Reading reading = read_action(*said);
+      if (reading.call) reading.thought = detail::trimmed(text.substr(0, begin));
+      return reading;
     }
     end = begin == 0 ? 0 : begin - 1;
   }
