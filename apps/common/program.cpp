@@ -4,6 +4,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <iterator>
@@ -212,6 +213,20 @@ std::string processor_name_in(std::string_view cpuinfo) {
     if (maker == "0x41" && part == number) name += fmt::format(" ({})", known);
   }
   return name;
+}
+
+std::string read_secret(const std::string& file, std::initializer_list<const char*> variables) {
+  std::string secret;
+  if (!file.empty()) {
+    secret = read_file(file);
+  } else {
+    for (const char* name : variables) {
+      const char* value = std::getenv(name);
+      if (secret.empty() && value != nullptr) secret = value;
+    }
+  }
+  while (secret.ends_with('\n') || secret.ends_with('\r')) secret.pop_back();
+  return secret;
 }
 
 void write_output(const std::string& path, const std::string& content) {

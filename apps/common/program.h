@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -112,6 +113,11 @@ std::string processor_name();
 /// they are named if they are known, "ARM 0x41/0xd4f (Neoverse-V2)", and given as they stand if
 /// not.
 std::string processor_name_in(std::string_view cpuinfo);
+
+/// A key or token: the content of a file, or, where none is named, the first of these environment
+/// variables that is set; without line ends at its end. Never from the command line, which other
+/// people of the machine can read. Empty: there is none. \throws FileError
+std::string read_secret(const std::string& file, std::initializer_list<const char*> variables);
 
 /// Writes to a file (atomically) or, if `path` is "-", to stdout. \throws FileError
 void write_output(const std::string& path, const std::string& content);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,7 +16,6 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/arena/stand_in.h"
 #include "enfilade/arena/subsets.h"
-#include "enfilade/core/file.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/score.h"
 
@@ -35,21 +33,6 @@ struct Options {
   std::int64_t answer_tokens = 0, most_tokens = 0, seed = 1;
   arena::AskConfig ask;
 };
-
-/// Never from the command line, which other people of the machine can read.
-std::string key_of(const Options& options) {
-  std::string key;
-  if (!options.key_file.empty()) {
-    key = read_file(options.key_file);
-  } else {
-    for (const char* name : {"ENFILADE_MODEL_KEY", "OPENAI_API_KEY"}) {
-      const char* value = std::getenv(name);
-      if (key.empty() && value != nullptr) key = value;
-    }
-  }
-  while (!key.empty() && (key.back() == '\n' || key.back() == '\r')) key.pop_back();
-  return key;
-}
 
 arena::Prompt prompt_of(const std::string& name) {
   return fs::path(name).has_extension() ? arena::Prompt::load(name) : arena::Prompt::named(name);
@@ -128,7 +111,9 @@ ExitCode ask(Options& options) {
     endpoint = arena::make_http_endpoint({.url = stand_in->url()});
   } else if (!options.replay) {
     endpoint = arena::make_http_endpoint(
-        {.url = options.endpoint, .key = key_of(options), .timeout = options.timeout});
+        {.url = options.endpoint,
+         .key = read_secret(options.key_file, {"ENFILADE_MODEL_KEY", "OPENAI_API_KEY"}),
+         .timeout = options.timeout});
   }
   const fs::path folder = options.output;
   arena::AnswerCache cache(options.cache.empty() ? folder / "cache" : fs::path(options.cache));

@@ -1,7 +1,6 @@
 // enfilade submit: hands a results file in at a server.
 #include <fmt/format.h>
 #include <chrono>
-#include <cstdlib>
 #include <memory>
 #include <thread>
 
@@ -22,15 +21,8 @@ struct Options {
   int wait = 60;
 };
 
-// Never from the command line, which other people of the machine can read.
 std::string token_of(const Options& options) {
-  std::string token;
-  if (!options.token_file.empty()) {
-    token = read_file(options.token_file);
-  } else if (const char* variable = std::getenv("ENFILADE_TOKEN"); variable != nullptr) {
-    token = variable;
-  }
-  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+  std::string token = read_secret(options.token_file, {"ENFILADE_TOKEN"});
   if (token.empty()) {
     throw UsageError(
         "submit: no token. Set ENFILADE_TOKEN or give --token-file FILE; the server's page "

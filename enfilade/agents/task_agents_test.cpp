@@ -21,20 +21,6 @@ using ::testing::ThrowsMessage;
 
 constexpr ViewpointIndex v(std::size_t i) { return ViewpointIndex(i); }
 
-// A grid of 3 x 3 viewpoints, 4 m apart: v0 v1 v2 in the first row, then v3 v4 v5, v6 v7 v8.
-std::shared_ptr<const graph::GraphSet> grid() {
-  std::vector<Vec3d> points;
-  std::vector<std::pair<int, int>> edges;
-  for (int i = 0; i < 9; ++i) {
-    points.push_back({4.0 * (i % 3), 4.0 * (i / 3), 1.5});
-    if (i % 3 < 2) edges.emplace_back(i, i + 1);
-    if (i < 6) edges.emplace_back(i, i + 3);
-  }
-  std::vector<graph::NavGraph> graphs;
-  graphs.emplace_back(graph::testing::connectivity("grid", points, edges));
-  return graph::GraphSet::of(std::move(graphs));
-}
-
 tasks::ViewedObject object(std::int64_t id) {
   tasks::ViewedObject one;
   one.id = id;
@@ -91,7 +77,8 @@ tasks::EpisodeSet episodes_of(Task task) {
     annotations.paths[0].goal = tasks::NamedTurningPoint{"v2"};
   }
   const auto boxes = objects();
-  auto set = tasks::make_episodes(annotations, grid(), tasks::Instructions::kScored, boxes.get());
+  auto set = tasks::make_episodes(annotations, graph::testing::grid(), tasks::Instructions::kScored,
+                                  boxes.get());
   if (task == Task::kReverie) set.objects = boxes;
   return set;
 }
@@ -167,7 +154,7 @@ TEST(ShortestAgent, GoesToTheNearestViewpointThatWillDo) {
 TEST(ShortestAgent, NeedsTheBoxesOfReverie) {
   tasks::Annotations annotations{
       "made", "made.json", {winding(tasks::NamedObject{5})}, Task::kReverie};
-  EXPECT_THAT([&] { run("shortest", tasks::make_episodes(annotations, grid())); },
+  EXPECT_THAT([&] { run("shortest", tasks::make_episodes(annotations, graph::testing::grid())); },
               ThrowsMessage<ArgumentError>(HasSubstr("made without boxes")));
 }
 
@@ -187,7 +174,7 @@ TEST(ReferenceAgent, WalksThePathOfTheAnnotation) {
 TEST(ReferenceAgent, TakesTheShortestPathBetweenViewpointsWithoutAnEdge) {
   tasks::Annotations annotations{"made", "made.json", {winding(goal_of(Task::kSoon))}, Task::kSoon};
   annotations.paths[0].path = {"v0", "v2", "v8"};
-  const auto episodes = tasks::make_episodes(annotations, grid());
+  const auto episodes = tasks::make_episodes(annotations, graph::testing::grid());
   EXPECT_EQ(moves(run("reference", episodes).at(0)), (std::vector{v(0), v(1), v(2), v(5), v(8)}));
 }
 

@@ -1,10 +1,12 @@
 /// \file  Small graphs for tests, whose answers can be worked out by hand.
 #pragma once
 #include <array>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "enfilade/graph/graph_set.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/scan/connectivity.h"
 
@@ -37,6 +39,20 @@ inline scan::Connectivity connectivity(const std::string& scan, const std::vecto
 inline scan::Connectivity square(const std::string& scan = "square") {
   return connectivity(scan, {{0, 0, 1.5}, {2, 0, 1.5}, {2, 2, 1.5}, {0, 2, 1.5}},
                       {{0, 1}, {1, 2}, {2, 3}, {3, 0}});
+}
+
+/// A grid of 3 x 3 viewpoints, 4 m apart: v0 v1 v2 to the east, v3 v4 v5 north of them, v6 v7 v8.
+inline std::shared_ptr<const GraphSet> grid() {
+  std::vector<Vec3d> points;
+  std::vector<std::pair<int, int>> edges;
+  for (int i = 0; i < 9; ++i) {
+    points.push_back({4.0 * (i % 3), 4.0 * (i / 3), 1.5});
+    if (i % 3 < 2) edges.emplace_back(i, i + 1);
+    if (i < 6) edges.emplace_back(i, i + 3);
+  }
+  std::vector<NavGraph> graphs;
+  graphs.emplace_back(connectivity("grid", points, edges));
+  return GraphSet::of(std::move(graphs));
 }
 
 }  // namespace enfilade::graph::testing

@@ -11,20 +11,6 @@
 
 namespace enfilade::arena::testing {
 
-/// A grid of 3 x 3 viewpoints, 4 m apart: v0 v1 v2 to the east, v3 v4 v5 north of them, v6 v7 v8.
-inline std::shared_ptr<const graph::GraphSet> grid() {
-  std::vector<Vec3d> points;
-  std::vector<std::pair<int, int>> edges;
-  for (int i = 0; i < 9; ++i) {
-    points.push_back({4.0 * (i % 3), 4.0 * (i / 3), 1.5});
-    if (i % 3 < 2) edges.emplace_back(i, i + 1);
-    if (i < 6) edges.emplace_back(i, i + 3);
-  }
-  std::vector<graph::NavGraph> graphs;
-  graphs.emplace_back(graph::testing::connectivity("grid", points, edges));
-  return graph::GraphSet::of(std::move(graphs));
-}
-
 /// v0 v1 v4 with the instruction "Go to the desk."; of REVERIE v1 sees the desk, object 7. Then
 /// `more` paths of other starts, two steps long.
 inline std::shared_ptr<const tasks::EpisodeSet> episodes(tasks::Task task = tasks::Task::kR2r,
@@ -53,7 +39,8 @@ inline std::shared_ptr<const tasks::EpisodeSet> episodes(tasks::Task task = task
                         "Go on, " + std::to_string(k) + "."};
     annotations.paths.push_back(one);
   }
-  auto made = tasks::make_episodes(annotations, grid(), tasks::Instructions::kScored, boxes.get());
+  auto made = tasks::make_episodes(annotations, graph::testing::grid(),
+                                   tasks::Instructions::kScored, boxes.get());
   if (task == tasks::Task::kReverie) made.objects = boxes;
   return std::make_shared<const tasks::EpisodeSet>(std::move(made));
 }
