@@ -1,3 +1,7 @@
+# Options of code that takes no time when it runs, such as reading options or writing pages: a fifth of
+# what the compiler takes with -O3.
+set(EN_COLD_OPTIONS $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
+
 # One folder of enfilade/ = one static library = one target enfilade::<name> = one test program.
 #
 #   enfilade_library(graph
@@ -7,18 +11,17 @@
 #     PRIVATE nanoflann::nanoflann  third parties, seen by our sources only
 #     ALONE nav_graph.cpp           never compiled in one go with others (EN_UNITY): its local names
 #                                   are theirs too
+#     COLD                          nothing here takes long when it runs: -O1, which compiles faster
 #     TEST_LIBRARIES enfilade::homes ...)
 function(enfilade_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE")
   set(target enfilade_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(enfilade::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON
-    UNITY_BUILD ${EN_UNITY})
-  set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # With sources included in one another, gcc takes each for a header whose types could leak.
-    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  enfilade_unity(${target} ALONE ${arg_ALONE})
+  if(arg_COLD)
+    target_compile_options(${target} PRIVATE ${EN_COLD_OPTIONS})
   endif()
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
@@ -34,6 +37,17 @@ function(enfilade_library name)
   if(EN_BUILD_TESTS AND arg_TESTS)
     enfilade_test(${name}_test SOURCES ${arg_TESTS} LIBRARIES ${target} ${arg_PRIVATE}
       ${arg_TEST_LIBRARIES})
+  endif()
+endfunction()
+
+# Sources of TARGET are compiled several at a time where EN_UNITY is on, but for those that are ALONE.
+function(enfilade_unity target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ALONE")
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${EN_UNITY})
+  set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # With sources included in one another, gcc takes each for a header whose types could leak.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()
 

@@ -20,6 +20,7 @@
 #include "enfilade/tasks/score.h"
 
 namespace enfilade::apps {
+namespace ask_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -135,9 +136,7 @@ ExitCode ask(Options& options) {
   return report.done == report.episodes ? kSuccess : kFaultsFound;
 }
 
-}  // namespace
-
-void add_ask(CLI::App& app, int& status) {
+void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand("ask", "Have a language model walk a split, step by step");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
@@ -186,5 +185,10 @@ void add_ask(CLI::App& app, int& status) {
                 "enfilade ask --subset 216 --list"});
   verb.callback([options, &status] { status = ask(*options); });
 }
+
+}  // namespace
+}  // namespace ask_verb
+
+void add_ask(CLI::App& app, int& status) { ask_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -15,6 +15,7 @@
 #include "enfilade/draw/shots.h"
 
 namespace enfilade::apps {
+namespace contact_sheet_verb {
 namespace {
 
 struct SheetArguments {
@@ -113,9 +114,7 @@ void draw_sheet(const SheetArguments& a) {
   write_picture(a.output, encode(sheet, a.output));
 }
 
-}  // namespace
-
-void add_contact_sheet(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "contact-sheet", "Draw every viewpoint of a scan, or a trajectory, as small pictures");
   const auto a = std::make_shared<SheetArguments>();
@@ -141,5 +140,10 @@ void add_contact_sheet(CLI::App& app, int& /*status*/) {
                       "results.json -o strip.png"});
   verb.callback([a] { draw_sheet(*a); });
 }
+
+}  // namespace
+}  // namespace contact_sheet_verb
+
+void add_contact_sheet(CLI::App& app, int& status) { contact_sheet_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -16,6 +16,7 @@
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::apps {
+namespace convert_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,9 +150,7 @@ void convert(const Options& options) {
   if (options.to != "-") fmt::print("{}: {}\n", options.to, what);
 }
 
-}  // namespace
-
-void add_convert(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "convert",
       "Write annotations, results, boxes or features in another form that holds the same");
@@ -181,5 +180,10 @@ void add_convert(CLI::App& app, int& /*status*/) {
              "enfilade convert features.tsv features.safetensors --to f16"});
   verb.callback([options] { convert(*options); });
 }
+
+}  // namespace
+}  // namespace convert_verb
+
+void add_convert(CLI::App& app, int& status) { convert_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -8,6 +8,7 @@
 #include "enfilade/homes/home_set.h"
 
 namespace enfilade::apps {
+namespace dataset_verb {
 namespace {
 
 struct Options {
@@ -26,9 +27,7 @@ void make(const Options& options) {
       options.folder, report.paths, report.instructions);
 }
 
-}  // namespace
-
-void add_dataset(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "dataset", "Paths, three instructions each, and splits for a folder of model homes");
   const auto options = std::make_shared<Options>();
@@ -44,5 +43,10 @@ void add_dataset(CLI::App& app, int& /*status*/) {
                 "enfilade dataset homes --tasks reverie,soon", "enfilade stats --data homes"});
   verb.callback([options] { make(*options); });
 }
+
+}  // namespace
+}  // namespace dataset_verb
+
+void add_dataset(CLI::App& app, int& status) { dataset_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -24,6 +24,7 @@
 #include "enfilade/tasks/statistics.h"
 
 namespace enfilade::apps {
+namespace demo_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -262,9 +263,7 @@ int demo(const Options& options) {
   return status;
 }
 
-}  // namespace
-
-void add_demo(CLI::App& app, int& status) {
+void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "demo",
       "The paper's table rows for Shortest and Random, beside ours; without data, on a set of "
@@ -280,5 +279,10 @@ void add_demo(CLI::App& app, int& status) {
                       "enfilade demo --data ~/data --seeds 100"});
   verb.callback([options, &status] { status = demo(*options); });
 }
+
+}  // namespace
+}  // namespace demo_verb
+
+void add_demo(CLI::App& app, int& status) { demo_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

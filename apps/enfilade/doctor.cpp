@@ -24,6 +24,7 @@
 #include "enfilade/render/sample.h"
 
 namespace enfilade::apps {
+namespace doctor_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -272,9 +273,7 @@ int examine(const Arguments& arguments) {
   return works ? kSuccess : kFaultsFound;
 }
 
-}  // namespace
-
-void add_doctor(CLI::App& app, int& status) {
+void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "doctor",
       "Print what this machine can do: processor, renderers, EGL devices, CUDA, libtorch and its "
@@ -289,5 +288,10 @@ void add_doctor(CLI::App& app, int& status) {
     status = examine(*arguments);
   });
 }
+
+}  // namespace
+}  // namespace doctor_verb
+
+void add_doctor(CLI::App& app, int& status) { doctor_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

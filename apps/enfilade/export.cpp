@@ -23,6 +23,7 @@
 #include "enfilade/exports/view_pictures.h"
 
 namespace enfilade::apps {
+namespace export_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -362,9 +363,7 @@ void add_details(CLI::App& verb, Options& options) {
   add_appearance_option(verb, options.appearance);
 }
 
-}  // namespace
-
-void add_export(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "export", "Write the files that other projects' code reads, of any data set");
   const auto options = std::make_shared<Options>();
@@ -389,5 +388,10 @@ void add_export(CLI::App& app, int& /*status*/) {
   verb.footer(list_of_forms() + "\n\n" + verb.get_footer());
   verb.callback([options] { write_form(*options); });
 }
+
+}  // namespace
+}  // namespace export_verb
+
+void add_export(CLI::App& app, int& status) { export_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -12,6 +12,7 @@
 #include "enfilade/scan/connectivity.h"
 
 namespace enfilade::apps {
+namespace import_verb {
 namespace {
 
 struct Arguments {
@@ -128,9 +129,7 @@ void add_graph_options(CLI::App& verb, Arguments& a) {
       ->allow_extra_args(false);
 }
 
-}  // namespace
-
-void add_import(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb =
       *app.add_subcommand("import",
                           "Make a scan from your own panoramas, in Matterport3DSimulator's files: "
@@ -148,5 +147,10 @@ void add_import(CLI::App& app, int& /*status*/) {
                 "attic_0.png attic_1.png attic_2.png attic_3.png attic_4.png attic_5.png"});
   verb.callback([arguments] { import_scan(*arguments); });
 }
+
+}  // namespace
+}  // namespace import_verb
+
+void add_import(CLI::App& app, int& status) { import_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -14,6 +14,7 @@
 #include "apps/enfilade/version.h"
 
 namespace enfilade::apps {
+namespace mcp_verb {
 namespace {
 
 struct Options {
@@ -42,9 +43,7 @@ void play(Options& options) {
              counted(server.size(), "episode"), options.output);
 }
 
-}  // namespace
-
-void add_mcp(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "mcp", "Let an assistant walk: a server of the Model Context Protocol on standard input");
   const auto options = std::make_shared<Options>();
@@ -63,5 +62,10 @@ void add_mcp(CLI::App& app, int& /*status*/) {
                       "enfilade mcp --pictures --task reverie --split val_unseen"});
   verb.callback([options] { play(*options); });
 }
+
+}  // namespace
+}  // namespace mcp_verb
+
+void add_mcp(CLI::App& app, int& status) { mcp_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -13,6 +13,7 @@
 #include "enfilade/scan/store.h"
 
 namespace enfilade::apps {
+namespace pack_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -200,9 +201,7 @@ void add_options(CLI::App& verb, Arguments& a) {
             "Read these stores and compare all checksums, nothing else");
 }
 
-}  // namespace
-
-void add_pack(CLI::App& app, int& status) {
+void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "pack",
       "Pack the panoramas of scans into stores, one file a scan, which open in milliseconds and "
@@ -219,5 +218,10 @@ void add_pack(CLI::App& app, int& status) {
                       "enfilade pack --check store/*.enfilade"});
   verb.callback([arguments, &status] { status = run(*arguments); });
 }
+
+}  // namespace
+}  // namespace pack_verb
+
+void add_pack(CLI::App& app, int& status) { pack_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -9,6 +9,7 @@
 #include "enfilade/image/codecs.h"
 
 namespace enfilade::apps {
+namespace panorama_verb {
 namespace {
 
 struct PanoramaArguments {
@@ -57,9 +58,7 @@ void draw_panorama(const PanoramaArguments& a) {
   write_pictures(drawn, files, a.output, a.scene);
 }
 
-}  // namespace
-
-void add_panorama(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "panorama",
       "Draw all directions of a viewpoint in one picture, equirectangular or as the "
@@ -83,5 +82,10 @@ void add_panorama(CLI::App& app, int& /*status*/) {
                       "5b9b_skybox_depth_small.png"});
   verb.callback([a] { draw_panorama(*a); });
 }
+
+}  // namespace
+}  // namespace panorama_verb
+
+void add_panorama(CLI::App& app, int& status) { panorama_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -18,6 +18,7 @@
 #include "enfilade/tasks/r4r.h"
 
 namespace enfilade::apps {
+namespace r4r_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -116,9 +117,7 @@ void add_options(CLI::App& verb, Options& options) {
       ->check(whole_number(2, 4));
 }
 
-}  // namespace
-
-void add_r4r(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "r4r", "Join Room-to-Room paths into longer ones: R4R, R6R, R8R, as published");
   const auto options = std::make_shared<Options>();
@@ -127,5 +126,10 @@ void add_r4r(CLI::App& app, int& /*status*/) {
                       "enfilade r4r --split val_seen --paths 3 -o r6r.json"});
   verb.callback([options] { join(*options); });
 }
+
+}  // namespace
+}  // namespace r4r_verb
+
+void add_r4r(CLI::App& app, int& status) { r4r_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -10,6 +10,7 @@
 #include "enfilade/draw/contact_sheet.h"
 
 namespace enfilade::apps {
+namespace render_verb {
 namespace {
 
 struct RenderArguments {
@@ -83,9 +84,7 @@ void render(const RenderArguments& a) {
   write_pictures(drawn, files, a.output, a.scene);
 }
 
-}  // namespace
-
-void add_render(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "render", "Draw what an agent sees at a viewpoint: colour, depth, classes, instances");
   const auto a = std::make_shared<RenderArguments>();
@@ -106,5 +105,10 @@ void add_render(CLI::App& app, int& /*status*/) {
                       "enfilade render 17DRP5sb8fy 5 --images stores -o - | display"});
   verb.callback([a] { render(*a); });
 }
+
+}  // namespace
+}  // namespace render_verb
+
+void add_render(CLI::App& app, int& status) { render_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -15,6 +15,7 @@
 #include "enfilade/report/run_directory.h"
 
 namespace enfilade::apps {
+namespace report_verb {
 namespace {
 
 struct Options {
@@ -46,9 +47,7 @@ void make(const Options& options) {
              static_cast<double>(page.size()) / 1e6);
 }
 
-}  // namespace
-
-void add_report(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "report",
       "One HTML page of a run: results, training curves, episodes step by step, the data; it needs "
@@ -73,5 +72,10 @@ void add_report(CLI::App& app, int& /*status*/) {
                       "enfilade report models/student-1 random_val_unseen.json --episodes 5"});
   verb.callback([options] { make(*options); });
 }
+
+}  // namespace
+}  // namespace report_verb
+
+void add_report(CLI::App& app, int& status) { report_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

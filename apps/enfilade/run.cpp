@@ -19,6 +19,7 @@
 #include "enfilade/tasks/soon_submission.h"
 
 namespace enfilade::apps {
+namespace run_verb {
 namespace {
 
 struct Options {
@@ -91,9 +92,7 @@ void run(const Options& options) {
   }
 }
 
-}  // namespace
-
-void add_run(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("run", "Run an agent over a split and write its results");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
@@ -129,5 +128,10 @@ void add_run(CLI::App& app, int& /*status*/) {
                       "enfilade run --agent MODELDIR --features FILE --split test -o test.json"});
   verb.callback([options] { run(*options); });
 }
+
+}  // namespace
+}  // namespace run_verb
+
+void add_run(CLI::App& app, int& status) { run_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

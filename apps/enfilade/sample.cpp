@@ -12,6 +12,7 @@
 #include "enfilade/tasks/path_sampling.h"
 
 namespace enfilade::apps {
+namespace sample_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -146,9 +147,7 @@ void add_options(CLI::App& verb, Options& options) {
                 "Print lengths and numbers of edges beside those of the data set's own paths");
 }
 
-}  // namespace
-
-void add_sample(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "sample", "Draw new Room-to-Room paths: shortest paths from room to room, no instructions");
   const auto options = std::make_shared<Options>();
@@ -157,5 +156,10 @@ void add_sample(CLI::App& app, int& /*status*/) {
                       "enfilade sample --pairs viewpoints --per-building 1000 -o many.json"});
   verb.callback([options] { sample(*options); });
 }
+
+}  // namespace
+}  // namespace sample_verb
+
+void add_sample(CLI::App& app, int& status) { sample_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

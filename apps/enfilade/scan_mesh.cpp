@@ -17,6 +17,7 @@
 #include "enfilade/scan/connectivity.h"
 
 namespace enfilade::apps {
+namespace scan_mesh_verb {
 namespace {
 
 struct Arguments {
@@ -154,9 +155,7 @@ void add_picture_options(CLI::App& verb, Arguments& a) {
   add_threads_option(verb, a.files.threads);
 }
 
-}  // namespace
-
-void add_scan_mesh(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "scan-mesh",
       "Make a walkable scan of any mesh, in Matterport3D's files: viewpoints over its floor and "
@@ -174,5 +173,10 @@ void add_scan_mesh(CLI::App& app, int& /*status*/) {
               "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels")});
   verb.callback([arguments] { run(*arguments); });
 }
+
+}  // namespace
+}  // namespace scan_mesh_verb
+
+void add_scan_mesh(CLI::App& app, int& status) { scan_mesh_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -17,6 +17,7 @@
 #include "enfilade/tasks/task_score.h"
 
 namespace enfilade::apps {
+namespace score_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -218,9 +219,7 @@ void add_options(CLI::App& verb, Options& options) {
       ->needs(json);
 }
 
-}  // namespace
-
-void add_score(CLI::App& app, int& status) {
+void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "score", "Check a results file completely, every problem in one list, then score it");
   const auto options = std::make_shared<Options>();
@@ -233,5 +232,10 @@ void add_score(CLI::App& app, int& status) {
                       "rxr_val_unseen_guide.jsonl.gz"});
   verb.callback([options, &status] { status = score(*options); });
 }
+
+}  // namespace
+}  // namespace score_verb
+
+void add_score(CLI::App& app, int& status) { score_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

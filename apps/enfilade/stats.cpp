@@ -10,6 +10,7 @@
 #include "enfilade/tasks/statistics.h"
 
 namespace enfilade::apps {
+namespace stats_verb {
 namespace {
 
 struct Options {
@@ -74,9 +75,7 @@ void stats(const Options& options) {
   if (options.json != "-") fmt::print("{}", to_table(statistics));
 }
 
-}  // namespace
-
-void add_stats(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "stats",
       "What a data set is like: paths, instructions, vocabulary, goals, languages, graphs");
@@ -95,5 +94,10 @@ void add_stats(CLI::App& app, int& /*status*/) {
                 "enfilade stats --task reverie", "enfilade stats --json - | jq .all.vocabulary"});
   verb.callback([options] { stats(*options); });
 }
+
+}  // namespace
+}  // namespace stats_verb
+
+void add_stats(CLI::App& app, int& status) { stats_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

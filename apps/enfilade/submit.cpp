@@ -10,6 +10,7 @@
 #include "enfilade/service/client.h"
 
 namespace enfilade::apps {
+namespace submit_verb {
 namespace {
 
 struct Options {
@@ -64,9 +65,7 @@ ExitCode submit(const Options& options) {
   return status.state == "failed" ? kInput : kSuccess;
 }
 
-}  // namespace
-
-void add_submit(CLI::App& app, int& status) {
+void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand("submit", "Hand a results file in at an Enfilade server");
   const auto options = std::make_shared<Options>();
   verb.add_option("results", options->results, "Results file, in any of the usual forms")
@@ -89,5 +88,10 @@ void add_submit(CLI::App& app, int& status) {
                       "--method Seq2Seq"});
   verb.callback([options, &status] { status = submit(*options); });
 }
+
+}  // namespace
+}  // namespace submit_verb
+
+void add_submit(CLI::App& app, int& status) { submit_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

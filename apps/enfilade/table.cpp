@@ -10,6 +10,7 @@
 #include "enfilade/report/results_table.h"
 
 namespace enfilade::apps {
+namespace table_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -55,9 +56,7 @@ void table(const Options& options) {
   write_output(options.output, formatted(made, options));
 }
 
-}  // namespace
-
-void add_table(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("table",
                                        "The table of the paper or of another benchmark: agents by "
                                        "splits with 95 % intervals, beside "
@@ -84,5 +83,10 @@ void add_table(CLI::App& app, int& /*status*/) {
                       "enfilade table runs/reverie --task reverie --markdown"});
   verb.callback([options] { table(*options); });
 }
+
+}  // namespace
+}  // namespace table_verb
+
+void add_table(CLI::App& app, int& status) { table_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

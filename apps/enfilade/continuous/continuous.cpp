@@ -16,6 +16,7 @@
 #include "enfilade/tasks/derive_continuous.h"
 
 namespace enfilade::apps {
+namespace continuous_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,9 +128,7 @@ ExitCode make(const Options& options) {
   return status;
 }
 
-}  // namespace
-
-void add_continuous(CLI::App& app, int& status) {
+void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "continuous",
       "Make the floors of a data set's buildings walkable freely, and episodes in VLN-CE's files");
@@ -159,5 +158,10 @@ void add_continuous(CLI::App& app, int& status) {
                       "enfilade run --task r2r-ce --data homes --agent shortest"});
   verb.callback([options, &status] { status = make(*options); });
 }
+
+}  // namespace
+}  // namespace continuous_verb
+
+void add_continuous(CLI::App& app, int& status) { continuous_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

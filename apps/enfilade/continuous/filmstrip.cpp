@@ -18,6 +18,7 @@
 #include "enfilade/draw/contact_sheet.h"
 
 namespace enfilade::apps {
+namespace filmstrip_verb {
 namespace {
 
 struct Options {
@@ -118,9 +119,7 @@ void draw_strip(const Options& options) {
   write_picture(options.output, encode(sheet, options.output));
 }
 
-}  // namespace
-
-void add_filmstrip(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "filmstrip", "Draw what an agent saw on a walk in the continuous world, as small pictures");
   const auto options = std::make_shared<Options>();
@@ -148,5 +147,10 @@ void add_filmstrip(CLI::App& app, int& /*status*/) {
                       "enfilade filmstrip 12 --data homes --pictures 24 --appearance panoramas"});
   verb.callback([options] { draw_strip(*options); });
 }
+
+}  // namespace
+}  // namespace filmstrip_verb
+
+void add_filmstrip(CLI::App& app, int& status) { filmstrip_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

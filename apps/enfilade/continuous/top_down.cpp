@@ -14,6 +14,7 @@
 #include "enfilade/tasks/continuous_results.h"
 
 namespace enfilade::apps {
+namespace top_down_verb {
 namespace {
 
 struct Options {
@@ -66,9 +67,7 @@ void draw_map(const Options& options) {
   if (options.output != "-") fmt::print("{}\n", options.output);
 }
 
-}  // namespace
-
-void add_top_down(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "top-down", "Draw the floor of a building from above, with walks in the continuous world");
   const auto options = std::make_shared<Options>();
@@ -85,5 +84,10 @@ void add_top_down(CLI::App& app, int& /*status*/) {
                       "enfilade top-down home0001 --data homes -o floor.svg"});
   verb.callback([options] { draw_map(*options); });
 }
+
+}  // namespace
+}  // namespace top_down_verb
+
+void add_top_down(CLI::App& app, int& status) { top_down_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

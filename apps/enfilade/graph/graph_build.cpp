@@ -14,6 +14,7 @@
 #include "enfilade/graph/corrections.h"
 
 namespace enfilade::apps {
+namespace graph_build_verb {
 namespace {
 
 using graph::NavGraph;
@@ -127,9 +128,7 @@ void add_body(CLI::App& verb, BuildArguments& a) {
   add_metres_option(verb, "--body-width", a.edges.width, "Width that must be free along an edge");
 }
 
-}  // namespace
-
-void add_graph_build(CLI::App& graph, int& /*status*/) {
+void add_verb(CLI::App& graph, int& /*status*/) {
   CLI::App& verb = *graph.add_subcommand(
       "build",
       "Find where one can walk in a mesh, spread viewpoints over it, trace the edges between them, "
@@ -152,5 +151,10 @@ void add_graph_build(CLI::App& graph, int& /*status*/) {
                       "enfilade graph build flat.obj -o my-scans --corrections flat.json"});
   verb.callback([a] { run(*a); });
 }
+
+}  // namespace
+}  // namespace graph_build_verb
+
+void add_graph_build(CLI::App& graph, int& status) { graph_build_verb::add_verb(graph, status); }
 
 }  // namespace enfilade::apps

@@ -12,6 +12,7 @@
 #include "enfilade/graph/compare.h"
 
 namespace enfilade::apps {
+namespace graph_compare_verb {
 namespace {
 
 using graph::ComparedEdge;
@@ -61,9 +62,7 @@ int run(const CompareArguments& a) {
   return a.least_f1 && c.f1() < *a.least_f1 ? kFaultsFound : kSuccess;
 }
 
-}  // namespace
-
-void add_graph_compare(CLI::App& graph, int& status) {
+void add_verb(CLI::App& graph, int& status) {
   CLI::App& verb = *graph.add_subcommand(
       "compare",
       "Compare the edges of graph A with those of graph B, the truth: precision, recall, F1, and "
@@ -81,6 +80,13 @@ void add_graph_compare(CLI::App& graph, int& status) {
                       "enfilade graph compare A.json B.json --plan difference.svg",
                       "enfilade graph compare A.json B.json --least-f1 0.98"});
   verb.callback([a, &status] { status = run(*a); });
+}
+
+}  // namespace
+}  // namespace graph_compare_verb
+
+void add_graph_compare(CLI::App& graph, int& status) {
+  graph_compare_verb::add_verb(graph, status);
 }
 
 }  // namespace enfilade::apps

@@ -18,6 +18,7 @@
 #include "enfilade/tasks/score.h"
 
 namespace enfilade::apps {
+namespace evaluate_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,9 +151,7 @@ void run(const Options& options) {
   }
 }
 
-}  // namespace
-
-void add_evaluate(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("evaluate", kEvaluateHelp);
   const auto options = std::make_shared<Options>();
   add_value(verb, "model", options->model, "MODELDIR",
@@ -180,5 +179,10 @@ void add_evaluate(CLI::App& app, int& /*status*/) {
                       "enfilade evaluate ce --data homes --split val_unseen"});
   verb.callback([options] { run(*options); });
 }
+
+}  // namespace
+}  // namespace evaluate_verb
+
+void add_evaluate(CLI::App& app, int& status) { evaluate_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

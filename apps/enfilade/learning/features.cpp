@@ -14,6 +14,7 @@
 #include "enfilade/scan/panorama_set.h"
 
 namespace enfilade::apps {
+namespace features_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -133,9 +134,7 @@ void add_options(CLI::App& verb, Options& o) {
             "format of one");
 }
 
-}  // namespace
-
-void add_features(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("features", kFeaturesHelp);
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
@@ -153,5 +152,10 @@ void add_features(CLI::App& app, int& /*status*/) {
        "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"});
   verb.callback([options] { run(*options); });
 }
+
+}  // namespace
+}  // namespace features_verb
+
+void add_features(CLI::App& app, int& status) { features_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -10,6 +10,7 @@
 #include "enfilade/neural/released_weights.h"
 
 namespace enfilade::apps {
+namespace import_weights_verb {
 namespace {
 
 struct Options {
@@ -75,9 +76,7 @@ void run(const Options& options) {
   print(options, neural::import_weights(weights, options.output));
 }
 
-}  // namespace
-
-void add_import_weights(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("import-weights", kImportWeightsHelp);
   const auto options = std::make_shared<Options>();
   add_value(verb, "file", options->file, "FILE",
@@ -109,5 +108,10 @@ void add_import_weights(CLI::App& app, int& /*status*/) {
                       "enfilade evaluate duet --features pth_vit_base_patch16_224_imagenet.hdf5"});
   verb.callback([options] { run(*options); });
 }
+
+}  // namespace
+}  // namespace import_weights_verb
+
+void add_import_weights(CLI::App& app, int& status) { import_weights_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

@@ -18,6 +18,7 @@
 #include "enfilade/neural/probe.h"
 
 namespace enfilade::apps {
+namespace pretrain_verb {
 namespace {
 
 struct Options {
@@ -146,9 +147,7 @@ void run(Options o) {
   print_report(report);
 }
 
-}  // namespace
-
-void add_pretrain(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("pretrain", kPretrainHelp);
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
@@ -167,5 +166,10 @@ void add_pretrain(CLI::App& app, int& /*status*/) {
                       "enfilade pretrain --data homes --probe features.safetensors"});
   verb.callback([options] { run(*options); });
 }
+
+}  // namespace
+}  // namespace pretrain_verb
+
+void add_pretrain(CLI::App& app, int& status) { pretrain_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

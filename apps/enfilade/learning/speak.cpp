@@ -15,6 +15,7 @@
 #include "enfilade/tasks/path_sampling.h"
 
 namespace enfilade::apps {
+namespace speak_verb {
 namespace {
 
 struct Options {
@@ -124,9 +125,7 @@ void add_options(CLI::App& verb, Options& options) {
   add_threads_option(verb, options.threads);
 }
 
-}  // namespace
-
-void add_speak(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("speak", kSpeakHelp);
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
@@ -137,5 +136,10 @@ void add_speak(CLI::App& app, int& /*status*/) {
                       "resnet.safetensors -o listener"});
   verb.callback([options] { speak(*options); });
 }
+
+}  // namespace
+}  // namespace speak_verb
+
+void add_speak(CLI::App& app, int& status) { speak_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

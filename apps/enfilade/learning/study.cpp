@@ -24,6 +24,7 @@
 #include "enfilade/tasks/score.h"
 
 namespace enfilade::apps {
+namespace study_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -147,9 +148,7 @@ class Study {
   int status_ = kSuccess;
 };
 
-}  // namespace
-
-void add_study(CLI::App& app, int& status) {
+void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "study",
       "Train agents in more and more model homes, at equal compute: a curve of success in "
@@ -181,5 +180,10 @@ void add_study(CLI::App& app, int& status) {
     status = Study(*options).run();
   });
 }
+
+}  // namespace
+}  // namespace study_verb
+
+void add_study(CLI::App& app, int& status) { study_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps

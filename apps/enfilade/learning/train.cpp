@@ -20,6 +20,7 @@
 #include "enfilade/neural/trainer.h"
 
 namespace enfilade::apps {
+namespace train_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -221,9 +222,7 @@ void add_data(CLI::App& verb, Options& options) {
       ->delimiter(',');
 }
 
-}  // namespace
-
-void add_train(CLI::App& app, int& /*status*/) {
+void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("train", kTrainHelp);
   const auto options = std::make_shared<Options>();
   add_data(verb, *options);
@@ -245,5 +244,10 @@ void add_train(CLI::App& app, int& /*status*/) {
        "enfilade train --splits train,val_seen,val_unseen --features f.hdf5 -o submission"});
   verb.callback([options] { run(*options); });
 }
+
+}  // namespace
+}  // namespace train_verb
+
+void add_train(CLI::App& app, int& status) { train_verb::add_verb(app, status); }
 
 }  // namespace enfilade::apps
