@@ -90,7 +90,7 @@ ExitCode ask(Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const auto episodes = std::make_shared<const tasks::EpisodeSet>(
       episodes_of(data, task_of(options.task, data), options.split));
-  const std::vector<std::size_t> which = subset_of(*episodes, options.subset);
+  const std::vector<std::size_t> which = arena::subset_named(*episodes, options.subset);
   if (options.list) {
     for (const std::size_t e : which) fmt::print("{}\n", episodes->episodes[e].instruction_id);
     return kSuccess;

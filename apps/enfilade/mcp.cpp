@@ -12,6 +12,7 @@
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "apps/enfilade/version.h"
+#include "enfilade/arena/subsets.h"
 
 namespace enfilade::apps {
 namespace mcp_verb {
@@ -27,7 +28,7 @@ void play(Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const auto episodes = std::make_shared<const tasks::EpisodeSet>(
       episodes_of(data, task_of(options.task, data), options.split));
-  options.config.episodes = subset_of(*episodes, options.subset);
+  options.config.episodes = arena::subset_named(*episodes, options.subset);
   options.config.folder = options.output;
   options.config.version = version_with_commit();
   if (options.pictures) options.config.pictures = arena::Pictures::kStrip;

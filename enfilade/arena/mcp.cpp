@@ -7,13 +7,10 @@
 #include <span>
 #include <utility>
 
-#include "enfilade/arena/detail/transcript.h"
+#include "enfilade/arena/play.h"
 #include "enfilade/arena/prompt.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/core/base64.h"
-#include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
-#include "enfilade/core/folder_lock.h"
 
 namespace enfilade::arena {
 namespace {
@@ -56,44 +53,25 @@ struct Answer {
 }  // namespace
 
 struct McpServer::Impl {
-  std::shared_ptr<const tasks::EpisodeSet> episodes;
-  McpConfig config;
-  GraphWorld world;
-  std::unique_ptr<Painter> painter;
-  Prompt prompt;
-  std::unique_ptr<FolderLock> lock;
-  std::unique_ptr<GraphSession> session;  // none: nothing is being walked
-  std::optional<detail::Transcript> transcript;
+  Play play;
+  std::string version;
 
-  Impl(std::shared_ptr<const tasks::EpisodeSet> set, const dataset::Dataset* data,
-       McpConfig settings)
-      : episodes(std::move(set)),
-        config(std::move(settings)),
-        world(episodes),
-        prompt(Prompt::named(config.pictures == Pictures::kNone ? "text" : "marks")) {
-    validate(config.limits);
-    if (config.episodes.empty()) throw ArgumentError("episodes: none");
-    for (const std::size_t one : config.episodes) {
-      if (one < episodes->episodes.size()) continue;
-      throw ArgumentError(fmt::format("episode: {}; there are {}", one, episodes->episodes.size()));
-    }
-    if (config.pictures != Pictures::kNone) {
-      if (data == nullptr) throw ArgumentError("pictures: there is no data set for them");
-      painter = std::make_unique<Painter>(*data);
-    }
-    make_folder(config.folder / "transcripts");
-    lock = std::make_unique<FolderLock>(config.folder / "ask.lock");
-  }
+  Impl(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
+       McpConfig config)
+      : play(std::move(episodes), data,
+             Prompt::named(config.pictures == Pictures::kNone ? "text" : "marks"),
+             {.episodes = std::move(config.episodes),
+              .limits = config.limits,
+              .answers = Answers::kTools,
+              .pictures = config.pictures,
+              .picture_size = config.picture_size,
+              .folder = std::move(config.folder)}),
+        version(std::move(config.version)) {}
 
-  Json server_info() const { return {{"name", "enfilade"}, {"version", config.version}}; }
-  std::filesystem::path file_of(std::size_t episode) const {
-    return config.folder / "transcripts" /
-           detail::transcript_name(episodes->episodes[episode].instruction_id);
-  }
-  bool is_done(std::size_t episode) const { return file_exists(file_of(episode)); }
+  Json server_info() const { return {{"name", "enfilade"}, {"version", version}}; }
 
   Json tools() const {
-    if (!session) {
+    if (play.session() == nullptr) {
       const Json schema{
           {"type", "object"}, {"properties", Json::object()}, {"additionalProperties", false}};
       return Json::array({{{"name", "begin"},
@@ -101,7 +79,7 @@ struct McpServer::Impl {
                            {"inputSchema", schema}}});
     }
     Json tools = Json::array();
-    for (const Json& one : Json::parse(functions_json(session->observation()))) {
+    for (const Json& one : Json::parse(functions_json(play.session()->observation()))) {
       tools.push_back({{"name", one["name"]},
                        {"description", one["description"]},
                        {"inputSchema", one["parameters"]}});
@@ -110,28 +88,18 @@ struct McpServer::Impl {
   }
 
   Answer begin() {
-    const auto next =
-        std::ranges::find_if_not(config.episodes, [this](std::size_t e) { return is_done(e); });
-    if (next == config.episodes.end()) {
-      return {Json::array({text_block("All episodes are done.")}), true};
-    }
-    session = start_session(world, *next, config.limits);
-    transcript.emplace(*session);
+    if (!play.begin()) return {Json::array({text_block("All episodes are done.")}), true};
     Answer answer;
     answer.tools_changed = true;
-    answer.content.push_back(
-        text_block(prompt.start(session->observation(), Answers::kTools, config.limits)));
+    answer.content.push_back(text_block(play.start_text()));
     show(answer);
     return answer;
   }
 
   /// Adds what is seen now.
   void show(Answer& answer) {
-    const Observation& seen = session->observation();
-    answer.content.push_back(text_block(prompt.step(seen, Answers::kTools, config.limits, {})));
-    for (const PictureOrder& order :
-         order_pictures(*session, config.pictures, config.picture_size)) {
-      const std::string jpeg = painter->draw(order);
+    answer.content.push_back(text_block(play.step_text()));
+    for (const std::string& jpeg : play.draw()) {
       std::string data;
       append_base64(std::as_bytes(std::span(jpeg)), data);
       answer.content.push_back(
@@ -140,34 +108,20 @@ struct McpServer::Impl {
   }
 
   Answer call(const std::string& name, const std::string& arguments) {
-    if (!session) {
+    if (play.session() == nullptr) {
       if (name == "begin") return begin();
       return {Json::array({text_block("No episode is being walked; begin starts one.")}), true};
     }
-    const Observation before = session->observation();
-    const Reading reading = read_call(name, arguments);
-    bool done = false;
-    if (reading.call) {
-      done = session->call(*reading.call);
-    } else {
-      session->misread(reading.fault);
-    }
-    transcript->add(before, reading.call ? &*reading.call : nullptr, *session);
+    const Outcome outcome = play.call(read_call(name, arguments));
     Answer answer;
-    answer.error = !done;
-    answer.tools_changed = done;
-    if (!session->ending()) {
+    answer.error = !outcome.carried_out;
+    answer.tools_changed = outcome.carried_out || outcome.ending;
+    if (!outcome.ending) {
       show(answer);
-      return answer;
+    } else {
+      answer.content.push_back(text_block(
+          outcome.told + " The episode is over; begin starts the next, if there is one."));
     }
-    write_file_atomically(file_of(session->episode()),
-                          std::move(*transcript).finish(*session, *episodes));
-    detail::write_results(config.folder, *episodes, config.episodes);
-    answer.content.push_back(
-        text_block(session->observation().told +
-                   " The episode is over; begin starts the next, if there is one."));
-    answer.tools_changed = true;
-    session.reset();
     return answer;
   }
 
@@ -250,10 +204,7 @@ std::vector<std::string> McpServer::handle(std::string_view message) {
   return impl_->handle(message);
 }
 
-std::size_t McpServer::done() const noexcept {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      impl_->config.episodes, [this](std::size_t e) { return impl_->is_done(e); }));
-}
-std::size_t McpServer::size() const noexcept { return impl_->config.episodes.size(); }
+std::size_t McpServer::done() const noexcept { return impl_->play.done(); }
+std::size_t McpServer::size() const noexcept { return impl_->play.size(); }
 
 }  // namespace enfilade::arena

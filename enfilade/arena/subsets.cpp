@@ -73,6 +73,21 @@ std::vector<std::size_t> listed_subset(const tasks::EpisodeSet& episodes,
   return {chosen.begin(), chosen.end()};
 }
 
+std::vector<std::size_t> subset_named(const tasks::EpisodeSet& episodes,
+                                      const std::string& subset) {
+  constexpr std::size_t kUsual = 100, kDigits = 8;
+  const std::size_t all = episodes.episodes.size();
+  if (subset.empty()) return spread_subset(episodes, std::min(kUsual, all));
+  if (subset == "all") {
+    std::vector<std::size_t> which(all);
+    std::iota(which.begin(), which.end(), 0U);
+    return which;
+  }
+  const bool number = subset.find_first_not_of("0123456789") == std::string::npos;
+  if (number && subset.size() < kDigits) return spread_subset(episodes, std::stoul(subset));
+  return listed_subset(episodes, subset);
+}
+
 double chance_of(std::size_t count) { return 1.96 * std::sqrt(0.25 / static_cast<double>(count)); }
 
 }  // namespace enfilade::arena

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "enfilade/tasks/annotations.h"
@@ -19,6 +20,10 @@ std::vector<std::size_t> spread_subset(const tasks::EpisodeSet& episodes, std::s
 /// are there twice
 std::vector<std::size_t> listed_subset(const tasks::EpisodeSet& episodes,
                                        const std::filesystem::path& file);
+
+/// What users write: a number as spread_subset(); "all"; empty: 100, or as many as there are; else
+/// a file as listed_subset(). \throws as these
+std::vector<std::size_t> subset_named(const tasks::EpisodeSet& episodes, const std::string& subset);
 
 /// How far a share of so many episodes may be from the truth by chance: half of the 95 % interval
 /// of a binomial at one half, 1.96 sqrt(1 / 4n). 0.067 of 216. \pre count > 0

@@ -33,6 +33,7 @@ from enfilade._core import (
 from enfilade._errors import ArgumentError, Error, FileError, InvalidInput, UnknownNameError
 
 if TYPE_CHECKING:
+    from enfilade._arena import Arena, ArenaStep, arena
     from enfilade._continuous import (
         ContinuousAction,
         ContinuousEpisode,
@@ -55,6 +56,9 @@ __version__ = "0.1.0"
 
 # The modules of names that need NumPy or the ray tracer.
 _LATER = {
+    "Arena": "_arena",
+    "ArenaStep": "_arena",
+    "arena": "_arena",
     "Dataset": "_dataset",
     "Part": "_dataset",
     "SeenObject": "_dataset",
@@ -88,6 +92,8 @@ _LATER = {
 _MODULES = ("agents", "camera", "eyes", "features", "goals", "habitat")
 
 __all__ = [
+    "Arena",
+    "ArenaStep",
     "ArgumentError",
     "Candidate",
     "CandidateTable",
@@ -120,6 +126,7 @@ __all__ = [
     "Turn",
     "UnknownNameError",
     "Vocabulary",
+    "arena",
     "backends",
     "continuous_episodes",
     "metrics",

@@ -59,6 +59,7 @@ std::shared_ptr<const tasks::EpisodeSet> episode_set(nb::handle episodes);
 /// {"nav_error": ..., "success": ..., ...}
 nb::dict metrics_dict(const tasks::EpisodeMetrics& metrics);
 
+void bind_arena(nb::module_& module);  ///< after bind_dataset and bind_episodes
 void bind_features(nb::module_& module);
 void bind_gl_trial(nb::module_& module);
 void bind_graphs(nb::module_& module);

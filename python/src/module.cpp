@@ -19,6 +19,7 @@ NB_MODULE(_core, m) {
   enfilade::python::bind_scores(m);
   enfilade::python::bind_tokens(m);
   enfilade::python::bind_environment(m);
+  enfilade::python::bind_arena(m);
   enfilade::python::bind_continuous(m);
   enfilade::python::bind_continuous_episodes(m);
   nb::module_ mattersim = m.def_submodule("mattersim", "The old simulator's interface.");

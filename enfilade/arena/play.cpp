@@ -1,0 +1,191 @@
+#include "enfilade/arena/play.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "enfilade/arena/detail/transcript.h"
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/folder_lock.h"
+#include "enfilade/tasks/results.h"
+
+namespace enfilade::arena {
+namespace {
+
+void check(const tasks::EpisodeSet& episodes, const PlayConfig& config) {
+  validate(config.limits);
+  if (config.episodes.empty()) throw ArgumentError("episodes: none");
+  for (const std::size_t one : config.episodes) {
+    if (one < episodes.episodes.size()) continue;
+    throw ArgumentError(fmt::format("episode: {}; there are {}", one, episodes.episodes.size()));
+  }
+}
+
+/// {"name": "go_to", "arguments": {"place": "B"}}; servers write the arguments as a text of JSON.
+Reading read_tool_call(std::string_view text) {
+  Reading unread;
+  unread.fault = R"(the answer is no JSON object with "name" and "arguments")";
+  const auto answer = nlohmann::json::parse(text, nullptr, false);
+  if (!answer.is_object()) return unread;
+  const auto name = answer.find("name");
+  if (name == answer.end() || !name->is_string()) return unread;
+  const auto given = answer.find("arguments");
+  std::string arguments;
+  if (given != answer.end() && !given->is_null()) {
+    arguments = given->is_string() ? given->get<std::string>() : given->dump();
+  }
+  return read_call(name->get<std::string>(), arguments);
+}
+
+}  // namespace
+
+struct Play::Impl {
+  std::shared_ptr<const tasks::EpisodeSet> episodes;
+  PlayConfig config;
+  Prompt prompt;
+  Answers answers;
+  Pictures pictures;
+  GraphWorld world;
+  std::unique_ptr<Painter> painter;
+  std::unique_ptr<FolderLock> lock;
+  std::unique_ptr<GraphSession> session;
+  std::optional<detail::Transcript> transcript;
+  std::vector<PastStep> past;
+  std::set<std::size_t> walked_here;
+  std::vector<tasks::Trajectory> trajectories;  // of walked_here, in the order of walking
+
+  Impl(std::shared_ptr<const tasks::EpisodeSet> set, const dataset::Dataset* data, Prompt text,
+       PlayConfig settings)
+      : episodes(std::move(set)),
+        config(std::move(settings)),
+        prompt(std::move(text)),
+        answers(config.answers.value_or(prompt.answers())),
+        pictures(config.pictures.value_or(prompt.pictures())),
+        world(episodes) {
+    check(*episodes, config);
+    if (pictures != Pictures::kNone) {
+      if (data == nullptr) throw ArgumentError("pictures: there is no data set for them");
+      painter = std::make_unique<Painter>(*data);
+    }
+    if (config.folder.empty()) return;
+    make_folder(config.folder / "transcripts");
+    lock = std::make_unique<FolderLock>(config.folder / "ask.lock");
+  }
+
+  std::filesystem::path file_of(std::size_t episode) const {
+    return config.folder / "transcripts" /
+           detail::transcript_name(episodes->episodes[episode].instruction_id);
+  }
+  bool is_done(std::size_t episode) const {
+    return walked_here.contains(episode) ||
+           (!config.folder.empty() && file_exists(file_of(episode)));
+  }
+
+  void keep() {
+    const std::size_t episode = session->episode();
+    if (!config.folder.empty()) {
+      write_file_atomically(file_of(episode), std::move(*transcript).finish(*session, *episodes));
+      detail::write_results(config.folder, *episodes, config.episodes);
+    }
+    trajectories.push_back(std::get<tasks::Trajectory>(session->walked()));
+    walked_here.insert(episode);
+  }
+};
+
+Play::Play(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
+           Prompt prompt, PlayConfig config)
+    : impl_(std::make_unique<Impl>(std::move(episodes), data, std::move(prompt),
+                                   std::move(config))) {}
+Play::~Play() = default;
+
+bool Play::begin() {
+  impl_->session.reset();
+  const auto& all = impl_->config.episodes;
+  const auto next =
+      std::ranges::find_if_not(all, [this](std::size_t e) { return impl_->is_done(e); });
+  if (next == all.end()) return false;
+  impl_->session = start_session(impl_->world, *next, impl_->config.limits);
+  impl_->transcript.emplace(*impl_->session);
+  impl_->past.clear();
+  return true;
+}
+
+const GraphSession* Play::session() const noexcept { return impl_->session.get(); }
+
+std::string Play::start_text() const {
+  EN_CHECK(impl_->session != nullptr);
+  return impl_->prompt.start(impl_->session->observation(), impl_->answers, impl_->config.limits);
+}
+
+std::string Play::step_text() const {
+  EN_CHECK(impl_->session != nullptr);
+  return impl_->prompt.step(impl_->session->observation(), impl_->answers, impl_->config.limits,
+                            impl_->past);
+}
+
+std::vector<std::string> Play::draw() {
+  EN_CHECK(impl_->session != nullptr);
+  std::vector<std::string> drawn;
+  for (const PictureOrder& order :
+       order_pictures(*impl_->session, impl_->pictures, impl_->config.picture_size)) {
+    drawn.push_back(impl_->painter->draw(order));
+  }
+  return drawn;
+}
+
+Reading Play::read(std::string_view answer) const {
+  switch (impl_->answers) {
+    case Answers::kTools:
+      return read_tool_call(answer);
+    case Answers::kJson:
+      return read_answer_json(answer);
+    case Answers::kText:
+      break;
+  }
+  return read_answer_text(answer);
+}
+
+Outcome Play::call(const Reading& reading) {
+  EN_CHECK(impl_->session != nullptr);
+  GraphSession& session = *impl_->session;
+  const Observation before = session.observation();
+  Outcome outcome;
+  PastStep step{.thought = reading.thought, .call = {}, .told = {}};
+  if (reading.call) {
+    outcome.carried_out = session.call(*reading.call);
+    step.call = reading.call->tool;
+    if (!reading.call->argument.empty()) step.call += " " + reading.call->argument;
+  } else {
+    session.misread(reading.fault);
+  }
+  impl_->transcript->add(before, reading.call ? &*reading.call : nullptr, session);
+  outcome.told = step.told = session.observation().told;
+  outcome.ending = session.ending();
+  impl_->past.push_back(std::move(step));
+  if (outcome.ending) {
+    impl_->keep();
+    impl_->session.reset();
+  }
+  return outcome;
+}
+
+Answers Play::answers() const noexcept { return impl_->answers; }
+std::size_t Play::done() const noexcept {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      impl_->config.episodes, [this](std::size_t e) { return impl_->is_done(e); }));
+}
+std::size_t Play::size() const noexcept { return impl_->config.episodes.size(); }
+
+std::string Play::results() const {
+  if (impl_->config.folder.empty()) {
+    return tasks::to_json(impl_->trajectories, *impl_->episodes);
+  }
+  const auto file = impl_->config.folder / "results.json";
+  return file_exists(file) ? read_file(file) : "[]\n";
+}
+
+}  // namespace enfilade::arena

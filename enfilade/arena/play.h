@@ -1,0 +1,88 @@
+/// \file  Episodes walked one after another by somebody who decides elsewhere: an assistant over a
+/// protocol, a loop in Python, a person.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/arena/pictures.h"
+#include "enfilade/arena/prompt.h"
+#include "enfilade/arena/session.h"
+#include "enfilade/arena/wire.h"
+#include "enfilade/dataset/dataset.h"
+
+namespace enfilade::arena {
+
+/// What is walked, and what is kept of it.
+struct PlayConfig {
+  std::vector<std::size_t> episodes;  ///< in this order; those with a transcript are left out
+  Limits limits = {};
+  std::optional<Answers> answers = {};    ///< none: as the prompt has it
+  std::optional<Pictures> pictures = {};  ///< none: as the prompt has it
+  std::uint32_t picture_size = 512;       ///< pixels, 64 to 2048
+  /// For transcripts/ and results.json, as ask() writes them; empty: nothing is written.
+  std::filesystem::path folder = {};
+};
+
+/// What came of a call.
+struct Outcome {
+  bool carried_out = false;
+  std::optional<Ending> ending = {};  ///< of the episode; none: it goes on
+  std::string told;                   ///< a sentence
+};
+
+/// One episode after another, on graphs. One thread at a time.
+///
+///     arena::Play play(episodes, &data, arena::Prompt::named("marks"), {.episodes = {0, 1}});
+///     while (play.begin()) {
+///       while (play.session() != nullptr) play.call(play.read(model(play.step_text())));
+///     }
+class Play {
+ public:
+  /// \param data for pictures; may be null if there are none
+  /// \throws ArgumentError for no episode, an index out of range, limits or sizes out of range,
+  /// pictures without data; FileError, also if another process works in the folder
+  Play(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
+       Prompt prompt, PlayConfig config);
+  ~Play();
+  Play(const Play&) = delete;
+  Play& operator=(const Play&) = delete;
+
+  /// Begins the next episode that is not done; false: all are. One that is being walked is given up
+  /// and begins again. \throws as start_session()
+  bool begin();
+  /// The one that is being walked; null before begin() and when it has ended.
+  const GraphSession* session() const noexcept;
+
+  /// The prompt's texts for the session. \pre session() != nullptr
+  std::string start_text() const;
+  std::string step_text() const;
+  /// The pictures that belong to step_text(), JPEG. \pre session() != nullptr
+  /// \throws as Painter
+  std::vector<std::string> draw();
+
+  /// Reads an answer: of kTools a JSON object of `name` and `arguments`, as a tool call of OpenAI's
+  /// form has them; else as read_answer_json() and read_answer_text().
+  Reading read(std::string_view answer) const;
+  /// Carries out what was read; what could not be read is a mistake, and does nothing else. When
+  /// the episode ends, transcript and results are written. \pre session() != nullptr
+  /// \throws FileError where they cannot be
+  Outcome call(const Reading& reading);
+
+  Answers answers() const noexcept;
+  std::size_t done() const noexcept;  ///< episodes, also by earlier processes in the folder
+  std::size_t size() const noexcept;  ///< episodes in all
+  /// Of all that are done, as the benchmark's results files have them. \throws FileError
+  std::string results() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::arena
