@@ -38,7 +38,7 @@ class ArenaStep:
     @property
     def instruction(self) -> str:
         """What to do."""
-        return self.observation["instruction"]
+        return str(self.observation["instruction"])
 
     @property
     def images(self) -> list[bytes]:
@@ -54,7 +54,8 @@ class ArenaStep:
         """A JSON Schema of answers without tools, for servers that take `response_format`. Raises
         RuntimeError after act()."""
         self._expect_open()
-        return json.loads(self._core.schema())
+        schema: dict[str, Any] = json.loads(self._core.schema())
+        return schema
 
     def act(self, answer: Union[str, Mapping[str, Any]]) -> bool:
         """Does what a model answered.
@@ -121,7 +122,8 @@ class Arena(Iterator[ArenaStep]):
 
     def results(self) -> list[dict[str, Any]]:
         """The entries of a results file, of all episodes that are done."""
-        return json.loads(self._core.results())
+        entries: list[dict[str, Any]] = json.loads(self._core.results())
+        return entries
 
     def score(self) -> Score:
         """Of the episodes that are done. Raises as Episodes.score(), also if the goals are hidden."""
@@ -161,7 +163,8 @@ def arena(
         output: folder for results.json and transcripts/; episodes that have a transcript there are
             left out. None: nothing is written.
 
-    Raises ArgumentError, UnknownNameError, FileError, InvalidInput naming what is wrong.
+    Raises ArgumentError, UnknownNameError, FileError, InvalidInput naming what is wrong. R2R-Back and
+    SOON, whose answers no tool can give, are refused at the first step.
     """
     task, slash, split = name.partition("/")
     if not (task and slash and split):

@@ -134,10 +134,7 @@ std::unique_ptr<ArenaPlay> open_play(const dataset::Dataset& data, nb::handle ep
 void bind_arena(nb::module_& m) {
   nb::class_<ArenaPlay>(m, "ArenaPlay", "What enfilade.arena() is made of.")
       .def(nb::new_(&open_play), "dataset"_a, "episodes"_a, "subset"_a, "prompt"_a, "answers"_a,
-           "steps"_a, "mistakes"_a, "picture_size"_a, "folder"_a.none(),
-           nb::sig("def __init__(self, dataset: DatasetFolder, episodes: EpisodeSet, subset: str, "
-                   "prompt: str, answers: str, steps: int, mistakes: int, picture_size: int, "
-                   "folder: str | os.PathLike[str] | None) -> None"))
+           "steps"_a, "mistakes"_a, "picture_size"_a, "folder"_a.none())
       .def("begin", &ArenaPlay::begin)
       .def("start_text", &ArenaPlay::start_text)
       .def("step_text", &ArenaPlay::step_text)

@@ -101,8 +101,12 @@ def test_bad_values_are_named(small):
         enfilade.arena("r2r/val_unseen", data=small, prompt="shout")
     with pytest.raises(enfilade.FileError):
         enfilade.arena("r2r/val_unseen", data=small, subset="nowhere.txt")
-    with pytest.raises(enfilade.ArgumentError, match="soon"):
-        enfilade.arena("soon/val_unseen", data=small)
+
+
+@pytest.mark.parametrize("name", ["soon/val_unseen_instrs", "r2r-back/val_unseen"])
+def test_what_no_tool_can_answer_is_refused(made, name):
+    with pytest.raises(enfilade.ArgumentError, match="no tool|answer"):
+        next(enfilade.arena(name, data=made, subset="all"))
 
 
 def test_pictures_are_jpegs(homes):
