@@ -67,7 +67,7 @@ inline constexpr std::uint32_t kPrettySamples = 4;  ///< see kPrettyFaceSize
 std::vector<std::string> pretty_homes(const HomeSetOptions& options);
 
 /// Options by name. "small": 2 homes of a few viewpoints, for tests. "pretty": 16 homes of 25 to 50
-/// viewpoints, three of them with two storeys, all to be looked at. "demo": 48 homes of 25 to 50
+/// viewpoints, three of them with two storeys, all to be looked at. "demo": 60 homes of 25 to 50
 /// viewpoints, every eighth with two storeys, as "training" makes them but for three pretty ones.
 /// "full": 90 homes of 117 viewpoints on average, faces of 512 texels. "graphs": 6 homes like those
 /// of "pretty" but without pictures, made in a second or two. "training": 96 homes for training

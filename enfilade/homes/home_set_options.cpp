@@ -45,7 +45,7 @@ HomeSetOptions home_set_preset(std::string_view name) {
     o.homes = 6;
     o.face_size = 0;
   } else if (name == "training" || name == "demo") {
-    o.homes = name == "demo" ? 48 : 96;
+    o.homes = name == "demo" ? 60 : 96;
     o.pretty = name == "demo" ? 3 : 0;
     o.face_size = 64;
     o.samples = 1;

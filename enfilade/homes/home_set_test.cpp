@@ -332,7 +332,7 @@ TEST(HomeSet, APrettyHomeIsFinerThanTheOthers) {
 
 TEST(HomeSet, TheDemosSetHasManyHomesToLearnFromAndSomeToLookAt) {
   const HomeSetOptions demo = home_set_preset("demo"), training = home_set_preset("training");
-  EXPECT_GE(demo.homes, 48U);
+  EXPECT_GE(demo.homes, 60U);
   EXPECT_EQ(demo.face_size, training.face_size);
   EXPECT_EQ(demo.light, HomeLight::kCoarse);
   EXPECT_EQ(pretty_homes(demo).size(), 3U);
