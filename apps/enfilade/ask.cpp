@@ -35,10 +35,6 @@ struct Options {
   arena::AskConfig ask;
 };
 
-arena::Prompt prompt_of(const std::string& name) {
-  return fs::path(name).has_extension() ? arena::Prompt::load(name) : arena::Prompt::named(name);
-}
-
 template <class Enum>
 Enum named(const std::string& text, const char* option) {
   const auto names = names_of(Enum());
@@ -95,7 +91,7 @@ ExitCode ask(Options& options) {
     for (const std::size_t e : which) fmt::print("{}\n", episodes->episodes[e].instruction_id);
     return kSuccess;
   }
-  const arena::Prompt prompt = prompt_of(options.prompt);
+  const arena::Prompt prompt = arena::Prompt::open(options.prompt);
   if (!options.answers.empty()) {
     options.ask.answers = named<arena::Answers>(options.answers, "--answers");
   }

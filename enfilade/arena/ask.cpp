@@ -161,8 +161,7 @@ class Run {
 
  private:
   fs::path file_of(std::size_t episode) const {
-    return folder_ / "transcripts" /
-           detail::transcript_name(episodes_->episodes[episode].instruction_id);
+    return detail::transcript_file(folder_, *episodes_, episode);
   }
 
   void work(const std::vector<std::size_t>& open, std::size_t all, const Progress& progress) {
@@ -344,10 +343,7 @@ AskReport ask(const std::shared_ptr<const tasks::EpisodeSet>& episodes,
               const fs::path& folder, const Progress& progress) {
   check(config, prompt, data);
   if (!episodes) throw ArgumentError("episodes: null");
-  for (const std::size_t one : which) {
-    if (one < episodes->episodes.size()) continue;
-    throw ArgumentError(fmt::format("episode: {}; there are {}", one, episodes->episodes.size()));
-  }
+  detail::check_episodes(*episodes, which);
   const Answers answers = config.answers.value_or(prompt.answers());
   make_folder(folder);
   const FolderLock lock(folder / "ask.lock");

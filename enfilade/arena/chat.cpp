@@ -199,10 +199,7 @@ ChatAnswer Chat::read(std::string_view body) const {
 
 void Chat::close(std::string_view body, const ChatAnswer& answer, const Observation& after) {
   Impl& chat = *impl_;
-  const auto& call = answer.reading.call;
-  const std::string space = call && !call->argument.empty() ? " " : "";
-  chat.steps.push_back(
-      {answer.reading.thought, call ? call->tool + space + call->argument : "", after.told});
+  chat.steps.push_back(past_step(answer.reading, after.told));
   const Json calls = chat.answers == Answers::kTools ? calls_of(message_of(Json::parse(body)))
                                                      : Json(Json::array());
   chat.told_by_tool = !calls.empty() && chat.prompt.memory() == Memory::kAll;

@@ -19,10 +19,7 @@ namespace {
 void check(const tasks::EpisodeSet& episodes, const PlayConfig& config) {
   validate(config.limits);
   if (config.episodes.empty()) throw ArgumentError("episodes: none");
-  for (const std::size_t one : config.episodes) {
-    if (one < episodes.episodes.size()) continue;
-    throw ArgumentError(fmt::format("episode: {}; there are {}", one, episodes.episodes.size()));
-  }
+  detail::check_episodes(episodes, config.episodes);
 }
 
 /// {"name": "go_to", "arguments": {"place": "B"}}; servers write the arguments as a text of JSON.
@@ -77,8 +74,7 @@ struct Play::Impl {
   }
 
   std::filesystem::path file_of(std::size_t episode) const {
-    return config.folder / "transcripts" /
-           detail::transcript_name(episodes->episodes[episode].instruction_id);
+    return detail::transcript_file(config.folder, *episodes, episode);
   }
   bool is_done(std::size_t episode) const {
     return walked_here.contains(episode) ||
@@ -154,18 +150,15 @@ Outcome Play::call(const Reading& reading) {
   GraphSession& session = *impl_->session;
   const Observation before = session.observation();
   Outcome outcome;
-  PastStep step{.thought = reading.thought, .call = {}, .told = {}};
   if (reading.call) {
     outcome.carried_out = session.call(*reading.call);
-    step.call = reading.call->tool;
-    if (!reading.call->argument.empty()) step.call += " " + reading.call->argument;
   } else {
     session.misread(reading.fault);
   }
   impl_->transcript->add(before, reading.call ? &*reading.call : nullptr, session);
-  outcome.told = step.told = session.observation().told;
+  outcome.told = session.observation().told;
   outcome.ending = session.ending();
-  impl_->past.push_back(std::move(step));
+  impl_->past.push_back(past_step(reading, outcome.told));
   if (outcome.ending) {
     impl_->keep();
     impl_->session.reset();

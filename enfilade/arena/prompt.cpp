@@ -274,6 +274,20 @@ Prompt Prompt::load(const std::filesystem::path& file) {
   return parse(read_file(file), file.string(), file.stem().string());
 }
 
+PastStep past_step(const Reading& reading, std::string told) {
+  PastStep step{.thought = reading.thought, .call = {}, .told = std::move(told)};
+  if (reading.call) {
+    step.call = reading.call->tool;
+    if (!reading.call->argument.empty()) step.call += " " + reading.call->argument;
+  }
+  return step;
+}
+
+Prompt Prompt::open(const std::string& name_or_file) {
+  return std::filesystem::path(name_or_file).has_extension() ? load(name_or_file)
+                                                             : named(name_or_file);
+}
+
 Prompt Prompt::named(std::string_view name) {
   const auto known = built_in();
   const auto found = std::ranges::find(known, name, &BuiltIn::name);

@@ -10,6 +10,7 @@
 
 #include "enfilade/arena/pictures.h"
 #include "enfilade/arena/session.h"
+#include "enfilade/arena/wire.h"
 
 namespace enfilade::arena {
 
@@ -37,6 +38,9 @@ struct PastStep {
   std::string told;     ///< what came of it
 };
 
+/// The step that `reading` was. \param told what came of it
+PastStep past_step(const Reading& reading, std::string told);
+
 /// A template: a head of lines "name: value", then, each after a line "---", the text of the start
 /// and that of a step, in Mustache (docs/arena.md has the names that it can use).
 ///
@@ -55,6 +59,8 @@ class Prompt {
   /// One that is built in: "text", "marks", "navgpt", "mapgpt". \throws LookupError listing them
   static Prompt named(std::string_view name);
   static std::vector<std::string> names();
+  /// What users write: a file if it has an extension, else a name. \throws as load(), named()
+  static Prompt open(const std::string& name_or_file);
   /// \throws FileError; InvalidInput naming file and line: an unknown name in the head, a value
   /// that is not possible, no two texts, a tag that is not closed
   static Prompt load(const std::filesystem::path& file);

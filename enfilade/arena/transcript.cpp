@@ -64,8 +64,7 @@ std::vector<Json> write_results(const std::filesystem::path& folder,
   std::vector<Json> ends;
   std::string results;
   for (const std::size_t episode : which) {
-    const auto file =
-        folder / "transcripts" / transcript_name(episodes.episodes[episode].instruction_id);
+    const auto file = transcript_file(folder, episodes, episode);
     if (!file_exists(file)) continue;
     ends.push_back(end_of_transcript(file));
     results += (results.empty() ? "[\n" : ",\n") + ends.back()["result"].dump();
@@ -74,14 +73,22 @@ std::vector<Json> write_results(const std::filesystem::path& folder,
   return ends;
 }
 
-std::string transcript_name(const std::string& episode_id) {
+std::filesystem::path transcript_file(const std::filesystem::path& folder,
+                                      const tasks::EpisodeSet& episodes, std::size_t episode) {
   std::string name;
-  for (const char c : episode_id) {
+  for (const char c : episodes.episodes[episode].instruction_id) {
     const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
                        c == '-' || c == '_' || c == '.';
     name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
   }
-  return name + ".jsonl";
+  return folder / "transcripts" / (name + ".jsonl");
+}
+
+void check_episodes(const tasks::EpisodeSet& episodes, const std::vector<std::size_t>& which) {
+  for (const std::size_t one : which) {
+    if (one < episodes.episodes.size()) continue;
+    throw ArgumentError(fmt::format("episode: {}; there are {}", one, episodes.episodes.size()));
+  }
 }
 
 }  // namespace enfilade::arena::detail

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from typing import Any, Iterator, Optional, Union
+from typing import TYPE_CHECKING, Any, Iterator, Optional, Union
 
 from enfilade._arguments import whole
 from enfilade._core import ArenaPlay, DatasetFolder
 from enfilade._episodes import Episodes, Score
 from enfilade._errors import ArgumentError
 
-_Path = Union[str, os.PathLike[str]]
+if TYPE_CHECKING:  # Python 3.8 has no os.PathLike[str]
+    _Path = Union[str, os.PathLike[str]]
 
 
 class ArenaStep:

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -40,22 +41,10 @@ class ArenaPlay {
             const std::string& subset, const std::string& prompt, arena::PlayConfig config)
       : data_(data), episodes_(std::move(episodes)) {
     config.episodes = arena::subset_named(*episodes_, subset);
-    const bool is_file = std::filesystem::path(prompt).has_extension();
-    play_ = std::make_unique<arena::Play>(
-        episodes_, &data_, is_file ? arena::Prompt::load(prompt) : arena::Prompt::named(prompt),
-        std::move(config));
+    play_ = std::make_unique<arena::Play>(episodes_, &data_, arena::Prompt::open(prompt),
+                                          std::move(config));
   }
 
- private:
-  template <class Work>
-  auto with_session(const Work& work) {
-    const Busy busy(busy_);
-    const nb::gil_scoped_release unlocked;
-    if (play_->session() == nullptr) throw WrongOrder("no episode is being walked");
-    return work();
-  }
-
- public:
   bool begin() {
     const Busy busy(busy_);
     const nb::gil_scoped_release unlocked;
@@ -99,6 +88,13 @@ class ArenaPlay {
   std::size_t size() const { return play_->size(); }
 
  private:
+  template <class Work>
+  std::invoke_result_t<const Work&> with_session(const Work& work) {
+    const Busy busy(busy_);
+    const nb::gil_scoped_release unlocked;
+    if (play_->session() == nullptr) throw WrongOrder("no episode is being walked");
+    return work();
+  }
   static nb::tuple told(const arena::Outcome& outcome) {
     nb::object ending = nb::none();
     if (outcome.ending) {

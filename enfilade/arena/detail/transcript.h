@@ -34,7 +34,11 @@ std::vector<nlohmann::ordered_json> write_results(const std::filesystem::path& f
                                                   const tasks::EpisodeSet& episodes,
                                                   const std::vector<std::size_t>& which);
 
-/// "<id>.jsonl", with what file names should not have as "%3a".
-std::string transcript_name(const std::string& episode_id);
+/// "FOLDER/transcripts/<id>.jsonl", with what file names should not have as "%3a".
+std::filesystem::path transcript_file(const std::filesystem::path& folder,
+                                      const tasks::EpisodeSet& episodes, std::size_t episode);
+
+/// \throws ArgumentError naming an index that the set does not have
+void check_episodes(const tasks::EpisodeSet& episodes, const std::vector<std::size_t>& which);
 
 }  // namespace enfilade::arena::detail
