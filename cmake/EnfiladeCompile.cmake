@@ -5,7 +5,8 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   # The simulator reproduces recorded single-precision results bit for bit, so a*b+c must not
   # become one rounding on machines that could fuse it.
   target_compile_options(enfilade_compile INTERFACE -ffp-contract=off)
-  # Users cannot mend what a newer compiler warns of, and finding nothing takes a tenth of its time.
+  # Not for users: they cannot mend what a newer compiler warns of, and looking for it takes about a
+  # tenth of the compiler's time.
   if(EN_DEVELOPER_MODE)
     target_compile_options(enfilade_compile INTERFACE
       -Wall -Wextra -Wshadow -Wconversion -Wnon-virtual-dtor -Wold-style-cast -Wundef -Werror)

@@ -1,5 +1,5 @@
-# Options of code that takes no time when it runs, such as reading options or writing pages: a fifth of
-# what the compiler takes with -O3.
+# Options of code that takes no time when it runs, such as reading options or writing pages. The compiler
+# takes a tenth to a third less than with -O3.
 set(EN_COLD_OPTIONS $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 
 # One folder of enfilade/ = one static library = one target enfilade::<name> = one test program.
