@@ -2,13 +2,16 @@
 // and one of its own: 32 or 16 episodes of R2R's train split, made features of 128 numbers (there
 // are no pictures to make them from), the sizes of duet-s. Beside the time, the shares of making
 // the batch (or of environment and maps) and of the matrix products; both are from the same
-// iterations, so that neighbours on the machine disturb them alike.
+// iterations, so that neighbours on the machine disturb them alike. Where there is a card, training
+// there too, of the published sizes as well: beside the time that of the same products alone.
 #include <ATen/ATen.h>
 #include <ATen/record_function.h>
 #include <benchmark/benchmark.h>
+#include <c10/core/InferenceMode.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -19,6 +22,7 @@
 #include "enfilade/models/instructions.h"
 #include "enfilade/models/train_config.h"
 #include "enfilade/neural/detail/optimizer.h"
+#include "enfilade/neural/detail/torch_device.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/duet/pretraining_tasks.h"
 #include "enfilade/neural/duet/training.h"
@@ -166,8 +170,144 @@ void training(benchmark::State& state, int threads) {
   state.counters["environment"] = environment / whole;
 }
 
+// --- on a card ---
+
+// The shapes of an iteration's products on the device.
+class ProductShapes {
+ public:
+  struct Factors {
+    at::Tensor a, b;
+  };
+
+  static void install() {
+    at::addGlobalCallback(
+        at::RecordFunctionCallback(&note).needsInputs(true).scopes({at::RecordScope::FUNCTION}));
+  }
+  // What is multiplied while this is not null.
+  static std::vector<Factors>*& log() {
+    static std::vector<Factors>* log = nullptr;
+    return log;
+  }
+
+ private:
+  static std::unique_ptr<at::ObserverContext> note(const at::RecordFunction& function) {
+    if (log() == nullptr) return nullptr;
+    const std::string_view name = function.name();
+    const bool adds = name == "aten::addmm" || name == "aten::baddbmm";
+    if (!adds && name != "aten::mm" && name != "aten::bmm") return nullptr;
+    const auto inputs = function.inputs();
+    const std::size_t first = adds ? 1 : 0;
+    const at::Tensor a = inputs[first].toTensor(), b = inputs[first + 1].toTensor();
+    // Autocast calls again with what it has converted.
+    if (a.scalar_type() == b.scalar_type()) log()->push_back({a, b});
+    return nullptr;
+  }
+};
+
+void wait_for(c10::Device device) {
+  (void)at::zeros({1}, at::TensorOptions(at::kFloat).device(device)).item<float>();
+}
+
+// Milliseconds of these products, each with its operands as they lay, on numbers that were there.
+double products_alone(const std::vector<ProductShapes::Factors>& products, c10::Device device) {
+  const c10::InferenceMode guard;
+  double least = std::numeric_limits<double>::infinity();
+  constexpr int kRepetitions = 5;
+  for (int i = 0; i < kRepetitions; ++i) {
+    wait_for(device);
+    const auto begin = Clock::now();
+    for (const auto& [a, b] : products) (void)at::matmul(a, b);
+    wait_for(device);
+    least = std::min(least, 1e3 * seconds(Clock::now() - begin));
+  }
+  return least;
+}
+
+double operations_of(const std::vector<ProductShapes::Factors>& products) {
+  double sum = 0;
+  for (const auto& [a, b] : products) {
+    sum += 2.0 * static_cast<double>(a.numel()) * static_cast<double>(b.size(-1));
+  }
+  return sum;
+}
+
+struct OnCard {
+  const char* sizes;
+  std::int64_t image;
+  std::size_t episodes;
+  neural::Precision precision;
+};
+
+void training_on_card(benchmark::State& state, const OnCard& what) {
+  const c10::Device device = neural::detail::open_agents_device("cuda");
+  DuetConfig config = models::duet_preset(what.sizes);
+  config.image = what.image;
+  config.vocabulary = static_cast<std::int64_t>(data().words.size());
+  const DuetNetwork network(config, 1, device);
+  MadeSurroundings surroundings;
+  Walker walker(data().episodes.graphs, surroundings);
+  neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};
+  const std::span<const WalkEpisode> episodes = std::span(data().batch).first(what.episodes);
+  WalkOptions led, own;
+  led.feedback = WalkFeedback::kTeacher;
+  led.expert = Expert::kReference;
+  own.feedback = WalkFeedback::kSample;
+  own.expert = Expert::kSpl;
+  led.dropout = own.dropout = true;
+  const std::vector<TrainingWalk> walks{{episodes, led, 0.2}, {episodes, own, 1}};
+  const auto iterate = [&] {
+    const neural::detail::PrecisionGuard guard(what.precision);
+    return train_once(network, walker, walks, optimizer).environment_seconds;
+  };
+  constexpr int kWarmUp = 3;  // features go to the card, kernels are loaded
+  for (int i = 0; i < kWarmUp; ++i) iterate();
+  double whole = 0, environment = 0;
+  for (auto _ : state) {
+    const auto begin = Clock::now();
+    environment += iterate();
+    wait_for(device);
+    const double time = seconds(Clock::now() - begin);
+    state.SetIterationTime(time);
+    whole += time;
+  }
+  std::vector<ProductShapes::Factors> products;
+  ProductShapes::log() = &products;
+  iterate();
+  ProductShapes::log() = nullptr;
+  const double alone = products_alone(products, device);
+  state.counters["products"] = static_cast<double>(products.size());
+  state.counters["products_ms"] = alone;
+  state.counters["products_share"] = 1e-3 * alone * static_cast<double>(state.iterations()) / whole;
+  state.counters["TFLOP"] = 1e-12 * operations_of(products);
+  state.counters["environment"] = environment / whole;
+}
+
+void register_card() {
+  try {
+    neural::detail::open_agents_device("cuda");
+  } catch (const Error&) {
+    return;  // no card
+  }
+  ProductShapes::install();
+  using enum neural::Precision;
+  for (const auto precision : {kFloat32, kTf32, kBfloat16}) {
+    for (const OnCard& what :
+         {OnCard{"duet-s", kImage, kTrained, precision},
+          OnCard{"duet-s", kImage, kBatch, precision}, OnCard{"duet", 768, 8, precision},
+          OnCard{"duet", 768, kBatch, precision}}) {
+      benchmark::RegisterBenchmark(
+          fmt::format("card/{}/{}_episodes/{}", what.sizes, what.episodes, to_string(precision))
+              .c_str(),
+          [=](benchmark::State& state) { training_on_card(state, what); })
+          ->UseManualTime()
+          ->Unit(benchmark::kMillisecond);
+    }
+  }
+}
+
 void register_all() {
   ProductClock::install();
+  register_card();
   for (const int threads : {0, 1}) {
     benchmark::RegisterBenchmark(threads == 0 ? "train/all_cores" : "train/one_thread",
                                  [=](benchmark::State& state) { training(state, threads); })

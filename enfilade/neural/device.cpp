@@ -3,8 +3,11 @@
 #include <ATen/ATen.h>
 #include <ATen/Parallel.h>
 #include <dlfcn.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <torch/version.h>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <system_error>
@@ -15,6 +18,8 @@
 
 namespace enfilade::neural {
 namespace {
+
+constexpr std::array<std::string_view, 3> kPrecisions{"float32", "tf32", "bfloat16"};
 
 // The dynamic linker binds libtorch to whatever library defines sgemm_ first.
 std::string blas_library() {
@@ -50,6 +55,17 @@ std::string cuda_state() {
 }
 
 }  // namespace
+
+std::string_view to_string(Precision value) noexcept {
+  return kPrecisions[static_cast<std::size_t>(value)];
+}
+
+Precision parse_precision(std::string_view name) {
+  const auto found = std::ranges::find(kPrecisions, name);
+  if (found != kPrecisions.end()) return static_cast<Precision>(found - kPrecisions.begin());
+  throw ArgumentError(
+      fmt::format("precision {:?}: {} is allowed", name, fmt::join(kPrecisions, " or ")));
+}
 
 TorchReport examine_torch() {
   set_threads(0);  // libtorch's own choice may be half of the cores

@@ -1,8 +1,26 @@
 /// \file  libtorch on this machine: its version, BLAS, speed and threads.
 #pragma once
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace enfilade::neural {
+
+/// The numbers that a card's products are made of in training. Weights, sums, norms and losses are
+/// float32 always; evaluation and the CPU have float32 alone.
+enum class Precision : std::uint8_t {
+  kFloat32,
+  kTf32,      ///< factors are rounded to 10 bits in the matrix units, sums are float32
+  kBfloat16,  ///< PyTorch's autocast: products, and what lies between them, in bfloat16
+};
+std::string_view to_string(Precision value) noexcept;  ///< "float32", "tf32", "bfloat16"
+Precision parse_precision(std::string_view name);      ///< \throws ArgumentError
+
+/// What a network is trained with.
+struct Computing {
+  std::string device = "cpu";  ///< "cpu", "cuda" (the first card) or "cuda:1"
+  Precision precision = Precision::kFloat32;
+};
 
 /// Below this speed training takes too long: an optimised BLAS is ten times as fast on any machine
 /// of today, the reference BLAS is slower on all.

@@ -128,7 +128,7 @@ struct Network::Impl : seq2seq::Seq2Seq {
 Network::Network(const models::NetworkConfig& config, std::uint64_t seed,
                  const std::string& device) {
   const c10::InferenceMode guard;
-  impl_ = std::make_unique<Impl>(config, detail::open_device(device));
+  impl_ = std::make_unique<Impl>(config, detail::open_agents_device(device));
   impl_->parameters().initialise(seed);
 }
 Network::~Network() = default;

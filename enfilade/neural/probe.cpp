@@ -222,15 +222,15 @@ at::Tensor held_out(const PlaceList& places) {
   return at::tensor(flags, at::kByte).to(at::kBool);
 }
 
-struct Precision {
+struct ClassPrecision {
   double mean = kNaN, chance = kNaN;
 };
 
 // Over columns of the same class. \param said, truths (n, classes, places in the picture)
-Precision precision_of(const at::Tensor& said, const at::Tensor& truths) {
+ClassPrecision precision_of(const at::Tensor& said, const at::Tensor& truths) {
   const std::int64_t classes = truths.size(1);
   if (classes == 0) return {};
-  Precision sum{0, 0};
+  ClassPrecision sum{0, 0};
   for (std::int64_t k = 0; k < classes; ++k) {
     const at::Tensor scores = said.select(1, k).flatten().to(at::kFloat).contiguous();
     const at::Tensor shown = truths.select(1, k).flatten().to(at::kByte).contiguous();
@@ -302,10 +302,10 @@ ProbeReport probe_features(const features::FeatureSet& features,
                      .training = places.size(),
                      .unseen = others.size(),
                      .classes = static_cast<std::size_t>(classes.numel())};
-  const Precision view =
+  const ClassPrecision view =
       precision_of(said[kShown].unsqueeze(2), unseen.shown.index_select(1, classes).unsqueeze(2));
   const at::Tensor thirds = unseen.thirds.index_select(1, classes);
-  const Precision third = precision_of(said[kThirds].view_as(thirds), thirds);
+  const ClassPrecision third = precision_of(said[kThirds].view_as(thirds), thirds);
   report.view_precision = view.mean;
   report.view_chance = view.chance;
   report.third_precision = third.mean;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/neural/detail/torch_device.h"
 #include "enfilade/neural/detail/viewpoint_agent.h"
 #include "enfilade/neural/duet/duet_split.h"
 #include "enfilade/neural/model.h"
@@ -14,19 +15,13 @@ namespace enfilade::neural {
 
 namespace fs = std::filesystem;
 
-void require_cpu(models::AgentKind agent, const std::string& device) {
-  if (device == "cpu") return;
-  throw ArgumentError(
-      fmt::format("device {:?}: the agent {} computes on cpu alone", device, to_string(agent)));
-}
-
 std::unique_ptr<TrainedAgent> load_trained_agent(const fs::path& folder,
-                                                 const std::string& device) {
+                                                 const std::string& device_name) {
   const models::ModelFiles files = require_model(folder);
   const models::ModelConfig config = models::load_model_config(files.config());
   const models::AgentKind kind = config.training.agent;
   if (kind == models::AgentKind::kSeq2Seq) {
-    return std::make_unique<Seq2SeqAgent>(load_model(folder, device));
+    return std::make_unique<Seq2SeqAgent>(load_model(folder, device_name));
   }
   if (kind == models::AgentKind::kSpeaker) {
     throw ArgumentError(fmt::format("{}: a speaker, which describes paths and does not walk them",
@@ -36,19 +31,21 @@ std::unique_ptr<TrainedAgent> load_trained_agent(const fs::path& folder,
     throw ArgumentError(fmt::format(
         "{}: an agent that walks freely, not in the graph: --task r2r-ce", folder.string()));
   }
-  require_cpu(kind, device);
+  const c10::Device device = detail::open_agents_device(device_name);
   models::InstructionWords words = models::load_instruction_words(files, config.training);
   const models::StateFile state = models::open_state(files.weights());
   // EnvDrop's trajectories have an entry a turn, and it turns to the right only. DUET's have none.
   if (kind == models::AgentKind::kDuet) {
     return std::make_unique<detail::ViewpointAgent<duet::DuetNetwork, duet::DuetSplit>>(
         config, std::move(words), state.iteration,
-        duet::DuetNetwork(duet_sizes(config.training), state.file), agents::Turning::kShorter);
+        duet::DuetNetwork(duet_sizes(config.training), state.file, device),
+        agents::Turning::kShorter);
   }
   using panoramic::PanoramicNetwork;
   return std::make_unique<detail::ViewpointAgent<PanoramicNetwork, panoramic::PanoramicSplit>>(
       config, std::move(words), state.iteration,
-      PanoramicNetwork(panoramic_sizes(config.training), state.file), agents::Turning::kRight);
+      PanoramicNetwork(panoramic_sizes(config.training), state.file, device),
+      agents::Turning::kRight);
 }
 
 }  // namespace enfilade::neural

@@ -44,13 +44,9 @@ class TrainedAgent : public agents::Agent {
                                               const Progress& progress = {}) = 0;
 };
 
-/// \throws ArgumentError if this kind of agent can compute on the CPU alone, and `device` is
-/// another
-void require_cpu(models::AgentKind agent, const std::string& device);
-
 /// Loads any model. \throws FileError for a missing file; InvalidInput for damaged files, a
 /// vocabulary of another size than the network's, or weights that do not fit; Error for a device
-/// that is not available, ArgumentError for one that this kind of agent cannot use
+/// that is not available, ArgumentError for another name
 std::unique_ptr<TrainedAgent> load_trained_agent(const std::filesystem::path& folder,
                                                  const std::string& device = "cpu");
 

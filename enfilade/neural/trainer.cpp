@@ -13,6 +13,7 @@
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/detail/learner.h"
+#include "enfilade/neural/detail/torch_device.h"
 #include "enfilade/neural/duet/duet_learner.h"
 #include "enfilade/neural/duet/pretraining_learner.h"
 #include "enfilade/neural/model.h"
@@ -154,41 +155,58 @@ void check_same_model(const models::ModelFiles& files, const models::ModelConfig
 
 std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
                                               const models::InstructionWords& words,
-                                              const std::string& device,
+                                              const std::string& device_name,
                                               const models::ModelFiles& files,
                                               const TrainingListener& listener) {
   using models::AgentKind;
-  if (config.agent == AgentKind::kDuet) {
-    require_cpu(config.agent, device);
-    return config.stage == models::Stage::kPretrain ? duet::make_pretraining_learner(config, words)
-                                                    : duet::make_duet_learner(config, words);
-  }
-  const tasks::Vocabulary& vocabulary = *words.vocabulary();  // they read no pieces in training
+  const tasks::Vocabulary* const vocabulary = words.vocabulary();
   if (config.agent == AgentKind::kSeq2Seq) {
-    return detail::make_seq2seq_learner(config, vocabulary, device);
+    return detail::make_seq2seq_learner(config, *vocabulary, device_name);
   }
-  require_cpu(config.agent, device);
+  const c10::Device device = detail::open_agents_device(device_name);
+  if (config.agent == AgentKind::kDuet) {
+    return config.stage == models::Stage::kPretrain
+               ? duet::make_pretraining_learner(config, words, device)
+               : duet::make_duet_learner(config, words, device);
+  }
+  // The others read no pieces in training, so there is a vocabulary.
   if (config.agent == AgentKind::kSeq2SeqCe) {
-    return seq2seq_ce::make_learner(config, vocabulary, files, listener.gathering);
+    return seq2seq_ce::make_learner(config, *vocabulary, files, device, listener.gathering);
   }
   return config.agent == AgentKind::kSpeaker
-             ? panoramic::make_speaker_learner(config, vocabulary)
-             : panoramic::make_panoramic_learner(config, vocabulary);
+             ? panoramic::make_speaker_learner(config, *vocabulary, device)
+             : panoramic::make_panoramic_learner(config, *vocabulary, device);
+}
+
+void check(const Computing& computing, models::AgentKind agent) {
+  if (computing.precision == Precision::kFloat32) return;
+  if (computing.device == "cpu") {
+    throw ArgumentError(
+        fmt::format("precision {}: the CPU computes in float32 alone; cards have it",
+                    to_string(computing.precision)));
+  }
+  const bool own_gradients =
+      agent == models::AgentKind::kSeq2Seq || agent == models::AgentKind::kSeq2SeqCe;
+  if (own_gradients && computing.precision == Precision::kBfloat16) {
+    throw ArgumentError(fmt::format(
+        "precision bfloat16: the agent {} is trained in float32 or tf32", to_string(agent)));
+  }
 }
 
 class Training {
  public:
   Training(const models::TrainConfig& config, const TrainingData& data, const fs::path& directory,
-           const std::string& device, const TrainingListener& listener,
+           const Computing& computing, const TrainingListener& listener,
            const std::optional<fs::path>& from)
       : data_(data),
+        precision_(computing.precision),
         files_{directory},
         listener_(listener),
         origin_(open_origin(config, from)),
         words_(words_of(config, data, origin_)),
         model_{completed(config, data, words_, origin_), data.fingerprint},
         lock_((make_folder(directory), files_.lock())),
-        learner_(make_learner(model_.training, words_, device, files_, listener)) {}
+        learner_(make_learner(model_.training, words_, computing.device, files_, listener)) {}
 
   bool run() {
     if (fs::exists(files_.config())) {
@@ -260,7 +278,10 @@ class Training {
 
   void iterate() {
     const Clock::time_point begin = Clock::now();
-    const detail::Update update = learner_->update(iteration_);
+    const detail::Update update = [this] {
+      const detail::PrecisionGuard guard(precision_);
+      return learner_->update(iteration_);
+    }();
     ++iteration_;
     const double whole = seconds(Clock::now() - begin);
     last_loss_ = update.loss;
@@ -335,6 +356,7 @@ class Training {
   }
 
   const TrainingData& data_;
+  Precision precision_;
   models::ModelFiles files_;
   const TrainingListener& listener_;
   std::optional<Origin> origin_;
@@ -382,9 +404,10 @@ TrainingData load_training_data(const dataset::Dataset& dataset, const models::T
 }
 
 bool train(const models::TrainConfig& config, const TrainingData& data, const fs::path& directory,
-           const std::string& device, const TrainingListener& listener,
+           const Computing& computing, const TrainingListener& listener,
            const std::optional<fs::path>& from) {
   validate(config);
+  check(computing, config.agent);
   const bool free = config.agent == models::AgentKind::kSeq2SeqCe;
   if (free != (data.continuous != nullptr)) {
     throw ArgumentError(
@@ -400,7 +423,7 @@ bool train(const models::TrainConfig& config, const TrainingData& data, const fs
   if (none) {
     throw ArgumentError(fmt::format("split {}: no episode to train on", data.training.split));
   }
-  return Training(config, data, directory, device, listener, from).run();
+  return Training(config, data, directory, computing, listener, from).run();
 }
 
 }  // namespace enfilade::neural

@@ -201,10 +201,29 @@ TEST_F(TrainerTest, APanoramicAgentsConfigIsReadBack) {
   EXPECT_EQ(there.optimizer, models::Optimizer::kRmsProp);
   EXPECT_THAT([&] { load_model(folder); },
               ThrowsMessage<ArgumentError>(HasSubstr("an agent panoramic, not seq2seq")));
-  EXPECT_THAT([&] { load_trained_agent(folder, "cuda"); },
-              ThrowsMessage<ArgumentError>(HasSubstr("computes on cpu alone")));
+  EXPECT_THAT([&] { load_trained_agent(folder, "gpu"); },
+              ThrowsMessage<ArgumentError>(HasSubstr("\"cuda:N\" for card N")));
   EXPECT_THAT([&] { train_into(folder, small_->config()); },
               ThrowsMessage<ArgumentError>(HasSubstr("agent: panoramic, not seq2seq")));
+}
+
+TEST_F(TrainerTest, SaysWhichPrecisionThereIs) {
+  const models::TrainConfig config = small_->config();
+  const auto training = [&](const Computing& computing) {
+    return [&, computing] { train(config, small_->load(config), fresh("model"), computing); };
+  };
+  EXPECT_THAT(
+      training({"cpu", Precision::kTf32}),
+      ThrowsMessage<ArgumentError>(HasSubstr("precision tf32: the CPU computes in float32 alone")));
+  EXPECT_THAT(training({"cuda", Precision::kBfloat16}),
+              ThrowsMessage<ArgumentError>(HasSubstr(
+                  "precision bfloat16: the agent seq2seq is trained in float32 or tf32")));
+  EXPECT_FALSE(fs::exists(fresh("model") / "config.json"));
+  for (const auto value : {Precision::kFloat32, Precision::kTf32, Precision::kBfloat16}) {
+    EXPECT_EQ(parse_precision(to_string(value)), value);
+  }
+  EXPECT_THAT([] { parse_precision("half"); },
+              ThrowsMessage<ArgumentError>(HasSubstr("float32 or tf32 or bfloat16 is allowed")));
 }
 
 TEST_F(TrainerTest, ASpeakerIsTrainedToTheBitAndDescribesPaths) {
@@ -451,7 +470,7 @@ TEST_F(TrainerTest, TellsHowFarItIs) {
     EXPECT_LT(progress.data_share, 1);
   };
   listener.evaluation = [&](const models::EvaluationRecord&) { ++evaluations; };
-  train(config, small_->load(config), fresh("model"), "cpu", listener);
+  train(config, small_->load(config), fresh("model"), {}, listener);
   EXPECT_THAT(iterations, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12));
   EXPECT_EQ(evaluations, 4U);
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/neural/detail/torch_device.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/duet_episodes.h"
 
@@ -97,9 +98,9 @@ DuetConfig case_config(const json& about, const features::TensorFile& weights) {
 
 // A network that leaves out, or adds, what a case says.
 DuetNetwork network_of(const json& about, const features::TensorFile& weights,
-                       const features::TensorFile& arrays) {
+                       const features::TensorFile& arrays, c10::Device device) {
   const DuetConfig config = case_config(about, weights);
-  DuetNetwork network(config, 1);
+  DuetNetwork network(config, 1, device);
   const c10::NoGradGuard no_gradients;
   for (const auto& [name, values] : network.weights()) {
     const auto* found = weights.find(name);
@@ -121,10 +122,11 @@ void check_duet_units(const AgentsFolder& folder, AgentsTally& tally) {
   const c10::NoGradGuard no_gradients;
   for (const json& one : about["cases"]) {
     const features::TensorFile weights = folder.tensors(one["weights"].get<std::string>());
-    const DuetNetwork network = network_of(one, weights, arrays);
+    const DuetNetwork network =
+        network_of(one, weights, arrays, neural::detail::open_agents_device(folder.device()));
     const UnitCase unit(arrays, one);
     const auto check = [&](const char* which, const at::Tensor& ours, const at::Tensor& mask) {
-      unit.check(which, ours, mask, tally);
+      unit.check(which, ours.to(at::kCPU), mask, tally);
     };
     const at::Tensor words = unit.array("in.txt_masks").gt(0);
     check("out.txt_embeds", network.encode_text(unit.array("in.txt_ids"), words.sum(1)).values,

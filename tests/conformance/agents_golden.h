@@ -18,10 +18,12 @@ namespace enfilade::tests {
 /// A folder of recordings, and the data set whose graphs and texts they speak of.
 class AgentsFolder {
  public:
-  AgentsFolder(std::filesystem::path path, dataset::Dataset data)
-      : path_(std::move(path)), data_(std::move(data)) {}
+  /// \param device where networks compute, as neural::train() takes it
+  AgentsFolder(std::filesystem::path path, dataset::Dataset data, std::string device = "cpu")
+      : path_(std::move(path)), data_(std::move(data)), device_(std::move(device)) {}
 
   const dataset::Dataset& data() const noexcept { return data_; }
+  const std::string& device() const noexcept { return device_; }
   bool has(const std::string& name) const;
   std::filesystem::path file(const std::string& name) const { return path_ / name; }
   /// A file of JSON, packed or not. \throws FileError, InvalidInput
@@ -34,6 +36,7 @@ class AgentsFolder {
  private:
   std::filesystem::path path_;
   dataset::Dataset data_;
+  std::string device_;
 };
 
 /// Counts values and mismatches, a file at a time; keeps the first few mismatches of each.

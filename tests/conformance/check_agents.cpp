@@ -41,7 +41,7 @@ ExitCode report(const AgentsFolder& folder, const AgentsTally& tally) {
   return mismatches > 0 ? kFaultsFound : kSuccess;
 }
 
-ExitCode check(const std::string& path, const std::string& data) {
+ExitCode check(const std::string& path, const std::string& data, const std::string& device) {
   if (!std::filesystem::is_directory(path)) throw FileError(path + ": is no folder");
   const auto files = std::filesystem::directory_iterator(path);
   const bool any = std::any_of(begin(files), end(files), [](const auto& entry) {
@@ -52,7 +52,7 @@ ExitCode check(const std::string& path, const std::string& data) {
   }
   // The data lie beside the folder's parent.
   const auto parent = std::filesystem::absolute(std::filesystem::path(path) / "x").parent_path();
-  const AgentsFolder folder(path, open_data_beside(data, parent));
+  const AgentsFolder folder(path, open_data_beside(data, parent), device);
   AgentsTally tally;
   check_duet(folder, tally);
   check_envdrop(folder, tally);
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
   using namespace enfilade::tests;
   CLI::App app("Compares recorded passes, rollouts and training of published agents with ours.",
                "check_agents");
-  std::string folder, data;
+  std::string folder, data, device = "cpu";
   int status = kSuccess;
   app.add_option("folder", folder, "A folder with recordings: duet_*, envdrop*")
       ->required()
@@ -75,9 +75,11 @@ int main(int argc, char** argv) {
                  "Data set: a folder with connectivity/ (default: ENFILADE_DATA, else data/ "
                  "beside the folder's parent)")
       ->type_name("DIR");
+  app.add_option("--device", device, "Where networks compute: cpu, cuda or cuda:N")
+      ->capture_default_str();
   app.footer(
       "Exit codes: 0 all agree, 1 mismatches, 2 command line or nothing to check, 3 a file that "
       "cannot be used.");
-  app.callback([&] { status = check(folder, data); });
+  app.callback([&] { status = check(folder, data, device); });
   return run_program(app, argc, argv, status);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "enfilade/core/gzip.h"
+#include "enfilade/neural/detail/torch_device.h"
 #include "tests/conformance/synthetic.h"
 
 namespace enfilade::tests {
@@ -103,7 +104,7 @@ DuetNetwork duet_network(const AgentsFolder& folder, const std::string& task) {
   const features::TensorFile weights = folder.tensors("duet_" + task + ".pt");
   DuetConfig config = infer_config(weights, 4);
   config.max_words = 100;
-  return DuetNetwork(config, weights);
+  return DuetNetwork(config, weights, neural::detail::open_agents_device(folder.device()));
 }
 
 }  // namespace enfilade::tests

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "enfilade/neural/detail/torch_device.h"
 #include "tests/conformance/synthetic.h"
 
 namespace enfilade::tests {
@@ -20,7 +21,7 @@ PanoramicNetwork network_of(const AgentsFolder& folder, const std::string& name,
   const features::TensorFile file = folder.tensors(name);
   PanoramicConfig config;
   config.subout = subout;
-  return {config_of(file, config), file};
+  return {config_of(file, config), file, neural::detail::open_agents_device(folder.device())};
 }
 
 EnvdropEpisodes::EnvdropEpisodes(const dataset::Dataset& data, const std::vector<json>& lines)

@@ -106,7 +106,7 @@ class SmallTraining {
 
   bool train(const std::filesystem::path& folder, const models::TrainConfig& config,
              const std::optional<std::filesystem::path>& from = {}) const {
-    return neural::train(config, load(config), folder, "cpu", {}, from);
+    return neural::train(config, load(config), folder, {}, {}, from);
   }
   /// Expects that Stop comes after so many iterations.
   void train_until(const std::filesystem::path& folder, const models::TrainConfig& config,
@@ -116,7 +116,7 @@ class SmallTraining {
     listener.iteration = [stop](const neural::TrainingProgress& progress) {
       if (progress.iteration == stop) throw Stop();
     };
-    EXPECT_THROW(neural::train(config, load(config), folder, "cpu", listener, from), Stop);
+    EXPECT_THROW(neural::train(config, load(config), folder, {}, listener, from), Stop);
   }
 
   neural::TrainingData load(const models::TrainConfig& config) const {

@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data, features, output, from, device = "cpu";
+  std::string data, features, output, from, device = "cpu", precision = "float32";
   std::string encoder = "home", weights, meshes;  // of an agent that walks freely
   int threads = 0;
   TrainingOptions training;
@@ -186,7 +186,8 @@ void run(const Options& options) {
   Reporter reporter(fs::path(options.output).filename().string(), options.output);
   std::optional<fs::path> from;
   if (!options.from.empty()) from = options.from;
-  if (!neural::train(config, data, options.output, options.device, reporter.listener(), from)) {
+  const neural::Computing computing{options.device, neural::parse_precision(options.precision)};
+  if (!neural::train(config, data, options.output, computing, reporter.listener(), from)) {
     fmt::print("{}: complete, {} iterations\n", options.output, config.iterations);
     return;
   }
@@ -227,8 +228,10 @@ void add_verb(CLI::App& app, int& /*status*/) {
   const auto options = std::make_shared<Options>();
   add_data(verb, *options);
   options->training.add_to(verb);
-  add_setting(verb, "--device", options->device, "",
-              "cpu, cuda, cuda:1, ...; agents but seq2seq: cpu");
+  add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
+  add_setting(verb, "--precision", options->precision, "",
+              "Of a card's products: float32, tf32 or bfloat16 (not of seq2seq)")
+      ->check(CLI::IsMember({"float32", "tf32", "bfloat16"}));
   add_threads_option(verb, options->threads);
   set_examples(
       verb,

@@ -1,12 +1,15 @@
 #include "enfilade/neural/detail/dropout.h"
 
 #include <ATen/ATen.h>
+#include <ATen/Context.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <tuple>
 
+#include "enfilade/core/check.h"
 #include "enfilade/neural/detail/simd_kernels.h"
 
 namespace enfilade::neural::detail {
@@ -34,20 +37,29 @@ void fill_mask(Rng& rng, std::uint64_t dropped, float kept, std::span<float> out
 
 }  // namespace
 
+Dropout::Dropout(std::uint64_t seed, c10::Device device) : rng_(seed), device_(device) {
+  if (device.is_cpu()) return;
+  at::Generator generator = at::globalContext().defaultGenerator(device);
+  generator.set_current_seed(seed);
+}
+
 at::Tensor Dropout::mask(at::IntArrayRef sizes, double rate) {
   const auto dropped = static_cast<std::uint64_t>(std::lround(rate * double{kValues}));
   if (rate <= 0 || dropped == 0) return {};
   const double share = 1 - static_cast<double>(dropped) / double{kValues};
+  EN_CHECK(device_.is_cpu());
   at::Tensor mask = at::empty(sizes, at::kFloat);
   fill_mask(rng_, dropped, static_cast<float>(1 / share),
             {mask.data_ptr<float>(), static_cast<std::size_t>(mask.numel())});
   return mask;
 }
 
-// Drawn on the CPU, so that devices agree.
 at::Tensor Dropout::operator()(const at::Tensor& values, double rate) {
+  if (!device_.is_cpu()) {
+    return rate > 0 ? std::get<0>(at::native_dropout(values, rate, true)) : values;
+  }
   const at::Tensor factors = mask(values.sizes(), rate);
-  return factors.defined() ? values * factors.to(values.device()) : values;
+  return factors.defined() ? values * factors : values;
 }
 
 }  // namespace enfilade::neural::detail

@@ -10,7 +10,8 @@ void Learner::begin_with(const features::TensorFile&) {
 
 Network::State as_state(const Weights& weights) {
   Network::State state;
-  for (features::NamedArray& array : as_arrays(weights)) {
+  const Weights values = on_cpu(weights);
+  for (features::NamedArray& array : as_arrays(values)) {
     state.storage.emplace_back(array.bytes.begin(), array.bytes.end());
     array.bytes = state.storage.back();
     state.arrays.push_back(std::move(array));

@@ -20,7 +20,7 @@ void clear_gradients(const Weights& weights);
 double gradient_norm(const Weights& weights, std::string_view part = "");
 
 /// Follows a loss back to the weights. \return its value
-/// \throws Error if it is not finite; then nothing has happened
+/// \throws Error if it is not finite; then the weights have no gradients that mean anything
 double follow_back(const at::Tensor& loss);
 
 /// How gradients become updates, as in PyTorch's modules of the same names.
@@ -59,7 +59,7 @@ class Optimizer {
 
  private:
   void clip(const Weights& weights) const;
-  void step(const std::string& name, at::Tensor weight);
+  void step(const Weights& weights);
   bool has_first() const noexcept { return config_.kind != models::Optimizer::kRmsProp; }
 
   OptimizerConfig config_;

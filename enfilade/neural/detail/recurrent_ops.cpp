@@ -261,9 +261,32 @@ class Asked : public torch::autograd::Function<Asked> {
 LstmRead read_lstm(const at::Tensor& x, const std::vector<std::int64_t>& lengths,
                    const LstmWeights& weights, bool backwards) {
   EN_CHECK(std::ranges::is_sorted(lengths, std::ranges::greater{}) && lengths.back() > 0);
+  if (!x.device().is_cpu()) return read_lstm_by_parts(x, lengths, weights, backwards);
   const variable_list read = Lstm::apply(x, weights.input, weights.hidden, weights.input_bias,
                                          weights.hidden_bias, lengths, backwards);
   return {read[0], read[1], read[2]};
+}
+
+LstmRead read_lstm_by_parts(const at::Tensor& x, const std::vector<std::int64_t>& lengths,
+                            const LstmWeights& weights, bool backwards) {
+  const at::Tensor ends = at::tensor(lengths, at::kLong);
+  // Of each step the one that is read in its place: backwards from the row's end, behind it itself.
+  const at::Tensor step = at::arange(x.size(1), at::kLong).unsqueeze(0);
+  const at::Tensor from = at::where(step.lt(ends.unsqueeze(1)), ends.unsqueeze(1) - 1 - step, step)
+                              .to(x.device())
+                              .unsqueeze(2);
+  const auto turned = [&](const at::Tensor& rows) {
+    return backwards ? rows.gather(1, from.expand({-1, -1, rows.size(2)})) : rows;
+  };
+  const auto [packed, sizes] = at::_pack_padded_sequence(turned(x), ends, true);
+  const at::Tensor zeros = at::zeros({1, x.size(0), weights.hidden.size(1)}, x.options());
+  const auto [outputs, hidden, cell] =
+      at::lstm(packed, sizes, {zeros, zeros},
+               {weights.input, weights.hidden, weights.input_bias, weights.hidden_bias}, true, 1,
+               0.0, true, false);
+  const auto [padded, lengths_again] =
+      at::_pad_packed_sequence(outputs, sizes, true, 0.0, x.size(1));
+  return {turned(padded), hidden[0], cell[0]};
 }
 
 std::pair<at::Tensor, at::Tensor> lstm_step(const at::Tensor& x, const at::Tensor& hidden,

@@ -21,9 +21,13 @@ struct LstmRead {
   at::Tensor hidden, cell;  ///< (n, hidden) after the last step
 };
 /// Reads rows forwards, or backwards from their ends, from a state of zeros.
-/// \param x (n, longest, in) float32 on the CPU \param lengths falling, from 1 to longest
+/// \param x (n, longest, in) \param lengths falling, from 1 to longest
 LstmRead read_lstm(const at::Tensor& x, const std::vector<std::int64_t>& lengths,
                    const LstmWeights& weights, bool backwards);
+
+/// The same of PyTorch's operations, on any device.
+LstmRead read_lstm_by_parts(const at::Tensor& x, const std::vector<std::int64_t>& lengths,
+                            const LstmWeights& weights, bool backwards);
 
 /// One step of an LSTM. Gradients of weights that are leaves are added in place, as by linear().
 /// \param x (n, in) \param hidden, cell (n, hidden) before it \return those after it

@@ -80,6 +80,26 @@ TEST_P(ReadLstm, IsPyTorchsInBothDirections) {
   expect_same(all_of(inputs, ours), all_of(inputs, theirs));
 }
 
+// What cards compute, which reads backwards by turning rows around.
+TEST_P(ReadLstm, IsTheSameByParts) {
+  const std::vector<std::int64_t> lengths = GetParam();
+  const std::int64_t in = 5, hidden = 9, n = std::ssize(lengths);
+  const at::Tensor x = random({n, lengths.front() + 2, in}, 1);
+  const std::vector<at::Tensor> inputs{x, random({4 * hidden, in}, 2),
+                                       random({4 * hidden, hidden}, 3), random({4 * hidden}, 4),
+                                       random({4 * hidden}, 5)};
+  for (const bool backwards : {false, true}) {
+    const auto by = [&](auto&& read_rows) {
+      return all_of(inputs, [&] {
+        const LstmRead read = read_rows(
+            x, lengths, LstmWeights{inputs[1], inputs[2], inputs[3], inputs[4]}, backwards);
+        return std::vector<at::Tensor>{read.outputs, read.hidden, read.cell};
+      });
+    };
+    expect_same(by(read_lstm_by_parts), by(read_lstm));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Lengths, ReadLstm,
                          testing::Values(std::vector<std::int64_t>{1},
                                          std::vector<std::int64_t>{5, 5, 3, 1},

@@ -1,7 +1,10 @@
 #include "enfilade/neural/detail/torch_device.h"
 
 #include <ATen/ATen.h>
+#include <ATen/Context.h>
+#include <ATen/autocast_mode.h>
 #include <fmt/format.h>
+#include <torch/version.h>
 #include <algorithm>
 #include <string_view>
 
@@ -39,6 +42,52 @@ c10::Device open_device(const std::string& name) {
                             reason.substr(0, std::min(reason.find('\n'), reason.find(". ")))));
   }
   return device;
+}
+
+namespace {
+
+void set_autocast(bool on) {
+#if TORCH_VERSION_MAJOR > 2 || (TORCH_VERSION_MAJOR == 2 && TORCH_VERSION_MINOR >= 4)
+  at::autocast::set_autocast_dtype(at::kCUDA, at::kBFloat16);
+  at::autocast::set_autocast_enabled(at::kCUDA, on);
+#else
+  at::autocast::set_autocast_gpu_dtype(at::kBFloat16);
+  at::autocast::set_enabled(on);
+#endif
+}
+
+}  // namespace
+
+c10::Device open_agents_device(const std::string& name) {
+  const c10::Device device = open_device(name);
+  if (device.is_cpu()) return device;
+  at::globalContext().setAllowTF32CuDNN(false);
+#if TORCH_VERSION_MAJOR > 2 || (TORCH_VERSION_MAJOR == 2 && TORCH_VERSION_MINOR >= 5)
+  // cuDNN's attention is compiled anew for each shape, and ours differ at each step.
+  at::globalContext().setSDPUseCuDNN(false);
+#endif
+  return device;
+}
+
+PrecisionGuard::PrecisionGuard(Precision precision)
+    : precision_(precision),
+      products_before_(at::globalContext().allowTF32CuBLAS()),
+      lstms_before_(at::globalContext().allowTF32CuDNN()) {
+  if (precision == Precision::kTf32) {
+    at::globalContext().setAllowTF32CuBLAS(true);
+    at::globalContext().setAllowTF32CuDNN(true);
+  }
+  if (precision == Precision::kBfloat16) set_autocast(true);
+}
+
+PrecisionGuard::~PrecisionGuard() {
+  if (precision_ == Precision::kTf32) {
+    at::globalContext().setAllowTF32CuBLAS(products_before_);
+    at::globalContext().setAllowTF32CuDNN(lstms_before_);
+  }
+  if (precision_ != Precision::kBfloat16) return;
+  set_autocast(false);
+  at::autocast::clear_cache();  // of the weights' copies, which the next update makes stale
 }
 
 }  // namespace enfilade::neural::detail

@@ -3,10 +3,30 @@
 #include <c10/core/Device.h>
 #include <string>
 
+#include "enfilade/neural/device.h"
+
 namespace enfilade::neural::detail {
 
 /// "cpu", "cuda" (the first card) or "cuda:1". \throws ArgumentError for another name; Error, with
 /// libtorch's reason, for a device that is not available
 c10::Device open_device(const std::string& name);
+/// The same for agents: libtorch's choices for cards that do not suit them are changed, for all of
+/// the process. LSTMs are float32 then, not TF32, which encoders' convolutions are without it.
+/// \throws as open_device()
+c10::Device open_agents_device(const std::string& name);
+
+/// While it lives, products on cards are made of numbers of this precision, in this thread
+/// (kBfloat16) or in all (kTf32).
+class PrecisionGuard {
+ public:
+  explicit PrecisionGuard(Precision precision);
+  ~PrecisionGuard();
+  PrecisionGuard(const PrecisionGuard&) = delete;
+  PrecisionGuard& operator=(const PrecisionGuard&) = delete;
+
+ private:
+  Precision precision_;
+  bool products_before_ = false, lstms_before_ = false;  // whether they were in TF32
+};
 
 }  // namespace enfilade::neural::detail

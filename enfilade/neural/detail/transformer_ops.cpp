@@ -3,8 +3,11 @@
 #include <ATen/ATen.h>
 #include <ATen/Parallel.h>
 #include <torch/csrc/autograd/custom_function.h>
+#include <torch/version.h>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <tuple>
 #include <vector>
 
 #include "enfilade/neural/detail/leaf_gradients.h"
@@ -341,6 +344,29 @@ at::Tensor attend(const at::Tensor& query, const at::Tensor& key, const at::Tens
   std::vector<at::Tensor> inputs{with_rows(query), with_rows(key), with_rows(value)};
   if (added.defined() && added.requires_grad()) inputs.push_back(added);
   return Attention::apply(at::TensorList(inputs), Constant{added}, Constant{kept}, heads);
+}
+
+at::Tensor attend_on_card(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
+                          const at::Tensor& bias, double rate, std::int64_t heads) {
+#if TORCH_VERSION_MAJOR > 2 || (TORCH_VERSION_MAJOR == 2 && TORCH_VERSION_MINOR >= 1)
+  const std::int64_t n = query.size(0), a = query.size(1), hidden = query.size(2);
+  const auto split = [&](const at::Tensor& x) {
+    return x.reshape({n, x.size(1), heads, hidden / heads}).transpose(1, 2);
+  };
+  std::optional<at::Tensor> added;
+  if (bias.defined()) added = bias.to(query.scalar_type()).expand({n, heads, a, key.size(1)});
+  return at::scaled_dot_product_attention(split(query), split(key), split(value), added, rate)
+      .transpose(1, 2)
+      .reshape({n, a, hidden});
+#else
+  at::Tensor kept;
+  if (rate > 0) {
+    const at::Tensor all =
+        at::ones({query.size(0), heads, query.size(1), key.size(1)}, query.options());
+    kept = std::get<0>(at::native_dropout(all, rate, true));
+  }
+  return attend_by_parts(query, key, value, bias, kept, heads);
+#endif
 }
 
 at::Tensor sum_norm_by_parts(const at::Tensor& y, const at::Tensor& x, const at::Tensor& kept,

@@ -18,6 +18,11 @@ at::Tensor attend(const at::Tensor& query, const at::Tensor& key, const at::Tens
 at::Tensor attend_by_parts(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                            const at::Tensor& bias, const at::Tensor& kept, std::int64_t heads);
 
+/// The same in one operation, for cards, which draw what they drop by themselves as Dropout does.
+/// \param rate share of the shares that become 0
+at::Tensor attend_on_card(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
+                          const at::Tensor& bias, double rate, std::int64_t heads);
+
 /// The layer norm of kept y + x over the last dimension, times `scale`, plus `bias`.
 /// \param y, x (..., width); x undefined: 0 \param kept as y; undefined: 1
 /// \param epsilon added to the variance

@@ -75,6 +75,22 @@ TEST_P(Attend, IsAsByPartsWithPaddingAndDropout) {
   }
 }
 
+TEST_P(Attend, ForCardsIsAsByParts) {
+  const at::Tensor lengths = at::arange(s.n).remainder(s.b).add(1).unsqueeze(1);
+  const at::Tensor padding = at::arange(s.b).unsqueeze(0).ge(lengths);
+  const at::Tensor far = at::zeros({s.n, s.b}).masked_fill(padding, -10000).view({s.n, 1, 1, s.b});
+  for (const at::Tensor& bias : {at::Tensor(), far, random({s.n, 1, s.a, s.b}, 5)}) {
+    std::vector<at::Tensor> inputs{query(), keys(2), keys(3)};
+    if (bias.defined() && bias.requires_grad()) inputs.push_back(bias);
+    expect_same(
+        all_of(inputs,
+               [&] { return attend_on_card(inputs[0], inputs[1], inputs[2], bias, 0, s.heads); }),
+        all_of(inputs, [&] {
+          return attend_by_parts(inputs[0], inputs[1], inputs[2], bias, {}, s.heads);
+        }));
+  }
+}
+
 TEST_P(Attend, GivesTheGradientOfItsBias) {
   compare({query(), keys(2), keys(3)}, random({s.n, 1, s.a, s.b}, 5), {});
   compare({query(), keys(2), keys(3)}, random({1, 1, 1, s.b}, 5), {});

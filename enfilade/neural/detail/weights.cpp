@@ -103,6 +103,16 @@ Weights read_weights(const features::TensorFile& file, std::span<const ArraySpec
   return Reader(file, ignored).read(wanted);
 }
 
+void make_trainable(Weights& weights, c10::Device device) {
+  for (auto& [name, values] : weights) values = values.to(device).requires_grad_();
+}
+
+Weights on_cpu(const Weights& weights) {
+  Weights copies;
+  for (const auto& [name, values] : weights) copies.emplace(name, values.detach().to(at::kCPU));
+  return copies;
+}
+
 std::vector<features::NamedArray> as_arrays(const Weights& weights) {
   std::vector<features::NamedArray> arrays;
   for (const auto& [name, values] : weights) {

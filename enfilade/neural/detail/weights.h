@@ -1,6 +1,7 @@
 /// \file  A network's weights from a file, checked and converted to tensors.
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -19,7 +20,7 @@ struct ArraySpec {
   std::vector<std::int64_t> shape;
 };
 
-using Weights = std::map<std::string, at::Tensor, std::less<>>;  ///< float32, on the CPU
+using Weights = std::map<std::string, at::Tensor, std::less<>>;  ///< float32, on one device
 
 /// Reads the arrays of `wanted` as float32 from any floating-point type. The prefix "module." of
 /// PyTorch's data-parallel wrapper is ignored.
@@ -29,7 +30,13 @@ using Weights = std::map<std::string, at::Tensor, std::less<>>;  ///< float32, o
 Weights read_weights(const features::TensorFile& file, std::span<const ArraySpec> wanted,
                      bool (*ignored)(std::string_view name));
 
-/// 16 hex digits of XXH3 over names and values in the order of names. \pre float32, contiguous
+/// Random or read weights as a network trains them: on this device, and gradients are asked for.
+void make_trainable(Weights& weights, c10::Device device);
+/// Values without gradients; those on the CPU share their memory.
+Weights on_cpu(const Weights& weights);
+
+/// 16 hex digits of XXH3 over names and values in the order of names. \pre float32, contiguous, on
+/// the CPU
 std::string hash_of(const Weights& weights);
 
 /// Views for write_safetensors(), valid as long as the tensors. \pre as hash_of()

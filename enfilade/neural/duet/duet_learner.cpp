@@ -17,12 +17,12 @@ using models::Feedback;
 
 class DuetLearner : public detail::SplitLearner<DuetNetwork, DuetSplit> {
  public:
-  DuetLearner(const models::TrainConfig& config, models::InstructionWords words)
-      : SplitLearner(config, std::move(words), DuetNetwork(duet_sizes(config), config.seed), {""}) {
-  }
+  DuetLearner(const models::TrainConfig& config, models::InstructionWords words, c10::Device device)
+      : SplitLearner(config, std::move(words), DuetNetwork(duet_sizes(config), config.seed, device),
+                     {""}) {}
 
   void begin_with(const features::TensorFile& weights) override {
-    network() = DuetNetwork(network().config(), weights);
+    network() = DuetNetwork(network().config(), weights, network().device());
   }
 
   detail::Update update(std::uint64_t iteration) override {
@@ -83,8 +83,9 @@ class DuetLearner : public detail::SplitLearner<DuetNetwork, DuetSplit> {
 }  // namespace
 
 std::unique_ptr<detail::Learner> make_duet_learner(const models::TrainConfig& config,
-                                                   models::InstructionWords words) {
-  return std::make_unique<DuetLearner>(config, std::move(words));
+                                                   models::InstructionWords words,
+                                                   c10::Device device) {
+  return std::make_unique<DuetLearner>(config, std::move(words), device);
 }
 
 }  // namespace enfilade::neural::duet

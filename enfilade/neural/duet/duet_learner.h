@@ -1,5 +1,6 @@
 /// \file  DUET in training: fine-tuning with a teacher on its map.
 #pragma once
+#include <c10/core/Device.h>
 #include <memory>
 
 #include "enfilade/models/instruction_words.h"
@@ -12,6 +13,7 @@ namespace enfilade::neural::duet {
 /// and map_teacher say. The published one is an own walk and a fifth of the annotated one's loss.
 /// \param config outlives it \throws as DuetNetwork
 std::unique_ptr<detail::Learner> make_duet_learner(const models::TrainConfig& config,
-                                                   models::InstructionWords words);
+                                                   models::InstructionWords words,
+                                                   c10::Device device);
 
 }  // namespace enfilade::neural::duet

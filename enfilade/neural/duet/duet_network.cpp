@@ -52,37 +52,61 @@ bool ignored(std::string_view name) {
 }  // namespace
 
 at::Tensor mask_of(const at::Tensor& lengths, std::int64_t longest) {
-  return at::arange(longest, at::kLong).unsqueeze(0).lt(lengths.unsqueeze(1));
+  return at::arange(longest, lengths.options()).unsqueeze(0).lt(lengths.unsqueeze(1));
 }
 
 detail::Weights random_weights(std::span<const detail::ArraySpec> specs, Rng rng) {
   detail::Weights weights;
   for (const detail::ArraySpec& spec : specs) weights.emplace(spec.name, initial(spec, rng));
-  for (auto& [name, values] : weights) values.requires_grad_();
   return weights;
 }
 
-DuetNetwork::DuetNetwork(const DuetConfig& config, std::uint64_t seed) : config_(config) {
-  validate(config);
-  weights_ = random_weights(arrays_of(config), Rng(seed));
+PanoramaInput PanoramaInput::on(c10::Device device) const {
+  PanoramaInput there = *this;
+  for (at::Tensor* part : {&there.views, &there.view_counts, &there.objects, &there.object_counts,
+                           &there.locations, &there.types}) {
+    if (part->defined()) *part = part->to(device);
+  }
+  return there;
 }
 
-DuetNetwork::DuetNetwork(const DuetConfig& config, const features::TensorFile& file)
-    : config_(config) {
+NavigationInput NavigationInput::on(c10::Device device) const {
+  NavigationInput there = *this;
+  for (at::Tensor* part :
+       {&there.nodes, &there.steps, &there.node_positions, &there.node_mask, &there.visited,
+        &there.distances, &there.tokens, &there.token_positions, &there.token_mask, &there.choices,
+        &there.objects, &there.node_of_token}) {
+    if (part->defined()) *part = part->to(device);
+  }
+  return there;
+}
+
+DuetNetwork::DuetNetwork(const DuetConfig& config, std::uint64_t seed, c10::Device device)
+    : config_(config), device_(device) {
+  validate(config);
+  weights_ = random_weights(arrays_of(config), Rng(seed));
+  detail::make_trainable(weights_, device);
+}
+
+DuetNetwork::DuetNetwork(const DuetConfig& config, const features::TensorFile& file,
+                         c10::Device device)
+    : config_(config), device_(device) {
   validate(config);
   weights_ = detail::read_weights(file, arrays_of(config), ignored);
-  for (auto& [name, values] : weights_) values.requires_grad_();
+  detail::make_trainable(weights_, device);
 }
 
 void DuetNetwork::save(const std::filesystem::path& file) const {
-  features::write_safetensors(file, detail::as_arrays(weights_), {{"format", "pt"}});
+  const detail::Weights values = detail::on_cpu(weights_);
+  features::write_safetensors(file, detail::as_arrays(values), {{"format", "pt"}});
 }
 
-Tokens DuetNetwork::encode_text(const at::Tensor& ids, const at::Tensor& lengths,
+Tokens DuetNetwork::encode_text(const at::Tensor& given_ids, const at::Tensor& lengths,
                                 Dropout* dropout) const {
+  const at::Tensor ids = given_ids.to(device_);
   const Layers layers(weights_, config_.heads, dropout);
   const std::string table = "vln_bert.embeddings";
-  const at::Tensor mask = mask_of(lengths, ids.size(1));
+  const at::Tensor mask = mask_of(lengths.to(device_), ids.size(1));
   at::Tensor x = at::embedding(layers.weight(table + ".word_embeddings.weight"), ids, 0) +
                  layers.weight(table + ".position_embeddings.weight").narrow(0, 0, ids.size(1)) +
                  layers.weight(table + ".token_type_embeddings.weight")[0];
@@ -96,14 +120,15 @@ Tokens DuetNetwork::encode_text(const at::Tensor& ids, const at::Tensor& lengths
   return {x, mask};
 }
 
-Tokens DuetNetwork::encode_panorama(const PanoramaInput& input, Dropout* dropout) const {
+Tokens DuetNetwork::encode_panorama(const PanoramaInput& given, Dropout* dropout) const {
+  const PanoramaInput input = given.on(device_);
   const Layers layers(weights_, config_.heads, dropout);
   const std::string table = "vln_bert.img_embeddings";
   const std::int64_t longest = input.locations.size(1);
   at::Tensor x =
       layers.norm(layers.linear(input.views, table + ".img_linear"), table + ".img_layer_norm");
   at::Tensor counts = input.view_counts;
-  const at::Tensor place = at::arange(longest, at::kLong).unsqueeze(0);
+  const at::Tensor place = at::arange(longest, counts.options()).unsqueeze(0);
   at::Tensor from = place.expand({x.size(0), longest});
   if (input.objects.defined() && input.objects.size(1) > 0) {
     const std::string kind = config_.own_object_map() ? ".obj" : ".img";
@@ -145,13 +170,14 @@ PreparedText PreparedText::rows(const at::Tensor& which) const {
 
 PreparedText DuetNetwork::prepare(const Tokens& text) const {
   const Layers layers(weights_, config_.heads, nullptr);
-  PreparedText prepared{text.mask, {}, {}};
+  const at::Tensor words = text.values.to(device_);
+  PreparedText prepared{text.mask.to(device_), {}, {}};
   const auto inner = [](const char* branch, std::int64_t layer) {
     return fmt::format("vln_bert.{}.encoder.x_layers.{}.visual_attention.att", branch, layer);
   };
   for (std::int64_t i = 0; i < config_.cross_layers; ++i) {
-    prepared.map.push_back(layers.attended(text.values, inner("global_encoder", i)));
-    prepared.viewpoint.push_back(layers.attended(text.values, inner("local_encoder", i)));
+    prepared.map.push_back(layers.attended(words, inner("global_encoder", i)));
+    prepared.viewpoint.push_back(layers.attended(words, inner("local_encoder", i)));
   }
   return prepared;
 }
@@ -187,8 +213,9 @@ at::Tensor DuetNetwork::embed_tokens(const NavigationInput& input) const {
   return input.tokens + layers.norm(layers.linear(input.token_positions, here + ".0"), here + ".1");
 }
 
-NavigationOutput DuetNetwork::navigate(const PreparedText& text, const NavigationInput& input,
+NavigationOutput DuetNetwork::navigate(const PreparedText& text, const NavigationInput& given,
                                        Dropout* dropout) const {
+  const NavigationInput input = given.on(device_);
   const Layers layers(weights_, config_.heads, dropout);
   const std::string map = "vln_bert.global_encoder";
   NavigationOutput out;
@@ -215,7 +242,7 @@ void DuetNetwork::fuse(const Layers& layers, const NavigationInput& input,
   const std::int64_t n = input.nodes.size(0), g = input.nodes.size(1);
   out.global_scores = layers.head(out.nodes, "vln_bert.global_sap_head");
   out.local_scores = layers.head(out.tokens, "vln_bert.local_sap_head");
-  out.fuse_weight = at::full({n, 1}, 0.5, at::kFloat);
+  out.fuse_weight = at::full({n, 1}, 0.5, out.global_scores.options());
   if (config_.fusion == Fusion::kDynamic) {
     const at::Tensor both = at::cat({out.nodes.select(1, 0), out.tokens.select(1, 0)}, 1);
     out.fuse_weight = at::sigmoid(layers.head(both, "vln_bert.sap_fuse_linear")).unsqueeze(1);
@@ -232,7 +259,7 @@ void DuetNetwork::fuse(const Layers& layers, const NavigationInput& input,
   const at::Tensor known = at::where(candidate, row, at::zeros_like(row));
   const at::Tensor back = input.visited.gather(1, known).logical_and(candidate);
   const at::Tensor own = known.unsqueeze(1)
-                             .eq(at::arange(g, at::kLong).view({1, g, 1}))
+                             .eq(at::arange(g, row.options()).view({1, g, 1}))
                              .logical_and(candidate.logical_and(back.logical_not()).unsqueeze(1));
   const at::Tensor others = own.any(2, true).logical_not().logical_and(back.unsqueeze(1));
   at::Tensor share = own.logical_or(others).to(at::kFloat);

@@ -1,6 +1,7 @@
 /// \file  The dual-scale graph transformer DUET: text, panorama, map and viewpoint.
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -37,6 +38,8 @@ struct PanoramaInput {
   at::Tensor object_counts;  ///< (n) int64; not defined without objects
   at::Tensor locations;      ///< (n, longest, 7)
   at::Tensor types;          ///< (n, longest) int64: 0 view, 1 candidate, 2 object
+
+  PanoramaInput on(c10::Device device) const;  ///< what is there already is not copied
 };
 
 /// What the two branches get. Row 0 of map and viewpoint is "stop".
@@ -54,6 +57,8 @@ struct NavigationInput {
   at::Tensor objects;          ///< (n, v) bool; not defined without objects
   /// (n, v) int64: the map's row of a candidate, -1 for all else. Row 0 is no candidate's.
   at::Tensor node_of_token;
+
+  NavigationInput on(c10::Device device) const;  ///< what is there already is not copied
 };
 
 /// What they say. Logits are minus infinity where nothing can be chosen.
@@ -67,20 +72,22 @@ struct NavigationOutput {
   at::Tensor object_logits;                ///< (n, v); not defined without objects
 };
 
-/// The network's parameters and what they compute. Autograd follows every call, unless a guard is
-/// set. One thread at a time.
+/// The network's parameters and what they compute, on one device; inputs may be on any. Autograd
+/// follows every call, unless a guard is set. One thread at a time.
 class DuetNetwork {
  public:
   /// Random weights by `seed`: normal of deviation 0.02 as in BERT; the packed maps of the
   /// panorama's attention uniform as in PyTorch. \throws ArgumentError as validate()
-  DuetNetwork(const DuetConfig& config, std::uint64_t seed);
+  DuetNetwork(const DuetConfig& config, std::uint64_t seed, c10::Device device = c10::kCPU);
   /// The weights of a checkpoint of the published code, of arrays by the same names, or of
   /// save()'s file. Arrays of its critic are ignored.
   /// \throws InvalidInput naming every missing, surplus and wrong-shaped array
-  DuetNetwork(const DuetConfig& config, const features::TensorFile& file);
+  DuetNetwork(const DuetConfig& config, const features::TensorFile& file,
+              c10::Device device = c10::kCPU);
 
   const DuetConfig& config() const noexcept { return config_; }
   const detail::Weights& weights() const noexcept { return weights_; }
+  c10::Device device() const noexcept { return device_; }
   void save(const std::filesystem::path& file) const;  ///< safetensors. \throws FileError
 
   /// \param ids (n, longest) int64, any value at padding that is in the vocabulary
@@ -109,9 +116,10 @@ class DuetNetwork {
 
   DuetConfig config_;
   detail::Weights weights_;
+  c10::Device device_;
 };
 
-/// Random weights, as the constructor of DuetNetwork has them; gradients are asked for.
+/// Random weights on the CPU, as the constructor of DuetNetwork begins with them.
 detail::Weights random_weights(std::span<const detail::ArraySpec> specs, Rng rng);
 
 /// (n, longest) bool: the first lengths[i] of row i.

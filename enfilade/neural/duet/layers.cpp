@@ -13,7 +13,7 @@ constexpr double kTorchEpsilon = 1e-5;  // of torch.nn.LayerNorm, where nobody c
 }  // namespace
 
 at::Tensor bias_of(const at::Tensor& mask, double padding) {
-  return at::zeros(mask.sizes(), at::kFloat)
+  return at::zeros(mask.sizes(), mask.options().dtype(at::kFloat))
       .masked_fill(mask.logical_not(), padding)
       .unsqueeze(1)
       .unsqueeze(1);
@@ -37,20 +37,24 @@ at::Tensor Layers::norm(const at::Tensor& x, const std::string& name, double eps
   return detail::sum_norm(x, {}, {}, weight(name + ".weight"), weight(name + ".bias"), eps);
 }
 
-at::Tensor Layers::mask(at::IntArrayRef sizes, const at::Tensor& like) const {
-  const at::Tensor factors = dropout_ == nullptr ? at::Tensor() : dropout_->mask(sizes);
-  return factors.defined() ? factors.to(like.device()) : factors;
+at::Tensor Layers::mask(at::IntArrayRef sizes) const {
+  return dropout_ == nullptr ? at::Tensor() : dropout_->mask(sizes);
 }
 
 at::Tensor Layers::sum_norm(const at::Tensor& y, const at::Tensor& x,
                             const std::string& name) const {
-  return detail::sum_norm(y, x, mask(y.sizes(), y), weight(name + ".weight"),
-                          weight(name + ".bias"), kBertEpsilon);
+  const at::Tensor &scale = weight(name + ".weight"), &bias = weight(name + ".bias");
+  if (!y.device().is_cpu()) return detail::sum_norm(drop(y), x, {}, scale, bias, kBertEpsilon);
+  return detail::sum_norm(y, x, mask(y.sizes()), scale, bias, kBertEpsilon);
 }
 
 at::Tensor Layers::attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                           const at::Tensor& bias) const {
-  const at::Tensor kept = mask({query.size(0), heads_, query.size(1), key.size(1)}, query);
+  if (!query.device().is_cpu()) {
+    const double rate = dropout_ == nullptr ? 0 : dropout_->rate();
+    return detail::attend_on_card(query, key, value, bias, rate, heads_);
+  }
+  const at::Tensor kept = mask({query.size(0), heads_, query.size(1), key.size(1)});
   return detail::attend(query, key, value, bias, kept, heads_);
 }
 

@@ -1,6 +1,7 @@
 /// \file  Layers of transformers, on parameters that are found by name.
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,10 +15,12 @@ namespace enfilade::neural::duet {
 class Dropout {
  public:
   /// \param rate share of numbers that become 0, in [0, 1)
-  Dropout(std::uint64_t seed, double rate) : drop_(seed), rate_(rate) {}
+  Dropout(std::uint64_t seed, double rate, c10::Device device = c10::kCPU)
+      : drop_(seed, device), rate_(rate) {}
   at::Tensor operator()(const at::Tensor& values) { return drop_(values, rate_); }
   at::Tensor operator()(const at::Tensor& values, double rate) { return drop_(values, rate); }
   at::Tensor mask(at::IntArrayRef sizes) { return drop_.mask(sizes, rate_); }
+  double rate() const noexcept { return rate_; }
 
  private:
   detail::Dropout drop_;
@@ -71,8 +74,8 @@ class Layers {
                     const at::Tensor& bias) const;
   // norm(drop(y) + x)
   at::Tensor sum_norm(const at::Tensor& y, const at::Tensor& x, const std::string& name) const;
-  // Factors of dropout on the device of `like`; undefined: none.
-  at::Tensor mask(at::IntArrayRef sizes, const at::Tensor& like) const;
+  // Factors of dropout; undefined: none.
+  at::Tensor mask(at::IntArrayRef sizes) const;
 
   const detail::Weights& weights_;
   std::int64_t heads_;

@@ -23,13 +23,14 @@ constexpr std::uint64_t kTaskStream = ~std::uint64_t{0}, kDropoutStream = kTaskS
 
 class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetSplit> {
  public:
-  PretrainingLearner(const models::TrainConfig& config, models::InstructionWords words)
-      : SplitLearner(config, std::move(words), PretrainingNetwork(duet_sizes(config), config.seed),
-                     {""}),
+  PretrainingLearner(const models::TrainConfig& config, models::InstructionWords words,
+                     c10::Device device)
+      : SplitLearner(config, std::move(words),
+                     PretrainingNetwork(duet_sizes(config), config.seed, device), {""}),
         tasks_(pretraining_tasks(network().config(), config.network.inputs)) {}
 
   void begin_with(const features::TensorFile& weights) override {
-    network() = PretrainingNetwork(network().config(), weights, config().seed);
+    network() = PretrainingNetwork(network().config(), weights, config().seed, network().device());
   }
 
   detail::Update update(std::uint64_t iteration) override {
@@ -42,7 +43,8 @@ class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetS
     const PretrainingBatch guesses =
         batch_of(training(), training().batch(batch(iteration)), task, draws);
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-    Dropout dropout(Rng(seed, kDropoutStream, iteration).next(), network().config().dropout);
+    Dropout dropout(Rng(seed, kDropoutStream, iteration).next(), network().config().dropout,
+                    network().device());
     const at::Tensor loss = pretraining_loss(network(), guesses, &dropout);
     if (loss.defined()) return {learn(loss), spent.count()};
     optimizer().update(network().weights());  // nothing to guess; the rate has one step less to go
@@ -94,8 +96,9 @@ class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetS
 }  // namespace
 
 std::unique_ptr<detail::Learner> make_pretraining_learner(const models::TrainConfig& config,
-                                                          models::InstructionWords words) {
-  return std::make_unique<PretrainingLearner>(config, std::move(words));
+                                                          models::InstructionWords words,
+                                                          c10::Device device) {
+  return std::make_unique<PretrainingLearner>(config, std::move(words), device);
 }
 
 }  // namespace enfilade::neural::duet

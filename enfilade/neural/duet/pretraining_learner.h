@@ -1,5 +1,6 @@
 /// \file  DUET in training: pretraining by guessing.
 #pragma once
+#include <c10/core/Device.h>
 #include <memory>
 
 #include "enfilade/models/instruction_words.h"
@@ -11,6 +12,7 @@ namespace enfilade::neural::duet {
 /// Validation losses are means over the tasks; walks are the fine-tuned agent's.
 /// \param config outlives it; its stage is kPretrain \throws as DuetNetwork
 std::unique_ptr<detail::Learner> make_pretraining_learner(const models::TrainConfig& config,
-                                                          models::InstructionWords words);
+                                                          models::InstructionWords words,
+                                                          c10::Device device);
 
 }  // namespace enfilade::neural::duet

@@ -77,18 +77,17 @@ detail::Weights heads_of(const DuetConfig& config, const features::TensorFile& f
   const bool any = std::ranges::any_of(
       specs, [&](const detail::ArraySpec& spec) { return file.find(spec.name) != nullptr; });
   if (!any) return random_weights(specs, Rng(seed, 1));
-  detail::Weights heads = detail::read_weights(file, specs, no_head);
-  for (auto& [name, values] : heads) values.requires_grad_();
-  return heads;
+  return detail::read_weights(file, specs, no_head);
 }
 
-detail::Weights together(const detail::Weights& network, detail::Weights heads) {
-  heads.insert(network.begin(), network.end());
+detail::Weights together(const DuetNetwork& network, detail::Weights heads) {
+  detail::make_trainable(heads, network.device());
+  heads.insert(network.weights().begin(), network.weights().end());
   return heads;
 }
 
 at::Tensor rows_of(const at::Tensor& values, const at::Tensor& which) {
-  return values.reshape({-1, values.size(2)}).index_select(0, which);
+  return values.reshape({-1, values.size(2)}).index_select(0, which.to(values.device()));
 }
 
 }  // namespace
@@ -97,14 +96,14 @@ std::vector<detail::ArraySpec> pretraining_arrays_of(const DuetConfig& config) {
   return HeadSpecs(config).list();
 }
 
-PretrainingNetwork::PretrainingNetwork(const DuetConfig& config, std::uint64_t seed)
-    : agent_(config, seed),
-      weights_(together(agent_.weights(),
-                        random_weights(pretraining_arrays_of(config), Rng(seed, 1)))) {}
+PretrainingNetwork::PretrainingNetwork(const DuetConfig& config, std::uint64_t seed,
+                                       c10::Device device)
+    : agent_(config, seed, device),
+      weights_(together(agent_, random_weights(pretraining_arrays_of(config), Rng(seed, 1)))) {}
 
 PretrainingNetwork::PretrainingNetwork(const DuetConfig& config, const features::TensorFile& file,
-                                       std::uint64_t seed)
-    : agent_(config, file), weights_(together(agent_.weights(), heads_of(config, file, seed))) {}
+                                       std::uint64_t seed, c10::Device device)
+    : agent_(config, file, device), weights_(together(agent_, heads_of(config, file, seed))) {}
 
 std::vector<detail::ArraySpec> PretrainingNetwork::arrays() const {
   std::vector<detail::ArraySpec> all = arrays_of(config());

@@ -281,19 +281,21 @@ class Builder {
 // The mean over rows with a label.
 at::Tensor labelled(const at::Tensor& logits, const at::Tensor& labels) {
   if (!labels.ne(kNoLabel).any().item<bool>()) return {};
-  return at::cross_entropy_loss(logits, labels, {}, at::Reduction::Mean, kNoLabel);
+  return at::cross_entropy_loss(logits, labels.to(logits.device()), {}, at::Reduction::Mean,
+                                kNoLabel);
 }
 
 // Each guess is told from the directions of all masked views' features.
 at::Tensor contrast(const at::Tensor& guesses, const PretrainingBatch& batch) {
-  const at::Tensor directions = batch.views / batch.views.norm(2, {1}, true).clamp_min(kLeastNorm);
+  const at::Tensor views = batch.views.to(guesses.device()), shown = batch.shown.to(views.device());
+  const at::Tensor directions = views / views.norm(2, {1}, true).clamp_min(kLeastNorm);
   const at::Tensor scores = at::mm(guesses, directions.t());
   const std::int64_t k = scores.size(0);
-  const at::Tensor same = batch.shown.unsqueeze(0).eq(batch.shown.unsqueeze(1));
-  const at::Tensor others = same.logical_and(at::eye(k, at::kBool).logical_not());
+  const at::Tensor same = shown.unsqueeze(0).eq(shown.unsqueeze(1));
+  const at::Tensor others = same.logical_and(at::eye(k, same.options()).logical_not());
   return at::cross_entropy_loss(
       scores.masked_fill(others, -std::numeric_limits<double>::infinity()),
-      at::arange(k, at::kLong));
+      at::arange(k, shown.options()));
 }
 
 }  // namespace
@@ -321,7 +323,8 @@ PretrainingBatch pretraining_batch(Walker& walker, const DuetConfig& config,
 
 NavigationInput navigation_of(const DuetNetwork& network, const PretrainingBatch& batch,
                               Dropout* dropout) {
-  PanoramaInput panoramas = batch.panoramas;
+  const c10::Device device = network.device();
+  PanoramaInput panoramas = batch.panoramas.on(device);
   if (dropout != nullptr) {
     const double rate = network.config().feature_dropout;
     panoramas.views = (*dropout)(panoramas.views, rate);
@@ -329,13 +332,14 @@ NavigationInput navigation_of(const DuetNetwork& network, const PretrainingBatch
   }
   const Tokens seen = network.encode_panorama(panoramas, dropout);
   const std::int64_t n = batch.last.size(0), hidden = network.config().hidden;
-  NavigationInput input = batch.navigation;
-  input.nodes =
-      at::bmm(batch.shares,
-              seen.values.index_select(0, batch.rows).view({n, batch.shares.size(2), hidden}));
-  input.tokens = at::cat({at::zeros({n, 1, hidden}), seen.values.index_select(0, batch.last)}, 1);
+  const at::Tensor rows = batch.rows.to(device), last = batch.last.to(device);
+  NavigationInput input = batch.navigation.on(device);
+  input.nodes = at::bmm(batch.shares.to(device),
+                        seen.values.index_select(0, rows).view({n, batch.shares.size(2), hidden}));
+  input.tokens = at::cat(
+      {at::zeros({n, 1, hidden}, seen.values.options()), seen.values.index_select(0, last)}, 1);
   input.token_mask =
-      at::cat({at::ones({n, 1}, at::kBool), seen.mask.index_select(0, batch.last)}, 1);
+      at::cat({at::ones({n, 1}, seen.mask.options()), seen.mask.index_select(0, last)}, 1);
   return input;
 }
 
@@ -348,7 +352,7 @@ at::Tensor pretraining_loss(const PretrainingNetwork& network, const Pretraining
   const NavigationInput input = navigation_of(agent, batch, dropout);
   if (batch.task == PretrainingTask::kWords) {
     return at::cross_entropy_loss(network.guess_words(text, input, batch.masked, dropout),
-                                  batch.words);
+                                  batch.words.to(agent.device()));
   }
   const NavigationOutput output = agent.navigate(text, input, dropout);
   if (batch.task == PretrainingTask::kViews) {

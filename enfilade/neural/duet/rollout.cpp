@@ -27,6 +27,10 @@ std::span<const float> row_of(const at::Tensor& values, std::int64_t i) {
   return {values.data_ptr<float>() + i * values.size(1), static_cast<std::size_t>(values.size(1))};
 }
 
+at::Tensor on_cpu(const at::Tensor& values) {
+  return values.detach().to(at::kCPU, at::kFloat).contiguous();
+}
+
 // One rollout.
 class Run {
  public:
@@ -44,7 +48,7 @@ class Run {
     }
     if (options.dropout) {
       Rng rng(options.seed, options.stream, 1);
-      dropout_.emplace(rng.next(), config_.dropout);
+      dropout_.emplace(rng.next(), config_.dropout, network.device());
     }
     const auto [ids, lengths] = words_of(episodes, config_);
     text_ = network_.prepare(network_.encode_text(ids, lengths, dropout()));
@@ -92,22 +96,33 @@ class Run {
     for (const WalkState* state : active_) {
       which.push_back(static_cast<std::int64_t>(state->number));
     }
-    const at::Tensor rows = at::tensor(which, at::kLong);
-    return text_.rows(rows);
+    return text_.rows(at::tensor(which, at::kLong).to(network_.device()));
   }
 
   // What the active ones see where they stand.
   Tokens encode() {
     const Clock::time_point begin = Clock::now();
-    PanoramaInput input = panorama_of(active_, config_);
+    const PanoramaInput input = seen();
     spent_ += Clock::now() - begin;
+    return network_.encode_panorama(input, dropout());
+  }
+
+  // On the network's device.
+  PanoramaInput seen() {
+    const c10::Device device = network_.device();
+    PanoramaInput input;
+    if (device.is_cpu() || config_.image == 0) {
+      input = panorama_of(active_, config_).on(device);
+    } else {
+      input = panorama_of(active_, config_, walker_.views_on(device, config_)).on(device);
+    }
     if (dropout_) {
       input.views = (*dropout_)(input.views, config_.feature_dropout);
       if (input.objects.defined()) {
         input.objects = (*dropout_)(input.objects, config_.feature_dropout);
       }
     }
-    return network_.encode_panorama(input, dropout());
+    return input;
   }
 
   static at::Tensor means_of(const Tokens& seen) {
@@ -150,7 +165,7 @@ class Run {
       spent_ += Clock::now() - labelling;
       add_loss(output, rows, result.loss);
     }
-    choose(output, t, rows);
+    choose(t, rows);
     const bool last = t + 1 == most_steps();
     for (std::size_t i = 0; i < active_.size(); ++i) decide(*active_[i], last, rows[i]);
     if (watcher_) watcher_({t, rows, &seen, &input, &output});
@@ -230,9 +245,10 @@ class Run {
 
   // The probability of stopping here, and the best object.
   void remember(const NavigationOutput& output, const std::vector<StepRow>& rows) {
-    probabilities_ = at::softmax(output.fused_logits.detach(), 1).contiguous();
+    logits_ = on_cpu(output.fused_logits);
+    probabilities_ = at::softmax(logits_, 1).contiguous();
     at::Tensor objects;
-    if (output.object_logits.defined()) objects = output.object_logits.detach().contiguous();
+    if (output.object_logits.defined()) objects = on_cpu(output.object_logits);
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const auto r = static_cast<std::int64_t>(i);
       std::string best;
@@ -300,9 +316,10 @@ class Run {
       labels.push_back(rows[i].*label);
     }
     if (labels.empty()) return;
+    const c10::Device device = logits.device();
     const at::Tensor part =
-        at::cross_entropy_loss(logits.index_select(0, at::tensor(which, at::kLong)),
-                               at::tensor(labels, at::kLong), {}, at::Reduction::Sum);
+        at::cross_entropy_loss(logits.index_select(0, at::tensor(which, at::kLong).to(device)),
+                               at::tensor(labels, at::kLong).to(device), {}, at::Reduction::Sum);
     loss = loss.defined() ? loss + part : part;
   }
 
@@ -318,12 +335,11 @@ class Run {
     }
   }
 
-  void choose(const NavigationOutput& output, std::size_t t, std::vector<StepRow>& rows) const {
-    const at::Tensor logits = output.fused_logits.detach().contiguous();
+  void choose(std::size_t t, std::vector<StepRow>& rows) const {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto r = static_cast<std::int64_t>(i);
       const WalkState& state = *active_[i];
-      const auto best = static_cast<std::int64_t>(first_of_the_greatest(row_of(logits, r)));
+      const auto best = static_cast<std::int64_t>(first_of_the_greatest(row_of(logits_, r)));
       Rng rng(options_.seed, options_.stream,
               stream_of(state.episode->id.data(), state.episode->id.size()) + 2 * t);
       rows[i].choice = best;
@@ -388,8 +404,8 @@ class Run {
   std::vector<WalkState*> active_;
   std::optional<Dropout> dropout_;
   PreparedText text_;
-  at::Tensor pool_;  // all means and tokens of panoramas so far: (rows, hidden)
-  at::Tensor probabilities_;
+  at::Tensor pool_;                    // all means and tokens of panoramas so far: (rows, hidden)
+  at::Tensor logits_, probabilities_;  // of the last step, on the CPU
   Clock::duration spent_{};
 };
 
@@ -429,6 +445,15 @@ const Walker::Place& Walker::place(const DuetConfig& config, graph::Location loc
   }
   known = std::move(place);
   return *known;
+}
+
+detail::ResidentViews& Walker::views_on(c10::Device device, const DuetConfig& config) {
+  if (!resident_) {
+    resident_.emplace(config.image, device, [this](graph::Location at, std::span<float> out) {
+      surroundings_.views(graphs_->graph(at.scan), at.viewpoint, out);
+    });
+  }
+  return *resident_;
 }
 
 Rollout Walker::walk(const DuetNetwork& network, std::span<const WalkEpisode> episodes,

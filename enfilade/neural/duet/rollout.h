@@ -1,6 +1,7 @@
 /// \file  Walks of DUET: a batch of episodes from their starts to their ends.
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,6 +19,7 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/features/object_set.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/neural/detail/resident_views.h"
 #include "enfilade/neural/duet/duet_network.h"
 #include "enfilade/neural/duet/labels.h"
 #include "enfilade/sim/candidates.h"
@@ -148,12 +150,15 @@ class Walker {
   };
   const Place& place(const DuetConfig& config, graph::Location location);
   const graph::NavGraph& graph(ScanIndex scan) const { return graphs_->graph(scan); }
+  /// The views of places, on a device that is not the CPU; the first one asked for.
+  detail::ResidentViews& views_on(c10::Device device, const DuetConfig& config);
 
  private:
   std::shared_ptr<const graph::GraphSet> graphs_;
   Surroundings& surroundings_;
   agents::PanoramaCache panoramas_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::unique_ptr<Place>> places_;
+  std::optional<detail::ResidentViews> resident_;
 };
 
 }  // namespace enfilade::neural::duet

@@ -126,12 +126,6 @@ std::pair<at::Tensor, at::Tensor> words_of(std::span<const WalkEpisode> episodes
   return {padded(rows).squeeze(2), at::tensor(lengths, at::kLong)};
 }
 
-PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config) {
-  std::vector<Stand> stands;
-  for (const WalkState* state : states) stands.push_back({state->place, state->pose});
-  return panorama_of(stands, config);
-}
-
 namespace {
 
 // Angle features and kinds of one panorama's tokens.
@@ -168,21 +162,18 @@ at::Tensor views_of(std::span<const Stand> stands, std::int64_t longest, std::in
   return views.tensor();
 }
 
-}  // namespace
-
-PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& config) {
-  std::int64_t longest = 0, most_views = 0;
+// All but the views.
+PanoramaInput tokens_of(std::span<const Stand> stands, const DuetConfig& config) {
+  std::int64_t longest = 0;
   std::vector<std::int64_t> views, objects;
   std::vector<at::Tensor> object_features;
   for (const Stand& stand : stands) {
     views.push_back(std::ssize(stand.place->panorama->token_views));
     objects.push_back(std::ssize(stand.place->objects));
     if (config.object != 0) object_features.push_back(stand.place->object_features);
-    most_views = std::max(most_views, views.back());
     longest = std::max(longest, views.back() + objects.back());
   }
   PanoramaInput input;
-  input.views = views_of(stands, most_views, config.image);
   input.view_counts = at::tensor(views, at::kLong);
   if (config.object != 0) {
     input.objects = padded(object_features);
@@ -195,6 +186,49 @@ PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& confi
   }
   input.locations = locations.tensor();
   input.types = types.tensor();
+  return input;
+}
+
+std::int64_t most_views(std::span<const Stand> stands) {
+  std::int64_t most = 0;
+  for (const Stand& stand : stands) {
+    most = std::max(most, std::ssize(stand.place->panorama->token_views));
+  }
+  return most;
+}
+
+std::vector<Stand> stands_of(std::span<WalkState* const> states) {
+  std::vector<Stand> stands;
+  for (const WalkState* state : states) stands.push_back({state->place, state->pose});
+  return stands;
+}
+
+}  // namespace
+
+PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& config) {
+  PanoramaInput input = tokens_of(stands, config);
+  input.views = views_of(stands, most_views(stands), config.image);
+  return input;
+}
+
+PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config) {
+  return panorama_of(stands_of(states), config);
+}
+
+PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config,
+                          detail::ResidentViews& views) {
+  const std::vector<Stand> stands = stands_of(states);
+  PanoramaInput input = tokens_of(stands, config);
+  const std::int64_t n = std::ssize(states), longest = most_views(stands);
+  std::vector<std::int64_t> rows(static_cast<std::size_t>(n * longest),
+                                 detail::ResidentViews::kNothing);
+  for (std::int64_t i = 0; i < n; ++i) {
+    const WalkState& state = *states[static_cast<std::size_t>(i)];
+    const std::int64_t first = views.first_row({state.episode->scan, state.pose.viewpoint});
+    std::ranges::transform(state.place->panorama->token_views, rows.begin() + i * longest,
+                           [first](std::uint32_t view) { return first + view; });
+  }
+  input.views = views.gather(rows).view({n, longest, config.image});
   return input;
 }
 
@@ -248,10 +282,11 @@ at::Tensor node_embeddings(std::span<WalkState* const> states,
     }
   }
   const auto n = std::ssize(states);
-  const at::Tensor picked =
-      pool.index_select(0, at::tensor(from, at::kLong)) * at::tensor(share).unsqueeze(1);
-  return at::zeros({n * longest, pool.size(1)})
-      .index_add(0, at::tensor(to, at::kLong), picked)
+  const c10::Device device = pool.device();
+  const at::Tensor picked = pool.index_select(0, at::tensor(from, at::kLong).to(device)) *
+                            at::tensor(share).to(device).unsqueeze(1);
+  return at::zeros({n * longest, pool.size(1)}, picked.options())
+      .index_add(0, at::tensor(to, at::kLong).to(device), picked)
       .view({n, longest, pool.size(1)});
 }
 
@@ -325,8 +360,8 @@ NavigationInput navigation_of(std::span<WalkState* const> states,
   const auto n = std::ssize(states);
   NavigationInput input = places_of(states, rows, panorama.values.size(1), config);
   input.nodes = node_embeddings(states, rows, input.steps.size(1), pool);
-  input.tokens = at::cat({at::zeros({n, 1, pool.size(1)}), panorama.values}, 1);
-  input.token_mask = at::cat({at::ones({n, 1}, at::kBool), panorama.mask}, 1);
+  input.tokens = at::cat({at::zeros({n, 1, pool.size(1)}, pool.options()), panorama.values}, 1);
+  input.token_mask = at::cat({at::ones({n, 1}, panorama.mask.options()), panorama.mask}, 1);
   return input;
 }
 

@@ -60,6 +60,9 @@ struct Stand {
   Pose pose;
 };
 PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& config);
+/// The same with the views on a card; all else is on the CPU.
+PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config,
+                          detail::ResidentViews& views);
 /// All of navigation_of() but what is learned: nodes, tokens and their mask stay undefined.
 /// \param tokens of the longest panorama \param rows each map's rows()
 NavigationInput places_of(std::span<WalkState* const> states,

@@ -24,16 +24,18 @@ enum Draws : std::uint64_t { kTeacherDropout, kOwnDropout, kOwnChoices, kStreams
 
 class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, PanoramicSplit> {
  public:
-  PanoramicLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary)
+  PanoramicLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
+                   c10::Device device)
       : SplitLearner(config, models::InstructionWords(vocabulary),
-                     PanoramicNetwork(panoramic_sizes(config), config.seed),
+                     PanoramicNetwork(panoramic_sizes(config), config.seed, device),
                      {"encoder.", "decoder."}) {}
 
   detail::Update update(std::uint64_t iteration) override {
     const auto episodes = batch(iteration);
     at::Tensor loss;
     double data_seconds = 0;
-    const auto add = [&](const PanoramicRolloutOptions& options, Draws dropout, double weight) {
+    const auto add = [&](PanoramicRolloutOptions options, Draws dropout, double weight) {
+      options.resident = training().resident(network().device());
       const Clock::time_point begin = Clock::now();
       PanoramicSplit::Batch walks = training().begin(episodes);
       data_seconds += std::chrono::duration<double>(Clock::now() - begin).count();
@@ -41,9 +43,11 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
       const RolloutLosses losses =
           roll_out(network(), walks.words, walks.walks, training().images(), options);
       data_seconds += losses.environment_seconds;
-      at::Tensor sum = at::zeros({}, at::kFloat);
-      if (options.imitate) sum = sum + losses.imitation;
-      if (options.reinforce) sum = sum + losses.reinforcement;
+      at::Tensor sum;
+      if (options.imitate) sum = losses.imitation;
+      if (options.reinforce) {
+        sum = sum.defined() ? sum + losses.reinforcement : losses.reinforcement;
+      }
       loss = loss.defined() ? loss + weight * sum : weight * sum;
     };
     const bool alone = config().feedback == Feedback::kTeacher;
@@ -66,11 +70,13 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
     const c10::NoGradGuard no_gradients;
     network().set_dropout(std::nullopt);
     PanoramicSplit& prepared = validation(split);
+    PanoramicRolloutOptions options = behind_teacher();
+    options.resident = prepared.resident(network().device());
     const std::size_t total = prepared.episodes().episodes.size();
     double sum = 0;
     detail::for_each_batch(total, config().batch_size, [&](std::span<const std::size_t> episodes) {
       PanoramicSplit::Batch walks = prepared.begin(episodes);
-      sum += roll_out(network(), walks.words, walks.walks, prepared.images(), behind_teacher())
+      sum += roll_out(network(), walks.words, walks.walks, prepared.images(), options)
                  .imitation.item<double>() *
              static_cast<double>(episodes.size());
     });
@@ -100,8 +106,9 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
 }  // namespace
 
 std::unique_ptr<detail::Learner> make_panoramic_learner(const models::TrainConfig& config,
-                                                        const tasks::Vocabulary& vocabulary) {
-  return std::make_unique<PanoramicLearner>(config, vocabulary);
+                                                        const tasks::Vocabulary& vocabulary,
+                                                        c10::Device device) {
+  return std::make_unique<PanoramicLearner>(config, vocabulary, device);
 }
 
 }  // namespace enfilade::neural::panoramic

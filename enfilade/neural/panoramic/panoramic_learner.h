@@ -1,5 +1,6 @@
 /// \file  The panoramic LSTM in training: imitation, student-forcing, advantage actor-critic.
 #pragma once
+#include <c10/core/Device.h>
 #include <memory>
 
 #include "enfilade/neural/detail/learner.h"
@@ -11,6 +12,7 @@ namespace enfilade::neural::panoramic {
 /// walk with rewards and a fifth of the teacher's loss. \param config outlives it \throws as
 /// PanoramicNetwork
 std::unique_ptr<detail::Learner> make_panoramic_learner(const models::TrainConfig& config,
-                                                        const tasks::Vocabulary& vocabulary);
+                                                        const tasks::Vocabulary& vocabulary,
+                                                        c10::Device device);
 
 }  // namespace enfilade::neural::panoramic

@@ -60,26 +60,24 @@ void check_words(const WordBatch& words, const PanoramicConfig& config) {
 
 }  // namespace
 
-PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, std::uint64_t seed)
-    : config_(config) {
+PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, std::uint64_t seed,
+                                   c10::Device device)
+    : config_(config), device_(device) {
   validate(config);
   for (const detail::ArraySpec& spec : array_specs(config)) {
     weights_.emplace(spec.name,
                      first_values(spec, is_embedding(spec.name), bound_of(config, spec), seed));
   }
-  require_gradients();
+  detail::make_trainable(weights_, device);
 }
 
-PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, const features::TensorFile& file)
-    : config_(config) {
+PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, const features::TensorFile& file,
+                                   c10::Device device)
+    : config_(config), device_(device) {
   validate(config);
   weights_ =
       detail::read_weights(file, array_specs(config), [](std::string_view) { return false; });
-  require_gradients();
-}
-
-void PanoramicNetwork::require_gradients() {
-  for (auto& [name, values] : weights_) values.set_requires_grad(true);
+  detail::make_trainable(weights_, device);
 }
 
 const at::Tensor& PanoramicNetwork::weight(std::string_view name) const {
@@ -88,7 +86,7 @@ const at::Tensor& PanoramicNetwork::weight(std::string_view name) const {
 
 void PanoramicNetwork::set_dropout(std::optional<std::uint64_t> seed) {
   dropout_.reset();
-  if (seed) dropout_.emplace(*seed);
+  if (seed) dropout_.emplace(*seed, device_);
 }
 
 at::Tensor PanoramicNetwork::drop(const at::Tensor& x, double rate) {
@@ -108,15 +106,16 @@ Encoding PanoramicNetwork::encode(const WordBatch& words) {
   check_words(words, config_);
   const std::int64_t longest = words.ids.size(1);
   const at::Tensor lengths = at::tensor(words.lengths, at::kLong);
-  const at::Tensor embedded =
-      drop(at::embedding(weight("encoder.embedding.weight"), words.ids, 0), config_.dropout);
+  const at::Tensor embedded = drop(
+      at::embedding(weight("encoder.embedding.weight"), words.ids.to(device_), 0), config_.dropout);
   const auto [context, hidden, cells] =
       read_rows(weights_, "encoder.lstm", config_.bidirectional, embedded, lengths);
   const auto joined = [&](const at::Tensor& state) {
     return config_.bidirectional ? at::cat({state[1], state[0]}, 1) : state[0];
   };
+  const at::Tensor ends = lengths.to(device_);
   Encoding encoding;
-  encoding.mask = at::arange(longest, at::kLong).unsqueeze(0).ge(lengths.unsqueeze(1));
+  encoding.mask = at::arange(longest, ends.options()).unsqueeze(0).ge(ends.unsqueeze(1));
   at::Tensor from = joined(hidden);
   if (config_.subout == Subout::kMax) from = std::get<0>(context.max(1));
   if (config_.subout == Subout::kOwnMax) {
@@ -125,7 +124,7 @@ Encoding PanoramicNetwork::encode(const WordBatch& words) {
   encoding.start = at::tanh(linear(from, "encoder.encoder2decoder"));
   encoding.cell = joined(cells);
   encoding.context = drop(context, config_.dropout);
-  encoding.words = detail::Memory(encoding.context, lengths);
+  encoding.words = detail::Memory(encoding.context, ends);
   return encoding;
 }
 
@@ -133,11 +132,12 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
                                   const StepInput& input) {
   StepOutput out;
   const at::Tensor own =
-      drop(at::tanh(linear(input.action, "decoder.embedding.0")), config_.dropout);
-  const at::Tensor views = drop_images(input.views, input.dropped);
+      drop(at::tanh(linear(input.action.to(device_), "decoder.embedding.0")), config_.dropout);
+  const at::Tensor views = drop_images(input.views.to(device_), input.dropped);
   const at::Tensor query = detail::linear(drop(state.tilde, config_.dropout),
                                           weight("decoder.feat_att_layer.linear_in.weight"));
-  const detail::Memory panorama(views, at::full({views.size(0)}, views.size(1), at::kLong));
+  const detail::Memory panorama(
+      views, at::full({views.size(0)}, views.size(1), views.options().dtype(at::kLong)));
   std::tie(out.attended_view, out.view_attention) = panorama.attend(query);
   // The hidden state of the LSTM is the one after attention: the published code never uses the
   // other.
@@ -154,8 +154,8 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
                                            weight("decoder.attention_layer.linear_out.weight")));
   const at::Tensor choice = detail::linear(drop(out.next.tilde, config_.dropout),
                                            weight("decoder.candidate_att_layer.linear_in.weight"));
-  out.logits =
-      scores(drop_images(input.candidates, input.dropped), choice).masked_fill(input.closed, kNone);
+  out.logits = scores(drop_images(input.candidates.to(device_), input.dropped), choice)
+                   .masked_fill(input.closed.to(device_), kNone);
   return out;
 }
 

@@ -1,6 +1,7 @@
 /// \file  The panoramic LSTM agent's network: EnvDrop's listener (Tan, Yu, Bansal 2019).
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -61,8 +62,8 @@ struct StepOutput {
   at::Tensor word_attention;  ///< (n, longest), of sum 1, 0 at padding
 };
 
-/// Parameters, and what they compute. Autograd follows every call, unless a guard is set. On the
-/// CPU, in float32. One thread at a time.
+/// Parameters, and what they compute. Autograd follows every call, unless a guard is set. In
+/// float32, on one device; inputs may be on any. One thread at a time.
 ///
 /// The maximum of Subout::kMax runs over the padded length with zeros there, as in the published
 /// code: an episode's results depend on the longest sentence of its batch.
@@ -70,14 +71,17 @@ class PanoramicNetwork {
  public:
   /// Random weights as PyTorch's modules begin with, from a seed. \throws ArgumentError as
   /// validate()
-  PanoramicNetwork(const PanoramicConfig& config, std::uint64_t seed);
+  PanoramicNetwork(const PanoramicConfig& config, std::uint64_t seed,
+                   c10::Device device = c10::kCPU);
   /// Those of a file: `.npz` or safetensors with the published names, or EnvDrop's checkpoint.
   /// \throws InvalidInput naming every array that is missing, surplus or of another shape
-  PanoramicNetwork(const PanoramicConfig& config, const features::TensorFile& file);
+  PanoramicNetwork(const PanoramicConfig& config, const features::TensorFile& file,
+                   c10::Device device = c10::kCPU);
 
   const PanoramicConfig& config() const noexcept { return config_; }
   /// By the published names. Handles to the network's own memory.
   const detail::Weights& weights() const noexcept { return weights_; }
+  c10::Device device() const noexcept { return device_; }
   /// \throws LookupError for an unknown name
   const at::Tensor& weight(std::string_view name) const;
 
@@ -92,13 +96,13 @@ class PanoramicNetwork {
   at::Tensor value(const at::Tensor& hidden);
 
  private:
-  void require_gradients();
   at::Tensor drop(const at::Tensor& x, double rate);
   at::Tensor drop_images(const at::Tensor& features, FeaturesDropped dropped);
   at::Tensor linear(const at::Tensor& x, const std::string& name) const;
 
   PanoramicConfig config_;
   detail::Weights weights_;
+  c10::Device device_;
   std::optional<detail::Dropout> dropout_;
 };
 

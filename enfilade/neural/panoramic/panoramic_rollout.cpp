@@ -19,16 +19,13 @@ using models::Feedback;
 
 // What a step leaves for the losses.
 struct Kept {
-  at::Tensor hidden;      // of the LSTM
-  at::Tensor log_chosen;  // (n) of the probability of the choice
-  at::Tensor entropy;     // (n)
-  at::Tensor active;      // (n) float
+  at::Tensor hidden;           // of the LSTM
+  at::Tensor log_chosen;       // (n) of the probability of the choice
+  at::Tensor entropy;          // (n)
+  at::Tensor active;           // (n) float
+  std::ptrdiff_t actions = 0;  // how many are active
   std::vector<double> reward;
 };
-
-at::Tensor row_tensor(const std::vector<double>& values) {
-  return at::tensor(values, at::kDouble).to(at::kFloat);
-}
 
 class Rollout {
  public:
@@ -43,7 +40,7 @@ class Rollout {
   RolloutLosses run(const WordBatch& words, const PanoramicObserver& observer) {
     const Encoding encoding = network_.encode(words);
     DecoderState state{encoding.start, encoding.cell};
-    at::Tensor imitation = at::zeros({}, at::kFloat);
+    at::Tensor imitation = zero();
     for (std::size_t t = 0; t < options_.max_actions && going(); ++t) {
       const Clock::time_point begin = Clock::now();
       const StepInput input = seen();
@@ -69,9 +66,20 @@ class Rollout {
 
  private:
   StepInput seen() const {
-    StepInput input = look(walks_, network_.config(), images_);
+    StepInput input = options_.resident != nullptr
+                          ? look(walks_, network_.config(), *options_.resident)
+                          : look(walks_, network_.config(), images_);
     input.dropped = options_.dropped;
     return input;
+  }
+
+  at::Tensor zero() const {
+    return at::zeros({}, at::TensorOptions(at::kFloat).device(network_.device()));
+  }
+
+  // A number a row, on the network's device.
+  at::Tensor row_tensor(const std::vector<double>& values) const {
+    return at::tensor(values, at::kDouble).to(at::kFloat).to(network_.device());
   }
 
   bool going() const {
@@ -96,8 +104,9 @@ class Rollout {
   std::vector<std::size_t> choices_of(const at::Tensor& logits,
                                       const std::vector<std::size_t>& teachers) {
     if (options_.feedback == Feedback::kTeacher) return teachers;
-    const at::Tensor best = logits.detach().argmax(1);
-    const at::Tensor shares = at::softmax(logits.detach(), 1).contiguous();
+    const at::Tensor values = logits.detach().to(at::kCPU, at::kFloat);
+    const at::Tensor best = values.argmax(1);
+    const at::Tensor shares = at::softmax(values, 1).contiguous();
     const bool draw = options_.feedback == Feedback::kSample && options_.draw == Draw::kRandom;
     std::vector<std::size_t> choices;
     for (std::size_t i = 0; i < walks_.size(); ++i) {
@@ -120,9 +129,10 @@ class Rollout {
     return stop;
   }
 
-  static at::Tensor pick(const at::Tensor& logs, const std::vector<std::size_t>& choices) {
-    std::vector<std::int64_t> index(choices.begin(), choices.end());
-    return logs.gather(1, at::tensor(index, at::kLong).unsqueeze(1)).squeeze(1);
+  at::Tensor pick(const at::Tensor& logs, const std::vector<std::size_t>& choices) const {
+    const std::vector<std::int64_t> index(choices.begin(), choices.end());
+    const at::Tensor there = at::tensor(index, at::kLong).to(network_.device());
+    return logs.gather(1, there.unsqueeze(1)).squeeze(1);
   }
 
   void keep(const StepOutput& out, const at::Tensor& logs,
@@ -134,6 +144,7 @@ class Rollout {
     const at::Tensor finite = logs.masked_fill(out.logits.eq(-HUGE_VAL), 0);
     kept.entropy = -(logs.exp() * finite).sum(1);
     kept.active = active();
+    kept.actions = std::ranges::count_if(walks_, [](const auto& walk) { return !walk.ended(); });
     kept_.push_back(std::move(kept));
   }
 
@@ -169,8 +180,9 @@ class Rollout {
     }
     losses_.returns.resize(kept_.size());
     losses_.values.resize(kept_.size());
-    at::Tensor loss = at::zeros({}, at::kFloat);
+    at::Tensor loss = zero();
     double actions = 0;
+    std::vector<at::Tensor> values(kept_.size());
     for (std::size_t t = kept_.size(); t-- > 0;) {
       const Kept& kept = kept_[t];
       for (std::size_t i = 0; i < returns.size(); ++i) {
@@ -178,14 +190,17 @@ class Rollout {
       }
       losses_.returns[t] = returns;
       const at::Tensor value = network_.value(kept.hidden);
-      const at::Tensor numbers = value.detach().to(at::kDouble).contiguous();
-      losses_.values[t].assign(numbers.data_ptr<double>(),
-                               numbers.data_ptr<double>() + numbers.numel());
+      values[t] = value.detach();
       const at::Tensor error = row_tensor(returns) - value;
       const at::Tensor terms = -kept.log_chosen * error.detach() + 0.5 * error.square() -
                                options_.entropy * kept.entropy;
       loss = loss + (terms * kept.active).sum();
-      actions += kept.active.sum().item<double>();
+      actions += static_cast<double>(kept.actions);
+    }
+    for (std::size_t t = 0; t < values.size(); ++t) {
+      const at::Tensor numbers = values[t].to(at::kCPU, at::kDouble).contiguous();
+      losses_.values[t].assign(numbers.data_ptr<double>(),
+                               numbers.data_ptr<double>() + numbers.numel());
     }
     losses_.reinforcement = loss / std::max(actions, 1.0);
   }
@@ -194,7 +209,7 @@ class Rollout {
   at::Tensor last_values(const Encoding& encoding, const DecoderState& state) {
     const c10::NoGradGuard guard;
     const StepOutput out = network_.step(encoding, state, seen());
-    return network_.value(out.hidden).to(at::kDouble).contiguous();
+    return network_.value(out.hidden).to(at::kCPU, at::kDouble).contiguous();
   }
 
   PanoramicNetwork& network_;

@@ -35,6 +35,9 @@ struct PanoramicRolloutOptions {
   double success_distance = 3;         ///< metres, strictly below: a stop is rewarded with 2
   /// Whether `images` have columns dropped already: drop_environment().
   FeaturesDropped dropped = FeaturesDropped::kByNetwork;
+  /// The pictures in place of `images`, on the network's device; null: `images`, sent there at each
+  /// step.
+  detail::ResidentViews* resident = nullptr;
 };
 
 /// One step, for an observer; valid during the call, before anybody moves.

@@ -87,6 +87,49 @@ TEST_F(PanoramicRolloutTest, LookSeesHeadingsFromTheAgentsView) {
   EXPECT_FALSE(input.closed.any().item<bool>()) << "both have two neighbours";
 }
 
+// Made by lookups on the pictures' device, as cards do it.
+TEST_F(PanoramicRolloutTest, LookOfResidentPicturesIsTheSame) {
+  const std::vector<PanoramicWalk> walks{walk(0, 4, kPi / 2), walk(2, 4), walk(5, 3, 1),
+                                         walk(0, 1)};
+  const auto columns = static_cast<std::int64_t>(small().image);
+  std::size_t sent = 0;
+  detail::ResidentViews resident(columns, at::kCPU, [&](graph::Location at, std::span<float> out) {
+    ++sent;
+    for (std::uint32_t view = 0; view < detail::ResidentViews::kViews; ++view) {
+      pictures(at, view, out.subspan(view * small().image, small().image));
+    }
+  });
+  for (int again = 0; again < 2; ++again) {
+    const StepInput there = look(walks, small(), resident), here = look(walks, small(), pictures);
+    EXPECT_TRUE(there.action.equal(here.action));
+    EXPECT_TRUE(there.views.equal(here.views));
+    EXPECT_TRUE(there.candidates.equal(here.candidates));
+    EXPECT_TRUE(there.closed.equal(here.closed));
+  }
+  EXPECT_EQ(sent, 3U) << "two stand at one viewpoint, and all came once";
+}
+
+TEST(ResidentViewsTest, KeepsWhatItHasWhenItGrows) {
+  constexpr std::size_t kPlaces = 200;  // more than the first table has rows for
+  detail::ResidentViews resident(2, at::kCPU, [](graph::Location at, std::span<float> out) {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i] = static_cast<float>(1000 * at.viewpoint.at() + i);
+    }
+  });
+  std::vector<std::int64_t> rows;
+  for (std::size_t place = 0; place < kPlaces; ++place) {
+    rows.push_back(resident.first_row({ScanIndex(0), ViewpointIndex(place)}) + 35);
+    if (place % 30 == 0) (void)resident.gather({rows.back()});
+  }
+  rows.push_back(detail::ResidentViews::kNothing);
+  const at::Tensor found = resident.gather(rows);
+  for (std::size_t place = 0; place < kPlaces; ++place) {
+    const auto row = static_cast<std::int64_t>(place);
+    EXPECT_EQ(found[row][1].item<double>(), 1000.0 * static_cast<double>(place) + 71);
+  }
+  EXPECT_EQ(found[static_cast<std::int64_t>(kPlaces)].abs().sum().item<double>(), 0);
+}
+
 TEST_F(PanoramicRolloutTest, TeacherLeadsToTheGoalAndStops) {
   PanoramicNetwork network(small(), 1);
   std::vector<PanoramicWalk> walks{walk(5, 3), walk(1, 1)};

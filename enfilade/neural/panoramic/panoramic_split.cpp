@@ -23,6 +23,20 @@ PanoramicSplit::PanoramicSplit(const tasks::EpisodeSet& episodes,
   images_ = pictures_of(features_ ? &*features_ : nullptr);
 }
 
+detail::ResidentViews* PanoramicSplit::resident(c10::Device device) {
+  if (device.is_cpu() || !features_) return nullptr;
+  if (!resident_) {
+    const std::size_t columns = features_->dimensions();
+    resident_.emplace(static_cast<std::int64_t>(columns), device,
+                      [this, columns](graph::Location at, std::span<float> out) {
+                        for (std::uint32_t view = 0; view < ViewFeatures::kViews; ++view) {
+                          images_(at, view, out.subspan(view * columns, columns));
+                        }
+                      });
+  }
+  return &*resident_;
+}
+
 PanoramicSplit::Batch PanoramicSplit::begin(std::span<const std::size_t> episodes) {
   Batch batch;
   batch.places.resize(episodes.size());
@@ -49,6 +63,7 @@ std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, Panorami
   network.set_dropout(std::nullopt);
   PanoramicRolloutOptions options;
   options.max_actions = split.max_actions();
+  options.resident = split.resident(network.device());
   PanoramicSplit::Batch batch = split.begin(episodes);
   roll_out(network, batch.words, batch.walks, split.images(), options,
            [&](const PanoramicStep& step) {

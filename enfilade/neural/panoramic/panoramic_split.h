@@ -41,6 +41,9 @@ class PanoramicSplit {
 
   const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
   const ImageSource& images() const noexcept { return images_; }
+  /// Likewise, on a card; null for the CPU, or if the agent does not see. The device is the first
+  /// one asked for.
+  detail::ResidentViews* resident(c10::Device device);
   std::size_t max_actions() const noexcept { return max_actions_; }  ///< choices of an episode
   std::span<const std::int64_t> words(std::size_t episode) const { return words_[episode]; }
   const models::InstructionWords& vocabulary() const noexcept { return vocabulary_; }
@@ -52,6 +55,7 @@ class PanoramicSplit {
   std::vector<std::vector<std::int64_t>> words_;  // by episode
   std::optional<ViewFeatures> features_;
   ImageSource images_;
+  std::optional<detail::ResidentViews> resident_;
   agents::PanoramaCache panoramas_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <ATen/ATen.h>
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "enfilade/agents/experts.h"
@@ -118,6 +119,52 @@ StepInput look(std::span<const PanoramicWalk> walks, const PanoramicConfig& conf
     bool* const closed = input.closed.data_ptr<bool>() + i * most;
     std::fill(closed + walk.stop() + 1, closed + most, true);
   }
+  return input;
+}
+
+namespace {
+
+// The four numbers again and again, as write_angle() has them.
+at::Tensor repeated(const at::Tensor& angles, std::int64_t columns) {
+  const std::int64_t four = angles.size(2);
+  return angles.repeat({1, 1, (columns + four - 1) / four}).narrow(2, 0, columns);
+}
+
+}  // namespace
+
+StepInput look(std::span<const PanoramicWalk> walks, const PanoramicConfig& config,
+               detail::ResidentViews& images) {
+  PanoramicConfig blind = config;
+  blind.image = 0;
+  blind.angle = std::tuple_size_v<agents::AngleFeature>;
+  const StepInput seen =
+      look(walks, blind, ImageSource([](graph::Location, std::uint32_t, std::span<float>) {}));
+  const std::int64_t n = seen.views.size(0), most = seen.candidates.size(1);
+  std::vector<std::int64_t> rows;  // of the views, then of the candidates
+  for (const PanoramicWalk& walk : walks) {
+    const std::int64_t first = images.first_row(walk.location());
+    for (std::uint32_t view = 0; view < kViews; ++view) rows.push_back(first + view);
+  }
+  for (const PanoramicWalk& walk : walks) {
+    const std::int64_t first = images.first_row(walk.location());
+    for (std::int64_t k = 0; k < most; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      rows.push_back(at < walk.stop() ? first + walk.candidates()[at].view
+                                      : detail::ResidentViews::kNothing);
+    }
+  }
+  const at::Tensor pictures = images.gather(rows);
+  const c10::Device device = pictures.device();
+  const auto angle = static_cast<std::int64_t>(config.angle);
+  const auto together = [&](const at::Tensor& part, const at::Tensor& angles) {
+    return at::cat(
+        {part.view({n, angles.size(1), part.size(1)}), repeated(angles.to(device), angle)}, 2);
+  };
+  StepInput input;
+  input.action = repeated(seen.action.unsqueeze(1), angle).squeeze(1).to(device);
+  input.views = together(pictures.narrow(0, 0, n * kViews), seen.views);
+  input.candidates = together(pictures.narrow(0, n * kViews, n * most), seen.candidates);
+  input.closed = seen.closed.to(device);
   return input;
 }
 

@@ -8,6 +8,7 @@
 
 #include "enfilade/agents/panorama.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/neural/detail/resident_views.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
 #include "enfilade/neural/view_features.h"
 #include "enfilade/sim/candidates.h"
@@ -76,5 +77,8 @@ ImageSource pictures_of(const ViewFeatures* features);
 /// nothing is to be used.
 StepInput look(std::span<const PanoramicWalk> walks, const PanoramicConfig& config,
                const ImageSource& images);
+/// The same, made where the pictures are: on their device, of numbers that are sent there.
+StepInput look(std::span<const PanoramicWalk> walks, const PanoramicConfig& config,
+               detail::ResidentViews& images);
 
 }  // namespace enfilade::neural::panoramic

@@ -9,7 +9,8 @@ namespace enfilade::neural::panoramic {
 namespace {
 
 std::vector<float> first_of_row(const at::Tensor& values, std::size_t row, std::size_t count) {
-  const at::Tensor one = values.select(0, static_cast<std::int64_t>(row)).contiguous();
+  const at::Tensor one =
+      values.select(0, static_cast<std::int64_t>(row)).to(at::kCPU, at::kFloat).contiguous();
   const float* data = one.data_ptr<float>();
   return {data, data + count};
 }

@@ -159,7 +159,7 @@ InstructionLoss instruction_loss(SpeakerNetwork& network, const PathBatch& paths
   SpeakerState state = network.begin(sentences.size(0));
   const at::Tensor logits =
       network.decode(network.encode(paths), sentences.narrow(1, 0, length), state);
-  const at::Tensor truth = sentences.narrow(1, 1, length).reshape({-1});
+  const at::Tensor truth = sentences.narrow(1, 1, length).reshape({-1}).to(logits.device());
   const at::Tensor logs = at::log_softmax(logits, 2).reshape({truth.size(0), -1});
   const at::Tensor meant = truth.ne(std::int64_t{Vocabulary::kPad});
   const auto words = meant.sum().item<std::int64_t>();
@@ -187,7 +187,8 @@ std::vector<std::vector<std::int64_t>> describe(SpeakerNetwork& network, const P
   std::vector<bool> ended(n, false);
   for (std::size_t t = 0; t < options.most_words; ++t) {
     const at::Tensor last = at::tensor(words, at::kLong).unsqueeze(1);
-    words = chooser.choose(network.decode(encoding, last, state).squeeze(1).clone());
+    words = chooser.choose(
+        network.decode(encoding, last, state).squeeze(1).to(at::kCPU, at::kFloat, false, true));
     for (std::size_t i = 0; i < n; ++i) {
       ended[i] = ended[i] || words[i] == std::int64_t{Vocabulary::kEnd};
       if (ended[i]) words[i] = Vocabulary::kPad;

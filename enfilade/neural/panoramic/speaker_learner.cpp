@@ -13,10 +13,11 @@ namespace {
 
 class SpeakerLearner : public detail::SplitLearner<SpeakerNetwork, SpeakerSplit> {
  public:
-  SpeakerLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary)
+  SpeakerLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
+                 c10::Device device)
       : SplitLearner(config, models::InstructionWords(vocabulary),
-                     SpeakerNetwork(speaker_sizes(config), config.seed), {"encoder.", "decoder."}) {
-  }
+                     SpeakerNetwork(speaker_sizes(config), config.seed, device),
+                     {"encoder.", "decoder."}) {}
 
   detail::Update update(std::uint64_t iteration) override {
     constexpr std::uint64_t kOfDropout = 1;
@@ -39,8 +40,9 @@ class SpeakerLearner : public detail::SplitLearner<SpeakerNetwork, SpeakerSplit>
 }  // namespace
 
 std::unique_ptr<detail::Learner> make_speaker_learner(const models::TrainConfig& config,
-                                                      const tasks::Vocabulary& vocabulary) {
-  return std::make_unique<SpeakerLearner>(config, vocabulary);
+                                                      const tasks::Vocabulary& vocabulary,
+                                                      c10::Device device) {
+  return std::make_unique<SpeakerLearner>(config, vocabulary, device);
 }
 
 }  // namespace enfilade::neural::panoramic

@@ -1,5 +1,6 @@
 /// \file  The speaker in training: each word of people's instructions, after those before it.
 #pragma once
+#include <c10/core/Device.h>
 #include <memory>
 
 #include "enfilade/neural/detail/learner.h"
@@ -10,6 +11,7 @@ namespace enfilade::neural::panoramic {
 /// their words. \param config outlives it
 /// \throws as SpeakerNetwork
 std::unique_ptr<detail::Learner> make_speaker_learner(const models::TrainConfig& config,
-                                                      const tasks::Vocabulary& vocabulary);
+                                                      const tasks::Vocabulary& vocabulary,
+                                                      c10::Device device);
 
 }  // namespace enfilade::neural::panoramic

@@ -109,26 +109,24 @@ SpeakerConfig speaker_config_of(const features::TensorFile& file, const SpeakerC
   return config;
 }
 
-SpeakerNetwork::SpeakerNetwork(const SpeakerConfig& config, std::uint64_t seed) : config_(config) {
+SpeakerNetwork::SpeakerNetwork(const SpeakerConfig& config, std::uint64_t seed, c10::Device device)
+    : config_(config), device_(device) {
   validate(config);
   for (const detail::ArraySpec& spec : array_specs(config)) {
     const double bound = 1 / std::sqrt(static_cast<double>(fan_of(config, spec)));
     weights_.emplace(spec.name,
                      first_values(spec, spec.name == "decoder.embedding.weight", bound, seed));
   }
-  require_gradients();
+  detail::make_trainable(weights_, device);
 }
 
-SpeakerNetwork::SpeakerNetwork(const SpeakerConfig& config, const features::TensorFile& file)
-    : config_(config) {
+SpeakerNetwork::SpeakerNetwork(const SpeakerConfig& config, const features::TensorFile& file,
+                               c10::Device device)
+    : config_(config), device_(device) {
   validate(config);
   weights_ = detail::read_weights(file, array_specs(config),
                                   [](std::string_view name) { return name.starts_with(kUnused); });
-  require_gradients();
-}
-
-void SpeakerNetwork::require_gradients() {
-  for (auto& [name, values] : weights_) values.set_requires_grad(true);
+  detail::make_trainable(weights_, device);
 }
 
 const at::Tensor& SpeakerNetwork::weight(std::string_view name) const {
@@ -137,7 +135,7 @@ const at::Tensor& SpeakerNetwork::weight(std::string_view name) const {
 
 void SpeakerNetwork::set_dropout(std::optional<std::uint64_t> seed) {
   dropout_.reset();
-  if (seed) dropout_.emplace(*seed);
+  if (seed) dropout_.emplace(*seed, device_);
 }
 
 at::Tensor SpeakerNetwork::drop(const at::Tensor& x, double rate) {
@@ -154,15 +152,16 @@ at::Tensor SpeakerNetwork::read_steps(const at::Tensor& x, const PathBatch& path
                                       const std::string& name) {
   const at::Tensor order = falling_order(paths.lengths);
   const at::Tensor lengths = at::tensor(paths.lengths, at::kLong).index_select(0, order);
-  return read_rows(weights_, name, config_.bidirectional, x.index_select(0, order), lengths)
-      .outputs.index_select(0, at::argsort(order));
+  const at::Tensor there = order.to(device_);
+  return read_rows(weights_, name, config_.bidirectional, x.index_select(0, there), lengths)
+      .outputs.index_select(0, at::argsort(there));
 }
 
 PathEncoding SpeakerNetwork::encode(const PathBatch& paths) {
   check_paths(paths, config_);
-  const at::Tensor actions = drop_images(paths.actions, paths.dropped);
+  const at::Tensor actions = drop_images(paths.actions.to(device_), paths.dropped);
   const at::Tensor steps = drop(read_steps(actions, paths, "encoder.lstm"), config_.dropout);
-  const at::Tensor views = drop_images(paths.views, paths.dropped);
+  const at::Tensor views = drop_images(paths.views.to(device_), paths.dropped);
   const at::Tensor query = at::linear(steps, weight("encoder.attention_layer.linear_in.weight"));
   const at::Tensor shares =
       at::softmax(at::matmul(views, query.unsqueeze(3)).squeeze(3), 2);  // (n, longest, 36)
@@ -174,27 +173,29 @@ PathEncoding SpeakerNetwork::encode(const PathBatch& paths) {
       drop(read_steps(drop(seen, config_.dropout), paths, "encoder.post_lstm"), config_.dropout);
   encoding.mask = at::arange(paths.actions.size(1), at::kLong)
                       .unsqueeze(0)
-                      .ge(at::tensor(paths.lengths, at::kLong).unsqueeze(1));
+                      .ge(at::tensor(paths.lengths, at::kLong).unsqueeze(1))
+                      .to(device_);
   return encoding;
 }
 
 SpeakerState SpeakerNetwork::begin(std::int64_t n) const {
-  return {at::zeros({n, whole(config_.hidden)}, at::kFloat),
-          at::zeros({n, whole(config_.hidden)}, at::kFloat)};
+  const at::TensorOptions options = at::TensorOptions(at::kFloat).device(device_);
+  return {at::zeros({n, whole(config_.hidden)}, options),
+          at::zeros({n, whole(config_.hidden)}, options)};
 }
 
 at::Tensor SpeakerNetwork::decode(const PathEncoding& encoding, const at::Tensor& words,
                                   SpeakerState& state) {
   check_ids(words, encoding.context.size(0), config_);
   constexpr double kNone = -std::numeric_limits<double>::infinity();
-  const at::Tensor embedded =
-      drop(at::embedding(weight("decoder.embedding.weight"), words, 0), config_.dropout);
+  const at::Tensor embedded = drop(
+      at::embedding(weight("decoder.embedding.weight"), words.to(device_), 0), config_.dropout);
   const std::vector<at::Tensor> parameters{
       weight("decoder.lstm.weight_ih_l0"), weight("decoder.lstm.weight_hh_l0"),
       weight("decoder.lstm.bias_ih_l0"), weight("decoder.lstm.bias_hh_l0")};
   const auto [outputs, hidden, cell] =
       at::lstm(embedded, {state.hidden.unsqueeze(0), state.cell.unsqueeze(0)}, parameters, true, 1,
-               0.0, false, false, true);
+               0.0, true, false, true);
   state = {hidden.squeeze(0), cell.squeeze(0)};
   const at::Tensor said = drop(outputs, config_.dropout);
   const at::Tensor query = at::linear(said, weight("decoder.attention_layer.linear_in.weight"));

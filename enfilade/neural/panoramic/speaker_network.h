@@ -1,6 +1,7 @@
 /// \file  The network that describes a path in words: EnvDrop's speaker (Tan, Yu, Bansal 2019).
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -45,8 +46,8 @@ struct SpeakerState {
   at::Tensor hidden, cell;  ///< (n, hidden)
 };
 
-/// Parameters, and what they compute. Autograd follows every call, unless a guard is set. On the
-/// CPU, in float32. One thread at a time.
+/// Parameters, and what they compute. Autograd follows every call, unless a guard is set. In
+/// float32, on one device; inputs may be on any. One thread at a time.
 ///
 /// Nothing is read behind the end of a path. The published code pads to the longest path of the
 /// batch and lets its backward LSTM begin there, so its results depend on the batch; with paths of
@@ -55,11 +56,12 @@ class SpeakerNetwork {
  public:
   /// Random weights as PyTorch's modules begin with, from a seed. \throws ArgumentError as
   /// validate()
-  SpeakerNetwork(const SpeakerConfig& config, std::uint64_t seed);
+  SpeakerNetwork(const SpeakerConfig& config, std::uint64_t seed, c10::Device device = c10::kCPU);
   /// Those of a file: `.npz` or safetensors with the published names, or EnvDrop's checkpoint.
   /// `decoder.baseline_projection`, which the published code has and does not use here, is ignored.
   /// \throws InvalidInput naming every array that is missing, surplus or of another shape
-  SpeakerNetwork(const SpeakerConfig& config, const features::TensorFile& file);
+  SpeakerNetwork(const SpeakerConfig& config, const features::TensorFile& file,
+                 c10::Device device = c10::kCPU);
 
   const SpeakerConfig& config() const noexcept { return config_; }
   /// By the published names. Handles to the network's own memory.
@@ -82,13 +84,13 @@ class SpeakerNetwork {
   at::Tensor decode(const PathEncoding& encoding, const at::Tensor& words, SpeakerState& state);
 
  private:
-  void require_gradients();
   at::Tensor drop(const at::Tensor& x, double rate);
   at::Tensor drop_images(const at::Tensor& features, FeaturesDropped dropped);
   at::Tensor read_steps(const at::Tensor& x, const PathBatch& paths, const std::string& name);
 
   SpeakerConfig config_;
   detail::Weights weights_;
+  c10::Device device_;
   std::optional<detail::Dropout> dropout_;
 };
 

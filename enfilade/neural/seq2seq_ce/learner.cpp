@@ -47,12 +47,13 @@ std::vector<std::vector<std::int64_t>> read_all(const tasks::ContinuousEpisodes&
 class CeLearner : public detail::Learner {
  public:
   CeLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
-            models::ModelFiles files, std::function<void(const GatheringProgress&)> told)
+            models::ModelFiles files, c10::Device device,
+            std::function<void(const GatheringProgress&)> told)
       : config_(config),
         words_(vocabulary),
         files_(std::move(files)),
         told_(std::move(told)),
-        network_(sizes_of(config), config.seed),
+        network_(sizes_of(config), config.seed, device),
         optimizer_(detail::optimizer_of(config, {""})) {}
 
   void prepare(const TrainingData& data) override {
@@ -119,7 +120,8 @@ class CeLearner : public detail::Learner {
         by_scan[std::string(data_->training.episodes[e].scan())].push_back(e);
       }
       std::size_t done = 0;
-      const std::string weights = now ? detail::hash_of(plain_weights()) : std::string();
+      const std::string weights =
+          now ? detail::hash_of(detail::on_cpu(network_.weights())) : std::string();
       for (const auto& [scan, episodes] : by_scan) {
         const fs::path file = files_.walks(sets_, scan);
         if (now && !is_there(file, weights)) gather(file, episodes, weights);
@@ -142,12 +144,6 @@ class CeLearner : public detail::Learner {
     } catch (const InvalidInput&) {
       return false;
     }
-  }
-
-  detail::Weights plain_weights() const {
-    detail::Weights plain;
-    for (const auto& [name, weight] : network_.weights()) plain.emplace(name, weight.detach());
-    return plain;
   }
 
   void add(const fs::path& file) {
@@ -268,8 +264,9 @@ class CeLearner : public detail::Learner {
 
 std::unique_ptr<detail::Learner> make_learner(
     const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
-    const models::ModelFiles& files, const std::function<void(const GatheringProgress&)>& told) {
-  return std::make_unique<CeLearner>(config, vocabulary, files, told);
+    const models::ModelFiles& files, c10::Device device,
+    const std::function<void(const GatheringProgress&)>& told) {
+  return std::make_unique<CeLearner>(config, vocabulary, files, device, told);
 }
 
 }  // namespace enfilade::neural::seq2seq_ce

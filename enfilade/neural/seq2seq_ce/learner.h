@@ -1,5 +1,6 @@
 /// \file  The agent that walks freely, in training: DAgger (Ross, Gordon, Bagnell 2011).
 #pragma once
+#include <c10/core/Device.h>
 #include <functional>
 #include <memory>
 
@@ -15,6 +16,7 @@ namespace enfilade::neural::seq2seq_ce {
 /// \param config outlives it \param told of each set while it is gathered; may be empty
 std::unique_ptr<detail::Learner> make_learner(
     const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
-    const models::ModelFiles& files, const std::function<void(const GatheringProgress&)>& told);
+    const models::ModelFiles& files, c10::Device device,
+    const std::function<void(const GatheringProgress&)>& told);
 
 }  // namespace enfilade::neural::seq2seq_ce

@@ -61,10 +61,6 @@ std::int64_t fan_of(const Sizes& sizes, const std::string& name) {
   return whole(sizes.own.hidden);
 }
 
-void require_gradients(const detail::Weights& weights) {
-  for (const auto& [name, weight] : weights) at::Tensor(weight).requires_grad_();
-}
-
 }  // namespace
 
 Sizes sizes_of(const models::TrainConfig& config) {
@@ -72,20 +68,22 @@ Sizes sizes_of(const models::TrainConfig& config) {
           config.seq2seq_ce};
 }
 
-CeNetwork::CeNetwork(const Sizes& sizes, std::uint64_t seed) : sizes_(sizes) {
+CeNetwork::CeNetwork(const Sizes& sizes, std::uint64_t seed, c10::Device device)
+    : sizes_(sizes), device_(device) {
   for (const ArraySpec& spec : array_specs(sizes)) {
     const bool table = spec.name == kWords || spec.name == kActions;
     const double bound = 1 / std::sqrt(static_cast<double>(fan_of(sizes, spec.name)));
     weights_.emplace(spec.name, panoramic::first_values(spec, table, bound, seed));
   }
-  require_gradients(weights_);
+  detail::make_trainable(weights_, device);
 }
 
-CeNetwork::CeNetwork(const Sizes& sizes, const features::TensorFile& file)
+CeNetwork::CeNetwork(const Sizes& sizes, const features::TensorFile& file, c10::Device device)
     : sizes_(sizes),
       weights_(
-          detail::read_weights(file, array_specs(sizes), [](std::string_view) { return false; })) {
-  require_gradients(weights_);
+          detail::read_weights(file, array_specs(sizes), [](std::string_view) { return false; })),
+      device_(device) {
+  detail::make_trainable(weights_, device);
 }
 
 const at::Tensor& CeNetwork::weight(std::string_view name) const {
@@ -106,14 +104,14 @@ at::Tensor CeNetwork::read(std::span<const std::vector<std::int64_t>> instructio
     lengths.data_ptr<std::int64_t>()[row] = std::ssize(instructions[from]);
     back.data_ptr<std::int64_t>()[from] = row;
   }
-  const at::Tensor words = at::embedding(weight(kWords), ids, 0);
+  const at::Tensor words = at::embedding(weight(kWords), ids.to(device_), 0);
   return panoramic::read_rows(weights_, "instruction.lstm", false, words, lengths)
       .hidden[0]
-      .index_select(0, back);
+      .index_select(0, back.to(device_));
 }
 
 at::Tensor CeNetwork::begin(std::int64_t n) const {
-  return at::zeros({n, whole(sizes_.own.hidden)}, at::kFloat);
+  return at::zeros({n, whole(sizes_.own.hidden)}, at::TensorOptions(at::kFloat).device(device_));
 }
 
 at::Tensor CeNetwork::walk(const at::Tensor& sentences, const Steps& steps,
@@ -122,13 +120,14 @@ at::Tensor CeNetwork::walk(const at::Tensor& sentences, const Steps& steps,
   for (const std::int64_t count : steps.counts) {
     for (std::int64_t w = 0; w < count; ++w) walks.push_back(w);
   }
-  const at::Tensor of_walk = at::tensor(walks, at::kLong);
+  const at::Tensor of_walk = at::tensor(walks, at::kLong).to(device_);
   const auto linear = [this](const std::string& name, const at::Tensor& x) {
     return at::addmm(weight(name + ".bias"), x, weight(name + ".weight").t());
   };
   const at::Tensor x = at::cat(
-      {sentences.index_select(0, of_walk), at::relu(linear("picture", steps.pictures)),
-       at::relu(linear("depth", steps.depth)), at::embedding(weight(kActions), steps.previous)},
+      {sentences.index_select(0, of_walk), at::relu(linear("picture", steps.pictures.to(device_))),
+       at::relu(linear("depth", steps.depth.to(device_))),
+       at::embedding(weight(kActions), steps.previous.to(device_))},
       1);
   return read_gru(x, steps.counts, before,
                   {weight("gru.weight_ih_l0"), weight("gru.weight_hh_l0"), weight("gru.bias_ih_l0"),
@@ -161,8 +160,9 @@ at::Tensor inflection_loss(const at::Tensor& scores, const at::Tensor& teacher,
   for (std::size_t row = 0; row < weights.size(); ++row) {
     weights[row] /= static_cast<float>(sums[walk_of[row]] * static_cast<double>(walks));
   }
-  const at::Tensor losses = -at::log_softmax(scores, 1).gather(1, teacher.unsqueeze(1)).squeeze(1);
-  return (losses * at::tensor(weights)).sum();
+  const at::Tensor there = teacher.to(scores.device());
+  const at::Tensor losses = -at::log_softmax(scores, 1).gather(1, there.unsqueeze(1)).squeeze(1);
+  return (losses * at::tensor(weights).to(scores.device())).sum();
 }
 
 }  // namespace enfilade::neural::seq2seq_ce

@@ -2,6 +2,7 @@
 /// steps of a walk (Krantz et al., ECCV 2020, section 4.1).
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -37,19 +38,20 @@ struct Steps {
   std::vector<std::int64_t> counts;  ///< rows of each step: walks that are not over
 };
 
-/// Parameters, and what they compute, on the CPU in float32. Autograd follows every call, unless a
-/// guard is set. One thread at a time.
+/// Parameters, and what they compute, on one device in float32; inputs may be on any. Autograd
+/// follows every call, unless a guard is set. One thread at a time.
 class CeNetwork {
  public:
   /// Random weights as PyTorch's modules begin with, from a seed.
-  CeNetwork(const Sizes& sizes, std::uint64_t seed);
+  CeNetwork(const Sizes& sizes, std::uint64_t seed, c10::Device device = c10::kCPU);
   /// Those of a file. \throws InvalidInput naming every array that is missing, surplus or of
   /// another shape
-  CeNetwork(const Sizes& sizes, const features::TensorFile& file);
+  CeNetwork(const Sizes& sizes, const features::TensorFile& file, c10::Device device = c10::kCPU);
 
   const Sizes& sizes() const noexcept { return sizes_; }
   /// By name. Handles to the network's own memory.
   const detail::Weights& weights() const noexcept { return weights_; }
+  c10::Device device() const noexcept { return device_; }
 
   /// The LSTM's state at each instruction's end. \param instructions ids, of each one at least
   /// \return (n, sentence) in their order
@@ -67,6 +69,7 @@ class CeNetwork {
 
   Sizes sizes_;
   detail::Weights weights_;
+  c10::Device device_;
 };
 
 /// Cross-entropy to the teacher's choices: each step weighs `inflection` where the choice is

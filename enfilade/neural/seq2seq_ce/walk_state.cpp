@@ -38,7 +38,8 @@ void WalkStates::start(std::size_t slot, const std::vector<std::int64_t>& instru
   if (slot >= previous_.size()) {
     const auto more = static_cast<std::int64_t>(slot + 1 - previous_.size());
     const auto grow = [&](at::Tensor& rows, std::int64_t width) {
-      const at::Tensor nothing = at::zeros({more, width}, at::kFloat);
+      const at::Tensor nothing =
+          at::zeros({more, width}, at::TensorOptions(at::kFloat).device(network_.device()));
       rows = rows.defined() ? at::cat({rows, nothing}) : nothing;
     };
     grow(sentences_, static_cast<std::int64_t>(network_.sizes().own.sentence));
@@ -71,10 +72,11 @@ at::Tensor WalkStates::step(std::span<const std::size_t> slots, const Seen& seen
                     depth_numbers(seen.depth, n),
                     previous,
                     {n}};
+  const at::Tensor there = rows.to(network_.device());
   const at::Tensor states =
-      network_.walk(sentences_.index_select(0, rows), steps, states_.index_select(0, rows));
-  states_.index_copy_(0, rows, states);
-  return at::softmax(network_.score(states), 1);
+      network_.walk(sentences_.index_select(0, there), steps, states_.index_select(0, there));
+  states_.index_copy_(0, there, states);
+  return at::softmax(network_.score(states), 1).to(at::kCPU);
 }
 
 }  // namespace enfilade::neural::seq2seq_ce

@@ -353,7 +353,7 @@ TEST_F(SeesTwoBuildings, GoesOnToTheBitAfterBeingStoppedAnywhere) {
   // Within the first set, at its end (6 updates of 5 walks in twos), within the last.
   for (const std::uint64_t stop : {3U, 6U, 7U, 13U}) {
     const fs::path stopped = folder(std::to_string(stop));
-    EXPECT_THROW(train(config, all, stopped, "cpu", stop_at(stop)), Stopped);
+    EXPECT_THROW(train(config, all, stopped, {}, stop_at(stop)), Stopped);
     EXPECT_TRUE(train(config, all, stopped));
     EXPECT_EQ(tests::weights_of(stopped), tests::weights_of(folder("whole"))) << stop;
   }
@@ -362,7 +362,7 @@ TEST_F(SeesTwoBuildings, GoesOnToTheBitAfterBeingStoppedAnywhere) {
   listener.gathering = [](const GatheringProgress& progress) {
     if (progress.set == 2) throw Stopped();
   };
-  EXPECT_THROW(train(config, all, folder("gathering"), "cpu", listener), Stopped);
+  EXPECT_THROW(train(config, all, folder("gathering"), {}, listener), Stopped);
   EXPECT_TRUE(train(config, all, folder("gathering")));
   EXPECT_EQ(tests::weights_of(folder("gathering")), tests::weights_of(folder("whole")));
 }
@@ -370,7 +370,7 @@ TEST_F(SeesTwoBuildings, GoesOnToTheBitAfterBeingStoppedAnywhere) {
 TEST_F(SeesTwoBuildings, LostWalksAreNamed) {
   const models::TrainConfig config = small_config();
   const TrainingData all = data(config);
-  EXPECT_THROW(train(config, all, folder("model"), "cpu", stop_at(6)), Stopped);
+  EXPECT_THROW(train(config, all, folder("model"), {}, stop_at(6)), Stopped);
   fs::remove(models::ModelFiles{folder("model")}.walks(1, "bare"));
   EXPECT_THAT([&] { train(config, all, folder("model")); },
               ThrowsMessage<FileError>(HasSubstr("bare.safetensors: there are no such walks")));
