@@ -5,9 +5,9 @@
 // iterations, so that neighbours on the machine disturb them alike. Where there is a card, training
 // there too, of the published sizes as well: beside the time that of the same products alone.
 #include <ATen/ATen.h>
+#include <ATen/core/grad_mode.h>
 #include <ATen/record_function.h>
 #include <benchmark/benchmark.h>
-#include <c10/core/InferenceMode.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
@@ -210,7 +210,7 @@ void wait_for(c10::Device device) {
 
 // Milliseconds of these products, each with its operands as they lay, on numbers that were there.
 double products_alone(const std::vector<ProductShapes::Factors>& products, c10::Device device) {
-  const c10::InferenceMode guard;
+  const at::NoGradGuard no_gradients;
   double least = std::numeric_limits<double>::infinity();
   constexpr int kRepetitions = 5;
   for (int i = 0; i < kRepetitions; ++i) {
