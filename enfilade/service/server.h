@@ -37,7 +37,8 @@ struct ServerConfig {
   double body_seconds = 30;  ///< longest time that a client may take to send a body
   /// Registrations, and requests with an unknown token, from one address in a minute.
   int most_attempts = 20;
-  /// Workers who join from one address in a minute: a whole lab may share one.
+  /// Workers who join, and sessions of the arena that begin, from one address in a minute: a whole
+  /// lab may share one.
   int most_joins = 600;
   /// Trust X-Forwarded-For and X-Forwarded-Proto: only behind a proxy that sets them.
   bool behind_proxy = false;

@@ -71,6 +71,7 @@ class Site {
   /// Which objects are seen from where, read at the first call; null if the data set does not say.
   /// \throws InvalidInput, again at each call, without reading the broken file again
   const tasks::ObjectBoxes* objects() const;
+  const dataset::Dataset& data() const noexcept { return *data_; }
   /// The data set's folder, and those in which its panoramas are looked for.
   const std::filesystem::path& folder() const noexcept { return folder_; }
   const std::vector<std::filesystem::path>& image_folders() const noexcept {

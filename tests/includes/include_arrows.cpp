@@ -292,7 +292,7 @@ const Arrows& direct_arrows() {
       {"neural", {"agents", "dataset", "models"}},
       {"report", {"agents", "dataset", "draw", "models"}},
       {"exports", {"dataset", "features", "capture", "agents"}},
-      {"service", {"agents", "dataset", "draw", "homes"}},
+      {"service", {"agents", "arena", "dataset", "draw", "homes"}},
   };
   return kArrows;
 }
@@ -324,9 +324,10 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
        transitive_closure({{"store", {}},
                            {"accounts", {"store"}},
                            {"browsing", {}},
+                           {"playing", {"store"}},
                            {"evaluation", {"accounts", "store"}},
                            {"collecting", {"store"}},
-                           {"http", {"accounts", "browsing", "evaluation", "collecting"}}})},
+                           {"http", {"accounts", "browsing", "evaluation", "collecting", "playing"}}})},
       {"tasks", {{"formats", {}}, {"scorers", {}}}},
   };
   return kRooms;

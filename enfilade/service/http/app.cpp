@@ -56,6 +56,7 @@ App::App(std::shared_ptr<const Site> site, ServerConfig config)
   const std::size_t most_bytes = context_.config.most_submission_bytes;
   add_browsing_routes(router_);
   add_roaming_routes(router_, context_.site);
+  add_playing_routes(router_, context_.site, context_.db);
   add_account_routes(router_);
   add_evaluation_routes(router_, most_bytes);
   add_collection_routes(router_, most_bytes);

@@ -94,6 +94,7 @@ struct Context {
   RateLimit failures{config.most_attempts};       ///< unknown tokens and keys
   RateLimit registrations{config.most_attempts};  ///< new teams
   RateLimit joins{config.most_joins};             ///< workers who join
+  RateLimit plays{config.most_joins};             ///< sessions of the arena that begin
 };
 
 }  // namespace enfilade::service::http

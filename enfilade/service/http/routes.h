@@ -11,6 +11,9 @@ namespace enfilade::service::http {
 void add_browsing_routes(Router& router);
 /// Walking freely: meshes and floors of buildings, continuous episodes.
 void add_roaming_routes(Router& router, const std::shared_ptr<const Site>& site);
+/// Sessions of the arena: episodes walked call by call.
+void add_playing_routes(Router& router, const std::shared_ptr<const Site>& site,
+                        store::Database& db);
 /// Teams, and logging in to the pages.
 void add_account_routes(Router& router);
 /// Phases, submissions, leaderboards. \param most_bytes of a results file

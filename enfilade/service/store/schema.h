@@ -6,7 +6,7 @@ namespace enfilade::service::store {
 
 /// Migration k takes a database of version k to version k + 1. A released migration never
 /// changes: a change of the schema is a new one at the end. Times are seconds since 1970.
-inline constexpr std::array<const char*, 4> kMigrations{
+inline constexpr std::array<const char*, 5> kMigrations{
     // 1: evaluation
     R"sql(
 CREATE TABLE team (
@@ -274,6 +274,29 @@ CREATE TABLE turn (  -- what was said and done in a dialogue, by rising id
   at INTEGER NOT NULL
 ) STRICT;
 CREATE INDEX turn_dialogue ON turn (dialogue, id);
+)sql",
+    // 5: sessions of the arena
+    R"sql(
+CREATE TABLE play (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  hash TEXT NOT NULL,  -- of the key of who has begun it
+  task TEXT NOT NULL,
+  split TEXT NOT NULL,
+  episode TEXT NOT NULL,  -- an instruction's id
+  steps INTEGER NOT NULL,  -- limits
+  mistakes INTEGER NOT NULL,
+  touched INTEGER NOT NULL
+) STRICT;
+CREATE INDEX play_touched ON play (touched);
+
+CREATE TABLE play_call (  -- by which a play is walked again
+  play INTEGER NOT NULL REFERENCES play (id),
+  number INTEGER NOT NULL,
+  tool TEXT NOT NULL,
+  argument TEXT NOT NULL,
+  fault TEXT NOT NULL,  -- why no call could be read; '': one was
+  PRIMARY KEY (play, number)
+) STRICT, WITHOUT ROWID;
 )sql"};
 
 }  // namespace enfilade::service::store

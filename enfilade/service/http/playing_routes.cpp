@@ -1,0 +1,140 @@
+// Sessions of the arena: episodes walked call by call.
+#include <fmt/format.h>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "enfilade/service/detail/names.h"
+#include "enfilade/service/http/routes.h"
+#include "enfilade/service/playing/plays.h"
+#include "enfilade/tasks/files.h"
+
+namespace enfilade::service::http {
+namespace {
+
+using nlohmann::ordered_json;
+using playing::Plays;
+using playing::Ticket;
+
+constexpr std::size_t kMostBytes = 64U << 10U;  // of a call: a model's answer in words
+constexpr std::size_t kLongestText = 200;       // of a tool or an argument
+constexpr const char* kKeyHeader = "enfilade-session";
+
+/// The key is in a header and not in the address, which logs and histories have.
+Ticket ticket_of(const Request& request) {
+  const std::string_view key = request.header(kKeyHeader);
+  if (key.empty()) {
+    throw HttpError(401,
+                    "the header Enfilade-Session is missing: the key that the session began with");
+  }
+  return {request.id("session", "there is no such session"), std::string(key)};
+}
+
+std::int64_t whole(const ordered_json& object, const char* name, std::int64_t otherwise,
+                   std::int64_t least, std::int64_t most) {
+  const auto found = object.find(name);
+  if (found == object.end() || found->is_null()) return otherwise;
+  if (!found->is_number_integer() || *found < least || *found > most) {
+    throw HttpError(400, fmt::format("{}: not a whole number from {} to {}", name, least, most));
+  }
+  return found->get<std::int64_t>();
+}
+
+Response begin(Plays& plays, Context& context, const Request& request) {
+  context.plays.count(request.address, context.db.now());
+  const ordered_json body = parse_object(request.body);
+  playing::NewPlay wanted;
+  const std::string task = text_field(body, "task", Presence::kOptional);
+  try {
+    if (!task.empty()) wanted.task = tasks::task_named(task);
+  } catch (const LookupError& error) {
+    throw HttpError(400, fmt::format("task: {}", error.what()));
+  }
+  constexpr std::int64_t kMost = 1000;
+  wanted.split = text_field(body, "split");
+  wanted.episode = text_field(body, "episode");
+  wanted.limits.steps =
+      static_cast<std::uint32_t>(whole(body, "steps", wanted.limits.steps, 1, kMost));
+  wanted.limits.mistakes =
+      static_cast<std::uint32_t>(whole(body, "mistakes", wanted.limits.mistakes, 1, kMost));
+  const Ticket ticket = plays.begin(wanted);
+  ordered_json out{{"key", ticket.key}};
+  out.update(plays.state(ticket));
+  Response response = json_response(out, 201);
+  response.add_header("Location", fmt::format("/api/v1/sessions/{}", ticket.id));
+  response.add_header("Cache-Control", "no-store");
+  return response;
+}
+
+/// {"tool", "argument"?}, or {"answer"}: a model's words, of which the last line "Action: ..."
+/// counts.
+arena::Reading read_call(const ordered_json& body) {
+  if (body.contains("answer")) {
+    if (body.contains("tool")) throw HttpError(400, "answer, tool: one of them");
+    return arena::read_answer_text(text_field(body, "answer"));
+  }
+  arena::Reading reading;
+  arena::Call& call = reading.call.emplace();
+  call.tool = text_field(body, "tool");
+  call.argument = text_field(body, "argument", Presence::kOptional);
+  for (const auto& [name, text] : {std::pair{"tool", &call.tool}, {"argument", &call.argument}}) {
+    if (text->size() <= kLongestText) continue;
+    throw HttpError(400, fmt::format("{}: longer than {} bytes", name, kLongestText));
+  }
+  return reading;
+}
+
+Response call(Plays& plays, const Request& request) {
+  const Ticket ticket = ticket_of(request);
+  const ordered_json body = parse_object(request.body);
+  playing::NewCall wanted{read_call(body), {}};
+  constexpr std::int64_t kMost = 1'000'000;
+  const std::int64_t after = whole(body, "after", -1, 0, kMost);
+  if (after >= 0) wanted.after = after;
+  return json_response(plays.call(ticket, wanted));
+}
+
+arena::Pictures kind_of(const Request& request) {
+  const std::string& name = request.parameter("kind");
+  if (name == "strip") return arena::Pictures::kStrip;
+  if (name == "places") return arena::Pictures::kPlaces;
+  throw HttpError(404, "pictures: strip or places");
+}
+
+Response picture(Plays& plays, const Request& request) {
+  constexpr std::int64_t kLeast = 64, kMost = 1024;
+  const Ticket ticket = ticket_of(request);
+  const auto number =
+      static_cast<std::size_t>(std::max<std::int64_t>(0, request.id("number", "no such picture")));
+  const auto size = static_cast<std::uint32_t>(request.number("size", 512, kLeast, kMost));
+  Response response =
+      text_response("image/jpeg", plays.picture(ticket, kind_of(request), number, size));
+  response.add_header("Cache-Control", "no-store");  // the same address shows another step later
+  return response;
+}
+
+}  // namespace
+
+void add_playing_routes(Router& router, const std::shared_ptr<const Site>& site,
+                        store::Database& db) {
+  const auto plays = std::make_shared<Plays>(site, db);
+  router.add({"POST", "/api/v1/sessions", Access::kPublic,
+              [plays](Context& context, const Request& request) {
+                return begin(*plays, context, request);
+              }});
+  router.add({"GET", "/api/v1/sessions/{session}", Access::kPublic,
+              [plays](Context&, const Request& request) {
+                return json_response(plays->state(ticket_of(request)));
+              }});
+  router.add({"POST", "/api/v1/sessions/{session}/calls", Access::kPublic,
+              [plays](Context&, const Request& request) { return call(*plays, request); },
+              kMostBytes});
+  router.add({"GET", "/api/v1/sessions/{session}/pictures/{kind}/{number}", Access::kPublic,
+              [plays](Context&, const Request& request) { return picture(*plays, request); }});
+  router.add({"GET", "/api/v1/sessions/{session}/result", Access::kPublic,
+              [plays](Context&, const Request& request) {
+                return text_response("application/json", plays->result(ticket_of(request)));
+              }});
+}
+
+}  // namespace enfilade::service::http

@@ -1,0 +1,312 @@
+#include "enfilade/service/playing/plays.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <condition_variable>
+#include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/threads.h"
+#include "enfilade/service/detail/refusal.h"
+#include "enfilade/service/detail/secrets.h"
+#include "enfilade/service/store/database.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/results.h"
+
+namespace enfilade::service::playing {
+namespace {
+
+using detail::Reason;
+using detail::Refusal;
+using nlohmann::ordered_json;
+
+constexpr std::size_t kMostLive = 4096;  // plays in memory, some kilobytes each
+
+struct PlayRow {
+  std::string hash, task, split, episode;
+  std::uint32_t steps = 0, mistakes = 0;
+
+  auto columns() { return std::tie(hash, task, split, episode, steps, mistakes); }
+};
+
+struct CallRow {
+  std::string tool, argument, fault;  // either a tool or a fault
+
+  auto columns() { return std::tie(tool, argument, fault); }
+};
+
+void carry_out(arena::Session& session, const CallRow& call) {
+  if (call.fault.empty()) {
+    session.call({call.tool, call.argument});
+  } else {
+    session.misread(call.fault);
+  }
+}
+
+}  // namespace
+
+// Episodes of one split, as everybody may see them. Sessions share what they look up.
+struct Plays::World {
+  explicit World(std::shared_ptr<const tasks::EpisodeSet> episodes) : graphs(std::move(episodes)) {
+    const auto& all = graphs.episodes().episodes;
+    for (std::size_t e = 0; e < all.size(); ++e) by_id.emplace(all[e].instruction_id, e);
+  }
+
+  std::mutex mutex;
+  arena::GraphWorld graphs;
+  std::map<std::string, std::size_t, std::less<>> by_id;
+};
+
+// A play in memory, or one that is still to be walked again.
+struct Plays::Live {
+  std::mutex mutex;
+  std::int64_t id = 0;
+  PlayRow row;
+  std::shared_ptr<World> world;
+  std::unique_ptr<arena::GraphSession> session;  // null: walk the calls again
+  std::int64_t calls = 0;
+};
+
+// As many pictures at once as there are processors: a painter belongs to one thread at a time, and
+// keeps decoded panoramas.
+struct Plays::Painters {
+  explicit Painters(std::shared_ptr<const Site> served)
+      : site(std::move(served)), left(static_cast<std::size_t>(std::max(1, available_threads()))) {}
+
+  std::string draw(const arena::PictureOrder& order) {
+    std::unique_ptr<arena::Painter> painter;
+    {
+      std::unique_lock lock(mutex);
+      returned.wait(lock, [this] { return !idle.empty() || left > 0; });
+      if (idle.empty()) {
+        --left;
+      } else {
+        painter = std::move(idle.back());
+        idle.pop_back();
+      }
+    }
+    struct Return {
+      Painters& all;
+      std::unique_ptr<arena::Painter>& painter;
+      ~Return() {
+        const std::scoped_lock lock(all.mutex);
+        if (painter == nullptr) {
+          ++all.left;
+        } else {
+          all.idle.push_back(std::move(painter));
+        }
+        all.returned.notify_one();
+      }
+    } const back{*this, painter};
+    if (painter == nullptr) painter = std::make_unique<arena::Painter>(site->data());
+    return painter->draw(order);
+  }
+
+  std::shared_ptr<const Site> site;
+  std::mutex mutex;
+  std::condition_variable returned;
+  std::vector<std::unique_ptr<arena::Painter>> idle;
+  std::size_t left;
+};
+
+Plays::Plays(std::shared_ptr<const Site> site, store::Database& db)
+    : site_(std::move(site)), db_(db), painters_(std::make_unique<Painters>(site_)) {}
+Plays::~Plays() = default;
+
+std::shared_ptr<Plays::World> Plays::world_of(const WorldKey& key) {
+  const std::scoped_lock lock(mutex_);
+  auto& world = worlds_[key];
+  if (world != nullptr) return world;
+  const PublicSplit* split = site_->find_split(key.second, key.first);
+  if (split == nullptr) {
+    worlds_.erase(key);
+    throw Refusal(Reason::kNotFound,
+                  fmt::format("there is no split {} of {}", key.second, tasks::name_of(key.first)));
+  }
+  const tasks::ObjectBoxes* objects =
+      key.first == tasks::Task::kReverie ? site_->objects() : nullptr;
+  auto episodes = std::make_shared<tasks::EpisodeSet>(tasks::make_episodes(
+      split->annotations, site_->shared_graphs(), tasks::Instructions::kScored, objects));
+  // The site has them for as long as it lives.
+  if (objects != nullptr) episodes->objects = {site_, objects};
+  try {
+    world = std::make_shared<World>(std::move(episodes));
+  } catch (...) {
+    worlds_.erase(key);
+    throw;
+  }
+  return world;
+}
+
+Ticket Plays::begin(const NewPlay& wanted) {
+  const std::shared_ptr<World> world = world_of({wanted.task, wanted.split});
+  const auto episode = world->by_id.find(wanted.episode);
+  if (episode == world->by_id.end()) {
+    throw Refusal(Reason::kNotFound, fmt::format("split {} of {} has no episode {:?}", wanted.split,
+                                                 tasks::name_of(wanted.task), wanted.episode));
+  }
+  auto live = std::make_shared<Live>();
+  Ticket ticket;
+  ticket.key = detail::new_secret("play_");
+  live->row = {detail::sha256(ticket.key),
+               std::string(tasks::name_of(wanted.task)),
+               wanted.split,
+               wanted.episode,
+               wanted.limits.steps,
+               wanted.limits.mistakes};
+  live->world = world;
+  try {
+    const std::scoped_lock lock(world->mutex);
+    live->session = arena::start_session(world->graphs, episode->second, wanted.limits);
+  } catch (const ArgumentError& error) {
+    throw Refusal(Reason::kInvalidInput, error.what());
+  }
+  ticket.id = live->id = db_.transact([&] {
+    const std::int64_t long_ago = db_.now() - kKeptSeconds;
+    db_.run("DELETE FROM play_call WHERE play IN (SELECT id FROM play WHERE touched < ?)",
+            long_ago);
+    db_.run("DELETE FROM play WHERE touched < ?", long_ago);
+    return db_.insert(
+        "INSERT INTO play (hash, task, split, episode, steps, mistakes, touched) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?)",
+        live->row.hash, live->row.task, live->row.split, live->row.episode, live->row.steps,
+        live->row.mistakes, db_.now());
+  });
+  const std::scoped_lock lock(mutex_);
+  if (live_.size() >= kMostLive) {
+    // Those that nobody is using; they are walked again when somebody asks for them.
+    std::erase_if(live_, [](const auto& one) { return one.second.use_count() == 1; });
+  }
+  live_.emplace(live->id, std::move(live));
+  return ticket;
+}
+
+std::shared_ptr<Plays::Live> Plays::find(const Ticket& ticket) {
+  const std::string hash = detail::sha256(ticket.key);
+  const auto own = [&](const std::shared_ptr<Live>& live) {
+    // One answer for what there is not and what is another's: numbers can be guessed.
+    if (live == nullptr || live->row.hash != hash) {
+      throw Refusal(Reason::kNotFound, "there is no such session, or the key is another's");
+    }
+    return live;
+  };
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = live_.find(ticket.id);
+    if (found != live_.end()) return own(found->second);
+  }
+  const auto row = db_.find<PlayRow>(
+      "SELECT hash, task, split, episode, steps, mistakes FROM play WHERE id = ?", ticket.id);
+  if (!row) return own(nullptr);
+  auto live = std::make_shared<Live>();
+  live->id = ticket.id;
+  live->row = *row;
+  own(live);
+  live->world = world_of({tasks::task_named(row->task), row->split});
+  const std::scoped_lock lock(mutex_);
+  return live_.try_emplace(ticket.id, std::move(live)).first->second;
+}
+
+// \pre the caller has live.mutex
+void Plays::open(Live& live) const {
+  if (live.session != nullptr) return;
+  const auto episode = live.world->by_id.find(live.row.episode);
+  if (episode == live.world->by_id.end()) {
+    throw Refusal(Reason::kNotFound, "the data set has changed: the session's episode is gone");
+  }
+  const auto calls = db_.select<CallRow>(
+      "SELECT tool, argument, fault FROM play_call WHERE play = ? ORDER BY number", live.id);
+  const std::scoped_lock lock(live.world->mutex);
+  auto session = arena::start_session(live.world->graphs, episode->second,
+                                      {live.row.steps, live.row.mistakes});
+  for (const CallRow& call : calls) carry_out(*session, call);
+  live.session = std::move(session);
+  live.calls = std::ssize(calls);
+}
+
+template <class Use>
+auto Plays::with(const Ticket& ticket, const Use& use) {
+  const std::shared_ptr<Live> live = find(ticket);
+  const std::scoped_lock lock(live->mutex);
+  open(*live);
+  return use(*live);
+}
+
+ordered_json Plays::state_of(const Live& live) const {
+  const arena::Session& session = *live.session;
+  ordered_json out{{"session", live.id},      {"task", live.row.task},
+                   {"split", live.row.split}, {"episode", live.row.episode},
+                   {"calls", live.calls},     {"mistakes", session.mistakes()},
+                   {"ending", nullptr}};
+  if (const auto ending = session.ending()) out["ending"] = arena::name_of(*ending);
+  out["observation"] = ordered_json::parse(to_json(session.observation()));
+  return out;
+}
+
+ordered_json Plays::state(const Ticket& ticket) {
+  return with(ticket, [this](const Live& live) { return state_of(live); });
+}
+
+ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
+  return with(ticket, [&](Live& live) {
+    if (wanted.after && *wanted.after != live.calls) {
+      throw Refusal(Reason::kConflict, fmt::format("after: {}, but the session has had {} calls",
+                                                   *wanted.after, live.calls));
+    }
+    if (live.session->ending()) throw Refusal(Reason::kConflict, "the session is over");
+    CallRow call;
+    if (wanted.reading.call) {
+      call = {wanted.reading.call->tool, wanted.reading.call->argument, ""};
+    } else {
+      call.fault = wanted.reading.fault;
+    }
+    // First what is kept, then what follows from it: whoever is killed in between walks it again.
+    db_.transact([&] {
+      db_.run("INSERT INTO play_call (play, number, tool, argument, fault) VALUES (?, ?, ?, ?, ?)",
+              live.id, live.calls, call.tool, call.argument, call.fault);
+      db_.run("UPDATE play SET touched = ? WHERE id = ?", db_.now(), live.id);
+    });
+    const std::uint32_t before = live.session->mistakes();
+    {
+      const std::scoped_lock lock(live.world->mutex);
+      carry_out(*live.session, call);
+    }
+    ++live.calls;
+    ordered_json out{{"carried_out", live.session->mistakes() == before}};
+    out.update(state_of(live));
+    return out;
+  });
+}
+
+std::size_t Plays::count_pictures(const Ticket& ticket, arena::Pictures kind) {
+  return with(ticket, [&](const Live& live) {
+    return live.session->ending() ? 0 : order_pictures(*live.session, kind).size();
+  });
+}
+
+std::string Plays::picture(const Ticket& ticket, arena::Pictures kind, std::size_t number,
+                           std::uint32_t size) {
+  const auto order = with(ticket, [&](const Live& live) -> std::optional<arena::PictureOrder> {
+    if (live.session->ending()) return std::nullopt;
+    const auto all = order_pictures(*live.session, kind, size);
+    if (number >= all.size()) return std::nullopt;
+    return all[number];
+  });
+  if (!order) throw Refusal(Reason::kNotFound, "there is no such picture now");
+  return painters_->draw(*order);
+}
+
+std::string Plays::result(const Ticket& ticket) {
+  return with(ticket, [](const Live& live) {
+    if (!live.session->ending()) {
+      throw Refusal(Reason::kConflict, "the session goes on: it has no result yet");
+    }
+    const std::vector<tasks::Trajectory> walked{
+        std::get<tasks::Trajectory>(live.session->walked())};
+    return tasks::to_json(walked, live.world->graphs.episodes());
+  });
+}
+
+}  // namespace enfilade::service::playing
