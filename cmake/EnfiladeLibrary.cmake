@@ -1,6 +1,30 @@
 # Options of code that takes no time when it runs, such as reading options or writing pages. The compiler
 # takes a tenth to a third less than with -O3.
 set(EN_COLD_OPTIONS $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
+set(EN_HOT_OPTIONS $<$<CONFIG:Release>:-O3> $<$<CONFIG:RelWithDebInfo>:-O2>)
+
+# Headers that most sources include, parsed once for all libraries: a build for users is a fifth shorter.
+# Developers' builds have none, so that each source includes what it uses. gcc takes a precompiled header
+# where macros that appear in it, and options such as -fPIC, are the same; levels of -O may differ.
+if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+  set(EN_SHARED_HEADERS ON)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shared_headers.cpp CONTENT "")
+  set(EN_STANDARD_HEADERS <algorithm> <array> <cmath> <filesystem> <functional> <map> <memory> <mutex> <numeric> <optional>
+    <ranges> <set> <span> <string> <string_view> <unordered_map> <utility> <variant> <vector>
+    <fmt/format.h> <fmt/ranges.h>)
+  set(plain_headers "")
+  set(json_headers <nlohmann/json.hpp> <simdjson.h>)
+  foreach(kind IN ITEMS plain json)
+    add_library(enfilade_${kind}_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/shared_headers.cpp)
+    set_target_properties(enfilade_${kind}_headers PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_compile_features(enfilade_${kind}_headers PRIVATE cxx_std_20)
+    target_link_libraries(enfilade_${kind}_headers PRIVATE enfilade_compile fmt::fmt)
+    if(kind STREQUAL "json")
+      target_link_libraries(enfilade_${kind}_headers PRIVATE nlohmann_json::nlohmann_json simdjson::simdjson)
+    endif()
+    target_precompile_headers(enfilade_${kind}_headers PRIVATE ${EN_STANDARD_HEADERS} ${${kind}_headers})
+  endforeach()
+endif()
 
 # One folder of enfilade/ = one static library = one target enfilade::<name> = one test program.
 #
@@ -11,10 +35,12 @@ set(EN_COLD_OPTIONS $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 #     PRIVATE nanoflann::nanoflann  third parties, seen by our sources only
 #     ALONE nav_graph.cpp           never compiled in one go with others (EN_UNITY): its local names
 #                                   are theirs too
+#     HEADERS <ATen/ATen.h> ...     precompiled for it alone, in place of the shared ones
 #     COLD                          nothing here takes long when it runs: -O1, which compiles faster
+#     HOT kernels.cpp ...           of a COLD library: with its build type's options all the same
 #     TEST_LIBRARIES enfilade::homes ...)
 function(enfilade_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE;HEADERS;HOT")
   set(target enfilade_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(enfilade::${name} ALIAS ${target})
@@ -22,6 +48,7 @@ function(enfilade_library name)
   enfilade_unity(${target} ALONE ${arg_ALONE})
   if(arg_COLD)
     target_compile_options(${target} PRIVATE ${EN_COLD_OPTIONS})
+    set_source_files_properties(${arg_HOT} PROPERTIES COMPILE_OPTIONS "${EN_HOT_OPTIONS}")
   endif()
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
@@ -29,6 +56,14 @@ function(enfilade_library name)
   list(TRANSFORM arg_DEPENDS PREPEND enfilade::)
   target_link_libraries(${target} PUBLIC ${arg_DEPENDS}
     PRIVATE $<BUILD_INTERFACE:enfilade_compile> ${arg_PRIVATE})
+  if(arg_HEADERS)
+    target_precompile_headers(${target} PRIVATE ${arg_HEADERS})
+    enfilade_quiet_headers(${target})
+  elseif("simdjson::simdjson" IN_LIST arg_PRIVATE)
+    enfilade_shared_headers(${target} json)
+  else()
+    enfilade_shared_headers(${target} plain)
+  endif()
   install(TARGETS ${target} EXPORT enfilade ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   set_property(GLOBAL APPEND PROPERTY ENFILADE_LIBRARIES enfilade::${name})
   # Headers in sub-folders, detail/ and rooms, are the library's own.
@@ -48,6 +83,23 @@ function(enfilade_unity target)
   if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # With sources included in one another, gcc takes each for a header whose types could leak.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+endfunction()
+
+# Sources of TARGET begin with the shared headers of a KIND, plain or json, where there are any.
+function(enfilade_shared_headers target kind)
+  if(EN_SHARED_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM enfilade_${kind}_headers)
+    # Some sources have options of their own, and parse them again.
+    set_target_properties(${target} PROPERTIES PCH_WARN_INVALID OFF)
+    enfilade_quiet_headers(${target})
+  endif()
+endfunction()
+
+# gcc 12 does not know any more that precompiled headers are the system's, and warns of what it inlines.
+function(enfilade_quiet_headers target)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT EN_DEVELOPER_MODE)
+    target_compile_options(${target} PRIVATE -Wno-stringop-overflow)
   endif()
 endfunction()
 

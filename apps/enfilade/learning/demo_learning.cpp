@@ -36,7 +36,7 @@ class Lesson {
     const fs::path encoder = output_ / "encoder.safetensors";
     const fs::path features = output_ / "features.safetensors";
     forget_other_homes({encoder, features});
-    make(encoder, homes_ / "homes.json", {"pretrain", "--pictures", "4000"});
+    make(encoder, homes_ / "homes.json", {"pretrain", "--pictures", "3500"});
     make(features, encoder, {"features", "--encoder", "home", "--weights", encoder.string()});
     train("panoramic", features, kPanoramic);
     step({"table", output_.string(), "--data", homes_.string()});
