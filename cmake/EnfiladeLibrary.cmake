@@ -5,7 +5,8 @@ set(EN_HOT_OPTIONS $<$<CONFIG:Release>:-O3> $<$<CONFIG:RelWithDebInfo>:-O2>)
 
 # Headers that most sources include, parsed once for all libraries: a build for users is a fifth shorter.
 # Developers' builds have none, so that each source includes what it uses. gcc takes a precompiled header
-# where macros that appear in it, and options such as -fPIC, are the same; levels of -O may differ.
+# where macros that appear in it, and options such as -fPIC, are the same; of another level of -O too, but gcc 12
+# may crash then.
 if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
   set(EN_SHARED_HEADERS ON)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shared_headers.cpp CONTENT "")
@@ -14,12 +15,16 @@ if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECO
     <fmt/format.h> <fmt/ranges.h>)
   set(plain_headers "")
   set(json_headers <nlohmann/json.hpp> <simdjson.h>)
-  foreach(kind IN ITEMS plain json)
+  set(cold_headers ${json_headers})
+  foreach(kind IN ITEMS plain json cold)
     add_library(enfilade_${kind}_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/shared_headers.cpp)
     set_target_properties(enfilade_${kind}_headers PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_compile_features(enfilade_${kind}_headers PRIVATE cxx_std_20)
     target_link_libraries(enfilade_${kind}_headers PRIVATE enfilade_compile fmt::fmt)
-    if(kind STREQUAL "json")
+    if(kind STREQUAL "cold")
+      target_compile_options(enfilade_${kind}_headers PRIVATE ${EN_COLD_OPTIONS})
+    endif()
+    if(NOT kind STREQUAL "plain")
       target_link_libraries(enfilade_${kind}_headers PRIVATE nlohmann_json::nlohmann_json simdjson::simdjson)
     endif()
     target_precompile_headers(enfilade_${kind}_headers PRIVATE ${EN_STANDARD_HEADERS} ${${kind}_headers})
@@ -48,7 +53,8 @@ function(enfilade_library name)
   enfilade_unity(${target} ALONE ${arg_ALONE})
   if(arg_COLD)
     target_compile_options(${target} PRIVATE ${EN_COLD_OPTIONS})
-    set_source_files_properties(${arg_HOT} PROPERTIES COMPILE_OPTIONS "${EN_HOT_OPTIONS}")
+    set_source_files_properties(${arg_HOT} PROPERTIES COMPILE_OPTIONS "${EN_HOT_OPTIONS}"
+      SKIP_PRECOMPILE_HEADERS ON)
   endif()
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC
@@ -60,8 +66,12 @@ function(enfilade_library name)
     target_precompile_headers(${target} PRIVATE ${arg_HEADERS})
     enfilade_quiet_headers(${target})
   elseif("simdjson::simdjson" IN_LIST arg_PRIVATE)
-    enfilade_shared_headers(${target} json)
-  else()
+    if(arg_COLD)
+      enfilade_shared_headers(${target} cold)
+    else()
+      enfilade_shared_headers(${target} json)
+    endif()
+  elseif(NOT arg_COLD)
     enfilade_shared_headers(${target} plain)
   endif()
   install(TARGETS ${target} EXPORT enfilade ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -86,7 +96,7 @@ function(enfilade_unity target)
   endif()
 endfunction()
 
-# Sources of TARGET begin with the shared headers of a KIND, plain or json, where there are any.
+# Sources of TARGET begin with the shared headers of a KIND, plain, json or (-O1) cold, where there are any.
 function(enfilade_shared_headers target kind)
   if(EN_SHARED_HEADERS)
     target_precompile_headers(${target} REUSE_FROM enfilade_${kind}_headers)
