@@ -234,5 +234,34 @@ TEST(Roaming, AMeshFileIsShownWithItsTextures) {
   EXPECT_EQ(scan.at("roam"), false);  // there is no floor
 }
 
+TEST_F(RoamingTest, EpisodesAreWalkedByRequests) {
+  const auto post = [this](const std::string& target, const nlohmann::json& body,
+                           const httplib::Headers& headers = {}) {
+    return client_.Post(target, headers, body.dump(), "application/json");
+  };
+  const auto begun =
+      post("/api/v1/sessions", {{"task", "r2r-ce"}, {"split", "val_seen"}, {"episode", "1"}});
+  ASSERT_EQ(begun->status, 201) << begun->body;
+  const auto state = nlohmann::json::parse(begun->body);
+  EXPECT_EQ(state.at("observation").at("instruction"), "Walk to the <b>window</b>, 1.");
+  EXPECT_FALSE(state.at("observation").contains("places"));
+  const std::string path = "/api/v1/sessions/" + state.at("session").dump();
+  const httplib::Headers key{{"Enfilade-Session", state.at("key").get<std::string>()}};
+  const auto moved = nlohmann::json::parse(
+      post(path + "/calls", {{"tool", "move"}, {"argument", "left,left,forward"}}, key)->body);
+  EXPECT_TRUE(moved.at("carried_out")) << moved;
+  EXPECT_THAT(moved.at("observation").at("told").get<std::string>(), HasSubstr("3 of 3 actions"));
+  EXPECT_EQ(client_.Get(path + "/pictures/strip/0", key)->status, 404);
+  post(path + "/calls", {{"tool", "stop"}}, key);
+  const auto result = nlohmann::json::parse(client_.Get(path + "/result", key)->body);
+  EXPECT_EQ(result.at("1").size(), 5U) << "a pose at the start, and one after each action";
+  EXPECT_TRUE(result.at("1").back().at("stop"));
+  for (const char* split : {"../vlnce/val_seen", "nowhere", "", "val_seen.json"}) {
+    const auto refused =
+        post("/api/v1/sessions", {{"task", "r2r-ce"}, {"split", split}, {"episode", "1"}});
+    EXPECT_EQ(refused->status, 404) << split;
+  }
+}
+
 }  // namespace
 }  // namespace enfilade::service

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/http/routes.h"
 #include "enfilade/service/playing/plays.h"
-#include "enfilade/tasks/files.h"
 
 namespace enfilade::service::http {
 namespace {
@@ -45,18 +44,16 @@ Response begin(Plays& plays, Context& context, const Request& request) {
   const ordered_json body = parse_object(request.body);
   playing::NewPlay wanted;
   const std::string task = text_field(body, "task", Presence::kOptional);
-  try {
-    if (!task.empty()) wanted.task = tasks::task_named(task);
-  } catch (const LookupError& error) {
-    throw HttpError(400, fmt::format("task: {}", error.what()));
-  }
-  constexpr std::int64_t kMost = 1000;
+  if (!task.empty()) wanted.task = task;
   wanted.split = text_field(body, "split");
   wanted.episode = text_field(body, "episode");
-  wanted.limits.steps =
-      static_cast<std::uint32_t>(whole(body, "steps", wanted.limits.steps, 1, kMost));
-  wanted.limits.mistakes =
-      static_cast<std::uint32_t>(whole(body, "mistakes", wanted.limits.mistakes, 1, kMost));
+  const auto limit = [&body](const char* name) -> std::optional<std::uint32_t> {
+    constexpr std::int64_t kMost = 1000;
+    const std::int64_t given = whole(body, name, 0, 1, kMost);
+    return given == 0 ? std::nullopt : std::optional(static_cast<std::uint32_t>(given));
+  };
+  wanted.steps = limit("steps");
+  wanted.mistakes = limit("mistakes");
   const Ticket ticket = plays.begin(wanted);
   ordered_json out{{"key", ticket.key}};
   out.update(plays.state(ticket));

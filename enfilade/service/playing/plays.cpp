@@ -8,10 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/continuous/buildings.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/store/database.h"
+#include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
 
@@ -37,6 +40,22 @@ struct CallRow {
   auto columns() { return std::tie(tool, argument, fault); }
 };
 
+tasks::Task task_of(const std::string& name) {
+  try {
+    return tasks::task_named(name);
+  } catch (const LookupError& error) {
+    throw Refusal(Reason::kInvalidInput, fmt::format("task: {}", error.what()));
+  }
+}
+
+bool is_plain(std::string_view name) {
+  constexpr std::size_t kLongest = 60;
+  return !name.empty() && name.size() <= kLongest && std::ranges::all_of(name, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  });
+}
+
 void carry_out(arena::Session& session, const CallRow& call) {
   if (call.fault.empty()) {
     session.call({call.tool, call.argument});
@@ -47,16 +66,72 @@ void carry_out(arena::Session& session, const CallRow& call) {
 
 }  // namespace
 
-// Episodes of one split, as everybody may see them. Sessions share what they look up.
-struct Plays::World {
-  explicit World(std::shared_ptr<const tasks::EpisodeSet> episodes) : graphs(std::move(episodes)) {
-    const auto& all = graphs.episodes().episodes;
-    for (std::size_t e = 0; e < all.size(); ++e) by_id.emplace(all[e].instruction_id, e);
+// Episodes of one split, as everybody may see them.
+class Plays::World {
+ public:
+  virtual ~World() = default;
+  /// Null for an episode that there is not. \throws as arena::start_session()
+  virtual std::unique_ptr<arena::Session> start(std::string_view episode,
+                                                const arena::Limits& limits) = 0;
+  virtual std::string result(const arena::Session& session) const = 0;
+
+  std::mutex mutex;  // of all sessions: they share what they look up
+};
+
+class Plays::GraphWorld : public World {
+ public:
+  explicit GraphWorld(std::shared_ptr<const tasks::EpisodeSet> episodes)
+      : graphs_(std::move(episodes)) {
+    const auto& all = graphs_.episodes().episodes;
+    for (std::size_t e = 0; e < all.size(); ++e) by_id_.emplace(all[e].instruction_id, e);
+  }
+  std::unique_ptr<arena::Session> start(std::string_view episode,
+                                        const arena::Limits& limits) override {
+    const auto found = by_id_.find(episode);
+    if (found == by_id_.end()) return nullptr;
+    return arena::start_session(graphs_, found->second, limits);
+  }
+  std::string result(const arena::Session& session) const override {
+    const std::vector<tasks::Trajectory> walked{std::get<tasks::Trajectory>(session.walked())};
+    return tasks::to_json(walked, graphs_.episodes());
   }
 
-  std::mutex mutex;
-  arena::GraphWorld graphs;
-  std::map<std::string, std::size_t, std::less<>> by_id;
+ private:
+  arena::GraphWorld graphs_;
+  std::map<std::string, std::size_t, std::less<>> by_id_;
+};
+
+class Plays::FreeWorld : public World {
+ public:
+  FreeWorld(const agents::ContinuousBenchmark& benchmark, const std::filesystem::path& folder,
+            const std::string& split)
+      : benchmark_(benchmark) {
+    world_.episodes = std::make_shared<const tasks::ContinuousEpisodes>(
+        agents::load_continuous_split(benchmark, folder, split));
+    world_.buildings =
+        std::make_shared<const continuous::Buildings>(folder / benchmark.navigation_folder());
+    const auto& all = world_.episodes->episodes;
+    for (std::size_t e = 0; e < all.size(); ++e) by_id_.emplace(tasks::text_of(all[e].id), e);
+  }
+  std::unique_ptr<arena::Session> start(std::string_view episode,
+                                        const arena::Limits& limits) override {
+    const auto found = by_id_.find(episode);
+    if (found == by_id_.end()) return nullptr;
+    return arena::start_session(world_, benchmark_, found->second, limits);
+  }
+  std::string result(const arena::Session& session) const override {
+    const std::vector<tasks::ContinuousResult> walked{
+        std::get<tasks::ContinuousResult>(session.walked())};
+    return tasks::to_json(walked, *world_.episodes,
+                          benchmark_.form == tasks::ContinuousForm::kRxr
+                              ? tasks::ContinuousResultsForm::kRxr
+                              : tasks::ContinuousResultsForm::kR2r);
+  }
+
+ private:
+  const agents::ContinuousBenchmark& benchmark_;
+  agents::ContinuousWorld world_;
+  std::map<std::string, std::size_t, std::less<>> by_id_;
 };
 
 // A play in memory, or one that is still to be walked again.
@@ -65,7 +140,7 @@ struct Plays::Live {
   std::int64_t id = 0;
   PlayRow row;
   std::shared_ptr<World> world;
-  std::unique_ptr<arena::GraphSession> session;  // null: walk the calls again
+  std::unique_ptr<arena::Session> session;  // null: walk the calls again
   std::int64_t calls = 0;
 };
 
@@ -111,63 +186,80 @@ struct Plays::Painters {
   std::size_t left;
 };
 
+arena::Limits default_limits(const std::string& task) {
+  arena::Limits limits;
+  if (!agents::is_continuous(task)) {
+    (void)task_of(task);
+    return limits;
+  }
+  const auto actions = agents::continuous_benchmark(task).simulator.most_steps;
+  limits.steps = static_cast<std::uint32_t>((actions + arena::kMostMoves - 1) / arena::kMostMoves);
+  return limits;
+}
+
 Plays::Plays(std::shared_ptr<const Site> site, store::Database& db)
     : site_(std::move(site)), db_(db), painters_(std::make_unique<Painters>(site_)) {}
 Plays::~Plays() = default;
 
 std::shared_ptr<Plays::World> Plays::world_of(const WorldKey& key) {
   const std::scoped_lock lock(mutex_);
-  auto& world = worlds_[key];
-  if (world != nullptr) return world;
-  const PublicSplit* split = site_->find_split(key.second, key.first);
-  if (split == nullptr) {
-    worlds_.erase(key);
-    throw Refusal(Reason::kNotFound,
-                  fmt::format("there is no split {} of {}", key.second, tasks::name_of(key.first)));
+  const auto known = worlds_.find(key);
+  if (known != worlds_.end()) return known->second;
+  return worlds_.emplace(key, open_world(key)).first->second;
+}
+
+std::shared_ptr<Plays::World> Plays::open_world(const WorldKey& key) const {
+  const auto& [task, name] = key;
+  const Refusal unknown(Reason::kNotFound,
+                        fmt::format("there is no split {:.40} of {}", name, task));
+  if (agents::is_continuous(task)) {
+    if (!is_plain(name)) throw unknown;  // the name becomes a file's
+    const auto& benchmark = agents::continuous_benchmark(task);
+    if (!agents::find_continuous_split(benchmark, site_->folder(), name)) throw unknown;
+    return std::make_shared<FreeWorld>(benchmark, site_->folder(), name);
   }
-  const tasks::ObjectBoxes* objects =
-      key.first == tasks::Task::kReverie ? site_->objects() : nullptr;
+  const tasks::Task known = task_of(task);
+  const PublicSplit* split = site_->find_split(name, known);
+  if (split == nullptr) throw unknown;
+  const tasks::ObjectBoxes* objects = known == tasks::Task::kReverie ? site_->objects() : nullptr;
   auto episodes = std::make_shared<tasks::EpisodeSet>(tasks::make_episodes(
       split->annotations, site_->shared_graphs(), tasks::Instructions::kScored, objects));
   // The site has them for as long as it lives.
   if (objects != nullptr) episodes->objects = {site_, objects};
-  try {
-    world = std::make_shared<World>(std::move(episodes));
-  } catch (...) {
-    worlds_.erase(key);
-    throw;
-  }
-  return world;
+  return std::make_shared<GraphWorld>(std::move(episodes));
 }
 
 Ticket Plays::begin(const NewPlay& wanted) {
+  arena::Limits limits = default_limits(wanted.task);
+  limits.steps = wanted.steps.value_or(limits.steps);
+  limits.mistakes = wanted.mistakes.value_or(limits.mistakes);
   const std::shared_ptr<World> world = world_of({wanted.task, wanted.split});
-  const auto episode = world->by_id.find(wanted.episode);
-  if (episode == world->by_id.end()) {
-    throw Refusal(Reason::kNotFound, fmt::format("split {} of {} has no episode {:?}", wanted.split,
-                                                 tasks::name_of(wanted.task), wanted.episode));
-  }
   auto live = std::make_shared<Live>();
   Ticket ticket;
   ticket.key = detail::new_secret("play_");
   live->row = {detail::sha256(ticket.key),
-               std::string(tasks::name_of(wanted.task)),
+               wanted.task,
                wanted.split,
                wanted.episode,
-               wanted.limits.steps,
-               wanted.limits.mistakes};
+               limits.steps,
+               limits.mistakes};
   live->world = world;
   try {
     const std::scoped_lock lock(world->mutex);
-    live->session = arena::start_session(world->graphs, episode->second, wanted.limits);
-  } catch (const ArgumentError& error) {
+    live->session = world->start(wanted.episode, limits);
+  } catch (const ArgumentError& error) {  // limits, or a start off the floor
     throw Refusal(Reason::kInvalidInput, error.what());
   }
+  if (live->session == nullptr) {
+    throw Refusal(Reason::kNotFound, fmt::format("split {} of {} has no episode {:.40?}",
+                                                 wanted.split, wanted.task, wanted.episode));
+  }
+  int forgotten = 0;
   ticket.id = live->id = db_.transact([&] {
     const std::int64_t long_ago = db_.now() - kKeptSeconds;
     db_.run("DELETE FROM play_call WHERE play IN (SELECT id FROM play WHERE touched < ?)",
             long_ago);
-    db_.run("DELETE FROM play WHERE touched < ?", long_ago);
+    forgotten = db_.run("DELETE FROM play WHERE touched < ?", long_ago);
     return db_.insert(
         "INSERT INTO play (hash, task, split, episode, steps, mistakes, touched) "
         "VALUES (?, ?, ?, ?, ?, ?, ?)",
@@ -175,8 +267,8 @@ Ticket Plays::begin(const NewPlay& wanted) {
         live->row.mistakes, db_.now());
   });
   const std::scoped_lock lock(mutex_);
-  if (live_.size() >= kMostLive) {
-    // Those that nobody is using; they are walked again when somebody asks for them.
+  if (live_.size() >= kMostLive || forgotten > 0) {
+    // Those that nobody is using; what is still in the database is walked again when somebody asks.
     std::erase_if(live_, [](const auto& one) { return one.second.use_count() == 1; });
   }
   live_.emplace(live->id, std::move(live));
@@ -204,7 +296,7 @@ std::shared_ptr<Plays::Live> Plays::find(const Ticket& ticket) {
   live->id = ticket.id;
   live->row = *row;
   own(live);
-  live->world = world_of({tasks::task_named(row->task), row->split});
+  live->world = world_of({row->task, row->split});
   const std::scoped_lock lock(mutex_);
   return live_.try_emplace(ticket.id, std::move(live)).first->second;
 }
@@ -212,15 +304,13 @@ std::shared_ptr<Plays::Live> Plays::find(const Ticket& ticket) {
 // \pre the caller has live.mutex
 void Plays::open(Live& live) const {
   if (live.session != nullptr) return;
-  const auto episode = live.world->by_id.find(live.row.episode);
-  if (episode == live.world->by_id.end()) {
-    throw Refusal(Reason::kNotFound, "the data set has changed: the session's episode is gone");
-  }
   const auto calls = db_.select<CallRow>(
       "SELECT tool, argument, fault FROM play_call WHERE play = ? ORDER BY number", live.id);
   const std::scoped_lock lock(live.world->mutex);
-  auto session = arena::start_session(live.world->graphs, episode->second,
-                                      {live.row.steps, live.row.mistakes});
+  auto session = live.world->start(live.row.episode, {live.row.steps, live.row.mistakes});
+  if (session == nullptr) {
+    throw Refusal(Reason::kNotFound, "the data set has changed: the session's episode is gone");
+  }
   for (const CallRow& call : calls) carry_out(*session, call);
   live.session = std::move(session);
   live.calls = std::ssize(calls);
@@ -269,9 +359,12 @@ ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
       db_.run("UPDATE play SET touched = ? WHERE id = ?", db_.now(), live.id);
     });
     const std::uint32_t before = live.session->mistakes();
-    {
+    try {
       const std::scoped_lock lock(live.world->mutex);
       carry_out(*live.session, call);
+    } catch (...) {
+      live.session.reset();  // the call is kept, so it is to be walked again
+      throw;
     }
     ++live.calls;
     ordered_json out{{"carried_out", live.session->mistakes() == before}};
@@ -280,17 +373,12 @@ ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
   });
 }
 
-std::size_t Plays::count_pictures(const Ticket& ticket, arena::Pictures kind) {
-  return with(ticket, [&](const Live& live) {
-    return live.session->ending() ? 0 : order_pictures(*live.session, kind).size();
-  });
-}
-
 std::string Plays::picture(const Ticket& ticket, arena::Pictures kind, std::size_t number,
                            std::uint32_t size) {
   const auto order = with(ticket, [&](const Live& live) -> std::optional<arena::PictureOrder> {
-    if (live.session->ending()) return std::nullopt;
-    const auto all = order_pictures(*live.session, kind, size);
+    const auto* const session = dynamic_cast<const arena::GraphSession*>(live.session.get());
+    if (session == nullptr || session->ending()) return std::nullopt;
+    const auto all = order_pictures(*session, kind, size);
     if (number >= all.size()) return std::nullopt;
     return all[number];
   });
@@ -303,9 +391,7 @@ std::string Plays::result(const Ticket& ticket) {
     if (!live.session->ending()) {
       throw Refusal(Reason::kConflict, "the session goes on: it has no result yet");
     }
-    const std::vector<tasks::Trajectory> walked{
-        std::get<tasks::Trajectory>(live.session->walked())};
-    return tasks::to_json(walked, live.world->graphs.episodes());
+    return live.world->result(*live.session);
   });
 }
 

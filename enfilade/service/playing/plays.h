@@ -22,11 +22,14 @@ namespace enfilade::service::playing {
 
 /// What somebody wants to walk.
 struct NewPlay {
-  tasks::Task task = tasks::Task::kR2r;
+  std::string task = "r2r";  ///< a benchmark's name, also of continuous space: "r2r-ce"
   std::string split;
-  std::string episode;  ///< an instruction's id: "12_0"
-  arena::Limits limits = {};
+  std::string episode;  ///< an instruction's id: "12_0"; of continuous space an episode's: "12"
+  std::optional<std::uint32_t> steps = {}, mistakes = {};  ///< limits; none: default_limits()
 };
+/// arena::Limits; in continuous space as many calls as its benchmark has actions, by fours.
+/// \throws Refusal kInvalidInput for a task that cannot be played
+arena::Limits default_limits(const std::string& task);
 
 /// Who walks: the number in addresses, and the secret that only who has begun it knows.
 struct Ticket {
@@ -70,10 +73,8 @@ class Plays {
   /// Carries out a call; adds "carried_out" to state(). \throws Refusal as state(), kConflict if it
   /// is over or NewCall::after is another number
   nlohmann::ordered_json call(const Ticket& ticket, const NewCall& wanted);
-  /// How many pictures of a kind there are now. \throws Refusal as state()
-  std::size_t count_pictures(const Ticket& ticket, arena::Pictures kind);
   /// Picture `number` from 0, JPEG. \throws Refusal as state(), kNotFound for a number that there
-  /// is not, or pictures that the data set has not; ArgumentError for another size
+  /// is not, or in continuous space; ArgumentError for another size; as arena::Painter
   std::string picture(const Ticket& ticket, arena::Pictures kind, std::size_t number,
                       std::uint32_t size);
   /// What was walked, in the benchmark's form of results: a list of one.
@@ -81,12 +82,15 @@ class Plays {
   std::string result(const Ticket& ticket);
 
  private:
-  struct World;
+  class World;
+  class GraphWorld;
+  class FreeWorld;
   struct Live;
   struct Painters;
-  using WorldKey = std::pair<tasks::Task, std::string>;
+  using WorldKey = std::pair<std::string, std::string>;  // task, split
 
   std::shared_ptr<World> world_of(const WorldKey& key);
+  std::shared_ptr<World> open_world(const WorldKey& key) const;
   std::shared_ptr<Live> find(const Ticket& ticket);
   void open(Live& live) const;
   nlohmann::ordered_json state_of(const Live& live) const;
