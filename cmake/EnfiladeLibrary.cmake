@@ -3,7 +3,7 @@
 set(EN_COLD_OPTIONS $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 set(EN_HOT_OPTIONS $<$<CONFIG:Release>:-O3> $<$<CONFIG:RelWithDebInfo>:-O2>)
 
-# Headers that most sources include, parsed once for all libraries: a build for users is a fifth shorter.
+# Headers that most sources include, parsed once for all libraries: a build for users takes a seventh less.
 # Developers' builds have none, so that each source includes what it uses. gcc takes a precompiled header
 # where macros that appear in it, and options such as -fPIC, are the same; of another level of -O too, but gcc 12
 # may crash then.
