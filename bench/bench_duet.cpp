@@ -142,6 +142,17 @@ void iteration(benchmark::State& state, PretrainingTask task, int threads) {
   state.counters["update"] = updates / whole;
 }
 
+// One behind the teacher, one of its own.
+std::vector<TrainingWalk> walks_of(std::span<const WalkEpisode> episodes) {
+  WalkOptions led, own;
+  led.feedback = WalkFeedback::kTeacher;
+  led.expert = Expert::kReference;
+  own.feedback = WalkFeedback::kSample;
+  own.expert = Expert::kSpl;
+  led.dropout = own.dropout = true;
+  return {{episodes, led, 0.2}, {episodes, own, 1}};
+}
+
 void training(benchmark::State& state, int threads) {
   neural::set_threads(threads);
   const DuetNetwork network(sizes(), 1);
@@ -149,13 +160,7 @@ void training(benchmark::State& state, int threads) {
   Walker walker(data().episodes.graphs, surroundings);
   neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};
   const std::span<const WalkEpisode> episodes = std::span(data().batch).first(kTrained);
-  WalkOptions led, own;
-  led.feedback = WalkFeedback::kTeacher;
-  led.expert = Expert::kReference;
-  own.feedback = WalkFeedback::kSample;
-  own.expert = Expert::kSpl;
-  led.dropout = own.dropout = true;
-  const std::vector<TrainingWalk> walks{{episodes, led, 0.2}, {episodes, own, 1}};
+  const std::vector<TrainingWalk> walks = walks_of(episodes);
   train_once(network, walker, walks, optimizer);  // what it knows of viewpoints is kept
   double whole = 0, environment = 0;
   ProductClock::spent() = {};
@@ -248,13 +253,7 @@ void training_on_card(benchmark::State& state, const OnCard& what) {
   Walker walker(data().episodes.graphs, surroundings);
   neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};
   const std::span<const WalkEpisode> episodes = std::span(data().batch).first(what.episodes);
-  WalkOptions led, own;
-  led.feedback = WalkFeedback::kTeacher;
-  led.expert = Expert::kReference;
-  own.feedback = WalkFeedback::kSample;
-  own.expert = Expert::kSpl;
-  led.dropout = own.dropout = true;
-  const std::vector<TrainingWalk> walks{{episodes, led, 0.2}, {episodes, own, 1}};
+  const std::vector<TrainingWalk> walks = walks_of(episodes);
   const auto iterate = [&] {
     const neural::detail::PrecisionGuard guard(what.precision);
     return train_once(network, walker, walks, optimizer).environment_seconds;

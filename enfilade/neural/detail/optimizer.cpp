@@ -22,6 +22,14 @@ at::Tensor count_tensor(std::uint64_t count) {
   return at::tensor({static_cast<float>(count / kHalf), static_cast<float>(count % kHalf)});
 }
 
+std::vector<at::Tensor> gradients_of(const Weights& weights, std::string_view part) {
+  std::vector<at::Tensor> gradients;
+  for (const auto& [name, weight] : weights) {
+    if (name.starts_with(part) && weight.grad().defined()) gradients.push_back(weight.grad());
+  }
+  return gradients;
+}
+
 }  // namespace
 
 void clear_gradients(const Weights& weights) {
@@ -29,10 +37,7 @@ void clear_gradients(const Weights& weights) {
 }
 
 double gradient_norm(const Weights& weights, std::string_view part) {
-  std::vector<at::Tensor> gradients;
-  for (const auto& [name, weight] : weights) {
-    if (name.starts_with(part) && weight.grad().defined()) gradients.push_back(weight.grad());
-  }
+  const std::vector<at::Tensor> gradients = gradients_of(weights, part);
   return gradients.empty() ? 0 : at::stack(at::_foreach_norm(gradients)).norm().item<double>();
 }
 
@@ -75,11 +80,7 @@ void Optimizer::clip(const Weights& weights) const {
   for (const std::string& part : config_.parts) {
     const double share = config_.clip / (gradient_norm(weights, part) + kSmall);
     if (share >= 1) continue;
-    std::vector<at::Tensor> gradients;
-    for (const auto& [name, weight] : weights) {
-      if (name.starts_with(part) && weight.grad().defined()) gradients.push_back(weight.grad());
-    }
-    at::_foreach_mul_(gradients, share);
+    at::_foreach_mul_(gradients_of(weights, part), share);
   }
 }
 

@@ -10,8 +10,8 @@ namespace enfilade::neural::detail {
 /// "cpu", "cuda" (the first card) or "cuda:1". \throws ArgumentError for another name; Error, with
 /// libtorch's reason, for a device that is not available
 c10::Device open_device(const std::string& name);
-/// The same for agents: libtorch's choices for cards that do not suit them are changed, for all of
-/// the process. LSTMs are float32 then, not TF32, which encoders' convolutions are without it.
+/// The same for agents. On a card, from now on and in all of the process, cuDNN computes LSTMs (and
+/// convolutions) in float32, where libtorch would choose TF32, and attention is not cuDNN's.
 /// \throws as open_device()
 c10::Device open_agents_device(const std::string& name);
 
