@@ -12,6 +12,7 @@
 #include "enfilade/arena/pictures.h"
 #include "enfilade/arena/session.h"
 #include "enfilade/arena/wire.h"
+#include "enfilade/service/detail/kept.h"
 #include "enfilade/service/site.h"
 
 namespace enfilade::service::store {
@@ -100,8 +101,8 @@ class Plays {
   std::shared_ptr<const Site> site_;
   store::Database& db_;
   std::unique_ptr<Painters> painters_;
-  std::mutex mutex_;  // of the maps
-  std::map<WorldKey, std::shared_ptr<World>> worlds_;
+  detail::Kept<WorldKey, std::shared_ptr<World>> worlds_;
+  std::mutex mutex_;  // of live_
   std::map<std::int64_t, std::shared_ptr<Live>> live_;
 };
 
