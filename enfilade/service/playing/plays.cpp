@@ -13,6 +13,7 @@
 #include "enfilade/core/threads.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/service/store/database.h"
 #include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/files.h"
@@ -47,14 +48,6 @@ tasks::Task task_of(const std::string& name) {
   } catch (const LookupError& error) {
     throw Refusal(Reason::kInvalidInput, fmt::format("task: {}", error.what()));
   }
-}
-
-bool is_plain(std::string_view name) {
-  constexpr std::size_t kLongest = 60;
-  return !name.empty() && name.size() <= kLongest && std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '-';
-  });
 }
 
 void carry_out(arena::Session& session, const CallRow& call) {
@@ -214,7 +207,7 @@ std::shared_ptr<Plays::World> Plays::open_world(const WorldKey& key) const {
   const Refusal unknown(Reason::kNotFound,
                         fmt::format("there is no split {:.40} of {}", name, task));
   if (agents::is_continuous(task)) {
-    if (!is_plain(name)) throw unknown;  // the name becomes a file's
+    if (!detail::is_name(name)) throw unknown;  // the name becomes a file's
     const auto& benchmark = agents::continuous_benchmark(task);
     if (!agents::find_continuous_split(benchmark, site_->folder(), name)) throw unknown;
     return std::make_shared<FreeWorld>(benchmark, site_->folder(), name);
