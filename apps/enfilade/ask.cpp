@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/subset_option.h"
+#include "apps/enfilade/arena_world.h"
+#include "apps/enfilade/continuous/walks.h"
+#include "apps/enfilade/session_options.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/arena/stand_in.h"
@@ -30,6 +32,7 @@ struct Options {
   std::string endpoint, key_file, stand_in, prompt = "text", answers;
   std::string cache, prices, output = "asked";
   bool replay = false, list = false;
+  std::uint32_t steps = 0;
   double timeout = 120;
   std::int64_t answer_tokens = 0, most_tokens = 0, seed = 1;
   arena::AskConfig ask;
@@ -69,6 +72,21 @@ void print_report(const arena::AskReport& report, const Options& options) {
   fmt::print("\n");
 }
 
+void print_score_of(const arena::World& world, const fs::path& file, const Options& options) {
+  if (const auto* on_graph = dynamic_cast<const arena::GraphWorld*>(&world)) {
+    auto results = tasks::load_results(file, on_graph->episodes(), tasks::Coverage::kPart);
+    const tasks::EpisodeSet part = part_of(on_graph->episodes(), results.trajectories);
+    print_score(results.trajectories, part);
+    return;
+  }
+  score_free_walk({.data = options.data,
+                   .task = std::string(world.task()),
+                   .split = world.split(),
+                   .results = file.string(),
+                   .json = {},
+                   .part = true});
+}
+
 ExitCode ask(Options& options) {
   const int sources = (options.endpoint.empty() ? 0 : 1) + (options.stand_in.empty() ? 0 : 1) +
                       (options.replay ? 1 : 0);
@@ -83,14 +101,15 @@ ExitCode ask(Options& options) {
   if (options.ask.chat.model.empty() && !options.list) {
     throw UsageError("ask: --model NAME is needed, as the server calls it");
   }
-  const dataset::Dataset data = open_data(options.data);
-  const auto episodes = std::make_shared<const tasks::EpisodeSet>(
-      episodes_of(data, task_of(options.task, data), options.split));
-  const std::vector<std::size_t> which = arena::subset_named(*episodes, options.subset);
+  const auto data = std::make_shared<const dataset::Dataset>(open_data(options.data));
+  const OpenedWorld opened = open_world(data, options.task, options.split, options.ask.words);
+  const arena::World& world = *opened.world;
+  const std::vector<std::size_t> which = arena::subset_named(world, options.subset);
   if (options.list) {
-    for (const std::size_t e : which) fmt::print("{}\n", episodes->episodes[e].instruction_id);
+    for (const std::size_t e : which) fmt::print("{}\n", world.episode_id(e));
     return kSuccess;
   }
+  options.ask.limits = limits_of(world, options.steps);
   const arena::Prompt prompt = arena::Prompt::open(options.prompt);
   if (!options.answers.empty()) {
     options.ask.answers = named<arena::Answers>(options.answers, "--answers");
@@ -104,7 +123,7 @@ ExitCode ask(Options& options) {
   if (!options.stand_in.empty()) {
     arena::StandInConfig config{.rule = arena::rule_named(options.stand_in)};
     config.seed = static_cast<std::uint64_t>(options.seed);
-    stand_in = std::make_unique<arena::StandIn>(episodes, config);
+    stand_in = std::make_unique<arena::StandIn>(world.another(), config);
     endpoint = arena::make_http_endpoint({.url = stand_in->url()});
   } else if (!options.replay) {
     endpoint = arena::make_http_endpoint(
@@ -115,16 +134,14 @@ ExitCode ask(Options& options) {
   const fs::path folder = options.output;
   arena::AnswerCache cache(options.cache.empty() ? folder / "cache" : fs::path(options.cache));
   const arena::AskReport report =
-      arena::ask(episodes, &data, which, prompt, options.ask, endpoint.get(), cache, folder,
+      arena::ask(world, opened.sights, which, prompt, options.ask, endpoint.get(), cache, folder,
                  progress_bar(options.ask.chat.model + ", " + options.split));
   fmt::print("{} with the prompt {} on {} {}{}\n", options.ask.chat.model, prompt.name(),
-             tasks::title_of(episodes->task), options.split, data.synthetic() ? ", SYNTHETIC" : "");
+             opened.title, options.split, data->synthetic() ? ", SYNTHETIC" : "");
   print_report(report, options);
   for (const std::string& one : report.given_up) fmt::print(stderr, "{}\n", one);
-  if (report.done > 0 && !goals_hidden(*episodes)) {
-    auto results = tasks::load_results(folder / "results.json", *episodes, tasks::Coverage::kPart);
-    const tasks::EpisodeSet part = part_of(*episodes, results.trajectories);
-    print_score(results.trajectories, part);
+  if (report.done > 0 && !world.goals_hidden()) {
+    print_score_of(world, folder / "results.json", options);
     fmt::print("With {} episodes a share of one half may be {:.1f} points off by chance.\n",
                report.done, 100 * arena::chance_of(report.done));
   }
@@ -146,7 +163,7 @@ void add_verb(CLI::App& app, int& status) {
             fmt::format("Ask no model: a rule answers, one of {}",
                         fmt::join(names_of(arena::Rule()), ", ")));
   verb.add_flag("--replay", options->replay, "Ask nobody: answers in the cache alone");
-  add_task_option(verb, options->task, "r2r, or what the data set has");
+  add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
   add_subset_option(verb, options->subset);
   verb.add_flag("--list", options->list, "Print the subset's instruction ids, and ask nothing");
@@ -155,7 +172,8 @@ void add_verb(CLI::App& app, int& status) {
                           fmt::join(arena::Prompt::names(), ", ")));
   add_value(verb, "--answers", options->answers, "FORM",
             "tools, json or text: how the model says what to do (default: as the prompt says)");
-  add_whole_number(verb, "--steps", options->ask.limits.steps, "Calls after which an episode ends");
+  add_words_option(verb, options->ask.words);
+  add_steps_option(verb, options->steps);
   add_whole_number(verb, "--parallel", options->ask.parallel, "Episodes at once; changes nothing");
   add_setting(verb, "--temperature", options->ask.chat.temperature, "T", "0 to 2",
               finite_number(0, 2));

@@ -8,7 +8,8 @@
 #include <string>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/subset_option.h"
+#include "apps/enfilade/arena_world.h"
+#include "apps/enfilade/session_options.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "apps/enfilade/version.h"
@@ -19,20 +20,21 @@ namespace mcp_verb {
 namespace {
 
 struct Options {
-  std::string data, task, split = "val_unseen", subset, output = "played";
+  std::string data, task, split = "val_unseen", subset, output = "played", words = "none";
   bool pictures = false;
+  std::uint32_t steps = 0;
   arena::McpConfig config;
 };
 
 void play(Options& options) {
-  const dataset::Dataset data = open_data(options.data);
-  const auto episodes = std::make_shared<const tasks::EpisodeSet>(
-      episodes_of(data, task_of(options.task, data), options.split));
-  options.config.episodes = arena::subset_named(*episodes, options.subset);
+  const auto data = std::make_shared<const dataset::Dataset>(open_data(options.data));
+  OpenedWorld opened = open_world(data, options.task, options.split, options.words);
+  options.config.episodes = arena::subset_named(*opened.world, options.subset);
+  options.config.limits = limits_of(*opened.world, options.steps);
   options.config.folder = options.output;
   options.config.version = version_with_commit();
   if (options.pictures) options.config.pictures = arena::Pictures::kStrip;
-  arena::McpServer server(episodes, &data, options.config);
+  arena::McpServer server(std::move(opened.world), std::move(opened.sights), options.config);
   fmt::print(stderr, "{} of {} are done; an assistant is waited for on standard input\n",
              server.done(), counted(server.size(), "episode"));
   for (std::string line; std::getline(std::cin, line);) {
@@ -49,14 +51,14 @@ void add_verb(CLI::App& app, int& /*status*/) {
       "mcp", "Let an assistant walk: a server of the Model Context Protocol on standard input");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  add_task_option(verb, options->task, "r2r, or what the data set has");
+  add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
   add_subset_option(verb, options->subset);
   verb.add_flag("--pictures", options->pictures,
-                "Send a picture of all that is around, with the places' names in it");
+                "Send a picture of all that is around, on a graph with the places' names in it");
   add_whole_number(verb, "--picture-size", options->config.picture_size, "Pixels, 64 to 2048");
-  add_whole_number(verb, "--steps", options->config.limits.steps,
-                   "Calls after which an episode ends");
+  add_words_option(verb, options->words);
+  add_steps_option(verb, options->steps);
   add_setting(verb, "-o,--output", options->output, "DIR",
               "Transcripts and results; episodes that have a transcript are left out");
   set_examples(verb, {"enfilade mcp --data homes --subset 10 -o played",

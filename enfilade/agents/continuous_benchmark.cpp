@@ -26,6 +26,11 @@ std::optional<fs::path> first_there(const fs::path& data, const std::vector<fs::
 
 fs::path ContinuousBenchmark::navigation_folder() const { return fs::path("navmesh") / name; }
 
+tasks::ContinuousResultsForm ContinuousBenchmark::results_form() const noexcept {
+  return form == tasks::ContinuousForm::kRxr ? tasks::ContinuousResultsForm::kRxr
+                                             : tasks::ContinuousResultsForm::kR2r;
+}
+
 const std::vector<ContinuousBenchmark>& continuous_benchmarks() {
   using continuous::SimulatorConfig;
   static const std::vector<ContinuousBenchmark> kAll{

@@ -9,6 +9,7 @@
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/mesh/walkable.h"
 #include "enfilade/tasks/continuous_episodes.h"
+#include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/goal.h"
 
 namespace enfilade::agents {
@@ -24,6 +25,8 @@ struct ContinuousBenchmark {
 
   /// The folder of its navigation meshes in a data set: "navmesh/r2r-ce".
   std::filesystem::path navigation_folder() const;
+  /// In which its results are written.
+  tasks::ContinuousResultsForm results_form() const noexcept;
 };
 
 /// All: R2R-CE (VLN-CE) and RxR-CE.

@@ -13,14 +13,11 @@
 #include <utility>
 
 #include "enfilade/arena/detail/transcript.h"
-#include "enfilade/arena/pictures.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/folder_lock.h"
-#include "enfilade/tasks/files.h"
-#include "enfilade/tasks/results.h"
 
 namespace enfilade::arena {
 namespace {
@@ -40,7 +37,7 @@ class GivenUp : public Error {
   using Error::Error;
 };
 
-void check(const AskConfig& config, const Prompt& prompt, const dataset::Dataset* data) {
+void check(const AskConfig& config, const Prompt& prompt, const Sights& sights) {
   validate(config.limits);
   if (config.parallel < 1 || config.parallel > kMostParallel) {
     throw ArgumentError(fmt::format("parallel: {}, 1 to {}", config.parallel, kMostParallel));
@@ -49,19 +46,18 @@ void check(const AskConfig& config, const Prompt& prompt, const dataset::Dataset
   if (!(config.first_wait >= 0 && config.first_wait <= kLongestWait)) {
     throw ArgumentError(fmt::format("first_wait: {} s, 0 to {}", config.first_wait, kLongestWait));
   }
-  if (prompt.pictures() != Pictures::kNone && data == nullptr) {
-    throw ArgumentError(
-        fmt::format("prompt {} shows pictures, and there is no data set for them", prompt.name()));
+  if (prompt.pictures() != Pictures::kNone && !sights.data && !sights.scene_of) {
+    throw ArgumentError(fmt::format(
+        "prompt {} shows pictures, and there is nothing to draw them from", prompt.name()));
   }
 }
 
 /// What a run is: what its transcripts depend on.
-Json run_json(const tasks::EpisodeSet& episodes, const Prompt& prompt, const AskConfig& config,
-              Answers answers) {
+Json run_json(const World& world, const Prompt& prompt, const AskConfig& config, Answers answers) {
   Json run{{"format", "enfilade-ask"},
            {"version", kVersion},
-           {"task", tasks::name_of(episodes.task)},
-           {"split", episodes.split},
+           {"task", world.task()},
+           {"split", world.split()},
            {"model", config.chat.model},
            {"prompt", prompt.name()},
            {"prompt_hash", AnswerCache::key_of(prompt.text())},
@@ -71,7 +67,8 @@ Json run_json(const tasks::EpisodeSet& episodes, const Prompt& prompt, const Ask
            {"most_tokens", nullptr},
            {"steps", config.limits.steps},
            {"mistakes", config.limits.mistakes},
-           {"picture_size", config.picture_size}};
+           {"picture_size", config.picture_size},
+           {"words", config.words}};
   if (config.chat.seed) run["seed"] = *config.chat.seed;
   if (config.chat.most_tokens) run["most_tokens"] = *config.chat.most_tokens;
   return run;
@@ -125,11 +122,10 @@ class Pause {
 
 class Run {
  public:
-  Run(const std::shared_ptr<const tasks::EpisodeSet>& episodes, const dataset::Dataset* data,
-      const Prompt& prompt, const AskConfig& config, Answers answers, Endpoint* endpoint,
-      AnswerCache& cache, const fs::path& folder)
-      : episodes_(episodes),
-        data_(data),
+  Run(const World& world, const Sights& sights, const Prompt& prompt, const AskConfig& config,
+      Answers answers, Endpoint* endpoint, AnswerCache& cache, const fs::path& folder)
+      : world_(world),
+        sights_(sights),
         prompt_(prompt),
         config_(config),
         answers_(answers),
@@ -161,23 +157,23 @@ class Run {
 
  private:
   fs::path file_of(std::size_t episode) const {
-    return detail::transcript_file(folder_, *episodes_, episode);
+    return detail::transcript_file(folder_, world_, episode);
   }
 
   void work(const std::vector<std::size_t>& open, std::size_t all, const Progress& progress) {
     try {
-      GraphWorld world(episodes_);  // one a thread
+      const std::unique_ptr<World> world = world_.another();  // one a thread
       std::unique_ptr<Painter> painter;
       for (std::size_t k = next_++; k < open.size() && !stop_; k = next_++) {
         try {
-          write_file_atomically(file_of(open[k]), walk_episode(world, open[k], painter));
+          write_file_atomically(file_of(open[k]), walk_episode(*world, open[k], painter));
           const std::scoped_lock lock(mutex_);
           ++done_;
           if (progress) progress(done_, all);
         } catch (const GivenUp& error) {
           const std::scoped_lock lock(mutex_);
           report_.given_up.push_back(
-              fmt::format("{}: {}", episodes_->episodes[open[k]].instruction_id, error.what()));
+              fmt::format("{}: {}", world_.episode_id(open[k]), error.what()));
         }
       }
     } catch (...) {
@@ -193,19 +189,17 @@ class Run {
   }
 
   /// \returns the transcript
-  std::string walk_episode(GraphWorld& world, std::size_t episode,
-                           std::unique_ptr<Painter>& painter) {
-    const auto session = start_session(world, episode, config_.limits);
+  std::string walk_episode(World& world, std::size_t episode, std::unique_ptr<Painter>& painter) {
+    const auto session = world.start(episode, config_.limits);
     Chat chat(prompt_, config_.chat, answers_, config_.limits);
-    RequestOrigin origin{fmt::format("{}/{}/{}", tasks::name_of(episodes_->task), episodes_->split,
-                                     session->episode_id()),
-                         {}};
+    RequestOrigin origin{
+        fmt::format("{}/{}/{}", world_.task(), world_.split(), session->episode_id()), {}};
     detail::Transcript transcript(*session);
     while (!session->ending()) {
       const Observation before = session->observation();
       const auto pictures = order_pictures(*session, prompt_.pictures(), config_.picture_size);
       std::vector<std::string> keys;
-      for (const PictureOrder& one : pictures) keys.push_back(one.key(*episodes_->graphs));
+      for (const PictureOrder& one : pictures) keys.push_back(one.key());
       const std::string request = chat.ask(before, pictures, keys);
       const KeptAnswer kept =
           cache_.get(request, [&] { return ask_endpoint(request, origin, chat, painter); });
@@ -224,7 +218,7 @@ class Run {
       if (!keys.empty()) more["pictures"] = keys;
       transcript.add(before, call ? &*call : nullptr, *session, more);
     }
-    return std::move(transcript).finish(*session, *episodes_);
+    return std::move(transcript).finish(*session, world_);
   }
 
   KeptAnswer ask_endpoint(const std::string& request, const RequestOrigin& origin, const Chat& chat,
@@ -236,7 +230,7 @@ class Run {
       throw GivenUp(fmt::format("{} tokens were used, the most that may be", tokens_.load()));
     }
     const std::string body = with_pictures(request, [&](std::string_view key) {
-      if (!painter) painter = std::make_unique<Painter>(*data_);
+      if (!painter) painter = std::make_unique<Painter>(sights_);
       const PictureOrder* order = chat.find_picture(key);
       EN_CHECK(order != nullptr);
       return painter->draw(*order);
@@ -274,7 +268,7 @@ class Run {
 
   void sum_up(const std::vector<std::size_t>& which) {
     const auto endings = names_of(Ending());
-    for (const Json& end : detail::write_results(folder_, *episodes_, which)) {
+    for (const Json& end : detail::write_results(folder_, world_, which)) {
       ++report_.done;
       report_.mistakes += end["mistakes"].get<std::size_t>();
       const auto ending = std::ranges::find(endings, end["ending"].get<std::string>());
@@ -310,8 +304,8 @@ class Run {
     }
   }
 
-  std::shared_ptr<const tasks::EpisodeSet> episodes_;
-  const dataset::Dataset* data_;
+  const World& world_;
+  const Sights& sights_;
   const Prompt& prompt_;
   const AskConfig& config_;
   Answers answers_;
@@ -337,19 +331,16 @@ bool EndpointError::passes() const noexcept {
          status_ >= 500;
 }
 
-AskReport ask(const std::shared_ptr<const tasks::EpisodeSet>& episodes,
-              const dataset::Dataset* data, const std::vector<std::size_t>& which,
+AskReport ask(const World& world, const Sights& sights, const std::vector<std::size_t>& which,
               const Prompt& prompt, const AskConfig& config, Endpoint* endpoint, AnswerCache& cache,
               const fs::path& folder, const Progress& progress) {
-  check(config, prompt, data);
-  if (!episodes) throw ArgumentError("episodes: null");
-  detail::check_episodes(*episodes, which);
+  check(config, prompt, sights);
+  detail::check_episodes(world, which);
   const Answers answers = config.answers.value_or(prompt.answers());
   make_folder(folder);
   const FolderLock lock(folder / "ask.lock");
-  claim_folder(folder, run_json(*episodes, prompt, config, answers));
-  return Run(episodes, data, prompt, config, answers, endpoint, cache, folder)
-      .walk(which, progress);
+  claim_folder(folder, run_json(world, prompt, config, answers));
+  return Run(world, sights, prompt, config, answers, endpoint, cache, folder).walk(which, progress);
 }
 
 std::map<std::string, Price> load_prices(const fs::path& file) {

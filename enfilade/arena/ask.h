@@ -13,10 +13,11 @@
 #include "enfilade/arena/answer_cache.h"
 #include "enfilade/arena/chat.h"
 #include "enfilade/arena/endpoint.h"
+#include "enfilade/arena/pictures.h"
 #include "enfilade/arena/prompt.h"
 #include "enfilade/arena/session.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/progress.h"
-#include "enfilade/dataset/dataset.h"
 
 namespace enfilade::arena {
 
@@ -26,6 +27,7 @@ struct AskConfig {
   std::optional<Answers> answers = {};  ///< none: as the prompt has it
   Limits limits;
   std::uint32_t picture_size = 512;  ///< pixels
+  std::string words = "none";        ///< what makes the world's words: what a run is, in run.json
   std::size_t parallel = 1;          ///< episodes at once, 1 to 256; changes nothing in results
   int attempts = 6;                  ///< requests for one answer before an episode is given up
   double first_wait = 1;             ///< seconds after the first that failed; doubled each time
@@ -58,19 +60,18 @@ struct AskReport {
   Ledger ledger;
 };
 
-/// Asks a model for every step of some episodes of a graph, and writes into a folder:
+/// Asks a model for every step of some episodes, and writes into a folder:
 /// `transcripts/<id>.jsonl` (a line for the episode, one a step, one for the end), `results.json`
 /// as the benchmark has it, of all episodes that are done, and `run.json`, what the run is. Nothing
 /// in them depends on time, machine or other runs. A folder that has some of it is continued:
 /// episodes with a transcript are left as they are, and answers in the cache are not asked again.
-/// \param data for pictures; may be null if the prompt has none
+/// \param sights for pictures; may be empty if the prompt has none
 /// \param which indices of episodes, each once
 /// \param endpoint null: nothing is asked, and an answer that is not in the cache is an error
 /// \throws ArgumentError for values out of range; InvalidInput for a folder of another run, naming
 /// what differs, and for a refusal that waiting does not change; FileError, also if another process
 /// works in the folder
-AskReport ask(const std::shared_ptr<const tasks::EpisodeSet>& episodes,
-              const dataset::Dataset* data, const std::vector<std::size_t>& which,
+AskReport ask(const World& world, const Sights& sights, const std::vector<std::size_t>& which,
               const Prompt& prompt, const AskConfig& config, Endpoint* endpoint, AnswerCache& cache,
               const std::filesystem::path& folder, const Progress& progress = {});
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/arena/rules.h"
 #include "enfilade/arena/stand_in.h"
@@ -21,6 +22,7 @@
 #include "enfilade/tasks/score.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/refusal.h"
+#include "tests/support/room_world.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
@@ -42,10 +44,11 @@ class Ask : public ::testing::Test {
     config_.first_wait = 0.01;
   }
 
+  std::unique_ptr<World> world() const { return std::make_unique<GraphWorld>(episodes_); }
   AskReport run(Endpoint* endpoint, const std::string& name = "run",
                 const std::string& cache = "cache", const std::string& prompt = "text") {
     AnswerCache answers(folder_.path() / cache);
-    return ask(episodes_, nullptr, which_, Prompt::named(prompt), config_, endpoint, answers,
+    return ask(*world(), {}, which_, Prompt::named(prompt), config_, endpoint, answers,
                folder_.path() / name);
   }
   AskReport run(const StandIn& stand_in, const std::string& name = "run") {
@@ -77,7 +80,7 @@ class Ask : public ::testing::Test {
 };
 
 TEST_F(Ask, TheOracleReachesEveryGoalInEveryFormOfAnswers) {
-  const StandIn stand_in(episodes_, {});
+  const StandIn stand_in(world(), {});
   for (const Answers answers : {Answers::kTools, Answers::kJson, Answers::kText}) {
     config_.answers = answers;
     const std::string name(names_of(answers).at(std::size_t(answers)));
@@ -98,7 +101,7 @@ TEST_F(Ask, TheOracleReachesEveryGoalInEveryFormOfAnswers) {
 }
 
 TEST_F(Ask, RandomIsTheAgentsWalk) {
-  const StandIn stand_in(episodes_, {.rule = Rule::kRandom, .seed = 3});
+  const StandIn stand_in(world(), {.rule = Rule::kRandom, .seed = 3});
   run(stand_in);
   const auto parsed = tasks::parse_results(results(), "results", *episodes_);
   const auto agent = agents::make_agent("random");
@@ -111,17 +114,52 @@ TEST_F(Ask, RandomIsTheAgentsWalk) {
 TEST_F(Ask, ReverieAsksForTheObject) {
   episodes_ = episodes(tasks::Task::kReverie);
   which_ = {0};
-  const StandIn stand_in(episodes_, {});
+  const StandIn stand_in(world(), {});
   EXPECT_EQ(run(stand_in).done, 1U);
   EXPECT_THAT(results(), HasSubstr("\"predObjId\":7"));
 }
 
+// Every form of answers, and of results files; the goal is 4 m away, so stopping early would show.
+TEST_F(Ask, WalksFreely) {
+  for (const char* task : {"r2r-ce", "rxr-ce"}) {
+    const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(task);
+    const agents::ContinuousWorld room = testing::room(4);
+    auto named = std::make_shared<tasks::ContinuousEpisodes>(*room.episodes);
+    for (tasks::ContinuousEpisode& one : named->episodes) one.instruction.id = one.id;
+    const FreeWorld world({named, nullptr, room.buildings}, benchmark);
+    const StandIn stand_in(world.another(), {});
+    const auto endpoint = make_http_endpoint({.url = stand_in.url()});
+    config_.limits = usual_limits(task);
+    AnswerCache cache(folder_.path() / task / "cache");
+    std::string first;
+    for (const char* prompt : {"text", "navgpt"}) {
+      const fs::path run = folder_.path() / task / prompt;
+      const AskReport report = ask(world, {}, {0, 1, 2, 3, 4}, Prompt::named(prompt), config_,
+                                   endpoint.get(), cache, run);
+      EXPECT_EQ(report.done, 5U);
+      EXPECT_EQ(report.mistakes, 0U);
+      EXPECT_EQ(report.endings.at(Ending::kStopped), 5U);
+      const auto walks = tasks::load_continuous_results(run / "results.json", *named);
+      for (const auto& score : agents::score_continuous_walks(walks, *named, *room.buildings)) {
+        EXPECT_EQ(score.success, 1);
+        EXPECT_LT(score.distance_to_goal, 0.3);
+      }
+      const std::string results = read_file(run / "results.json");
+      if (first.empty()) first = results;
+      EXPECT_EQ(results, first) << prompt;
+      const AskReport again = ask(world, {}, {0, 1, 2, 3, 4}, Prompt::named(prompt), config_,
+                                  nullptr, cache, folder_.path() / task / "replayed" / prompt);
+      EXPECT_EQ(again.done, 5U);
+    }
+  }
+}
+
 TEST_F(Ask, WhatFailsIsAskedAgainAndMistakesAreTold) {
-  const StandIn plain(episodes_, {});
+  const StandIn plain(world(), {});
   run(plain, "plain");
-  const StandIn failing(episodes_, {.faults = {Fault::kServerError, Fault::kRateLimit,
-                                               Fault::kCutOff, Fault::kNotJson, Fault::kNoChoice},
-                                    .one_in = 2});
+  const StandIn failing(world(), {.faults = {Fault::kServerError, Fault::kRateLimit, Fault::kCutOff,
+                                             Fault::kNotJson, Fault::kNoChoice},
+                                  .one_in = 2});
   const auto endpoint = make_http_endpoint({.url = failing.url()});
   const AskReport report = run(endpoint.get(), "failing", "other-cache");
   EXPECT_GT(failing.requests(), failing.answers());
@@ -129,7 +167,7 @@ TEST_F(Ask, WhatFailsIsAskedAgainAndMistakesAreTold) {
   EXPECT_EQ(report.done, which_.size());
   EXPECT_EQ(files("failing"), files("plain"));  // nobody sees that something failed
 
-  const StandIn clumsy(episodes_, {.faults = {Fault::kUnknownPlace, Fault::kNoCall}, .one_in = 3});
+  const StandIn clumsy(world(), {.faults = {Fault::kUnknownPlace, Fault::kNoCall}, .one_in = 3});
   const auto other = make_http_endpoint({.url = clumsy.url()});
   const AskReport made = run(other.get(), "clumsy", "clumsy-cache");
   EXPECT_EQ(made.done, which_.size());
@@ -139,21 +177,21 @@ TEST_F(Ask, WhatFailsIsAskedAgainAndMistakesAreTold) {
 
 TEST_F(Ask, SilenceIsNotWaitedForForEver) {
   which_ = {0, 1};
-  const StandIn silent(episodes_, {.faults = {Fault::kSilence}, .one_in = 1, .silence = 0.6});
+  const StandIn silent(world(), {.faults = {Fault::kSilence}, .one_in = 1, .silence = 0.6});
   const auto endpoint = make_http_endpoint({.url = silent.url(), .timeout = 0.2});
   EXPECT_EQ(run(endpoint.get()).done, 2U);
 }
 
 TEST_F(Ask, AModelThatNeverStopsIsStopped) {
   config_.limits.steps = 5;
-  const StandIn stand_in(episodes_, {.rule = Rule::kFirst});
+  const StandIn stand_in(world(), {.rule = Rule::kFirst});
   const AskReport report = run(stand_in);
   EXPECT_EQ(report.endings.at(Ending::kOutOfSteps), which_.size());
   EXPECT_EQ(report.ledger.answers, 5 * which_.size());
 }
 
 TEST_F(Ask, IsReplayedFromTheCacheToTheBit) {
-  const StandIn stand_in(episodes_, {});
+  const StandIn stand_in(world(), {});
   const AskReport first = run(stand_in, "first");
   const AskReport replayed = run(nullptr, "second");
   EXPECT_EQ(files("first"), files("second"));
@@ -173,7 +211,7 @@ TEST_F(Ask, IsReplayedFromTheCacheToTheBit) {
 }
 
 TEST_F(Ask, ARunGoesOnAndAsksNothingTwice) {
-  const StandIn stand_in(episodes_, {});
+  const StandIn stand_in(world(), {});
   const auto endpoint = make_http_endpoint({.url = stand_in.url()});
   config_.most_tokens = 3000;
   config_.parallel = 2;
@@ -190,7 +228,7 @@ TEST_F(Ask, ARunGoesOnAndAsksNothingTwice) {
 }
 
 TEST_F(Ask, AnotherRunsFolderIsRefused) {
-  const StandIn stand_in(episodes_, {});
+  const StandIn stand_in(world(), {});
   run(stand_in);
   config_.limits.steps = 7;
   EXPECT_THAT(refusal<InvalidInput>([&] { run(stand_in); }),
@@ -202,7 +240,7 @@ TEST_F(Ask, AnotherRunsFolderIsRefused) {
 
 TEST_F(Ask, TheKeyIsWrittenNowhere) {
   const std::string key = "sk-verysecret123";
-  const StandIn stand_in(episodes_, {.key = key});
+  const StandIn stand_in(world(), {.key = key});
   const auto good = make_http_endpoint({.url = stand_in.url(), .key = key});
   EXPECT_EQ(run(good.get()).done, which_.size());
   for (const auto& [name, content] : files(".")) {
@@ -240,7 +278,7 @@ TEST_F(Ask, ManyRequestsAreInFlight) {
   which_.resize(episodes_->episodes.size());
   std::iota(which_.begin(), which_.end(), 0U);
   config_.parallel = 32;
-  const StandIn slow(episodes_, {.faults = {Fault::kSilence}, .one_in = 1, .silence = 0.3});
+  const StandIn slow(world(), {.faults = {Fault::kSilence}, .one_in = 1, .silence = 0.3});
   run(slow);
   EXPECT_GE(slow.most_at_once(), 30U);
 }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "enfilade/arena/world.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/refusal.h"
 
@@ -32,7 +33,7 @@ json tool_call(const std::string& name, const json& arguments, const std::string
 class ChatTest : public ::testing::Test {
  protected:
   GraphWorld world_{episodes()};
-  std::unique_ptr<GraphSession> session_ = start_session(world_, 0);
+  std::unique_ptr<GraphSession> session_ = world_.start_on_graph(0);
   Prompt prompt_ = Prompt::parse(
       "pictures: strip\nkept_pictures: 1\n---\nStart: {{instruction}}\n---\nAt {{here}}. {{told}}",
       "p", "p");
@@ -41,7 +42,7 @@ class ChatTest : public ::testing::Test {
   json exchange(Chat& chat, const json& message) {
     const auto pictures = order_pictures(*session_, prompt_.pictures(), 64);
     std::vector<std::string> keys;
-    for (const auto& one : pictures) keys.push_back(one.key(*world_.episodes().graphs));
+    for (const auto& one : pictures) keys.push_back(one.key());
     const json request = json::parse(chat.ask(session_->observation(), pictures, keys));
     const std::string body = completion(message);
     const ChatAnswer answer = chat.read(body);

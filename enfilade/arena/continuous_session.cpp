@@ -4,7 +4,7 @@
 #include <span>
 #include <utility>
 
-#include "enfilade/arena/session.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::arena {
@@ -34,10 +34,12 @@ class OneContinuousSession : public ContinuousSession {
  public:
   OneContinuousSession(const agents::ContinuousWorld& world,
                        const agents::ContinuousBenchmark& benchmark, std::size_t episode,
-                       const Limits& limits)
+                       const Limits& limits, Words* words)
       : ContinuousSession(limits),
         world_(world),
+        words_(words),
         looks_(benchmark.form == tasks::ContinuousForm::kRxr),
+        eye_height_(benchmark.simulator.eye_height),
         episode_(episode),
         simulator_(world.buildings, one_walker(benchmark.simulator)) {
     walk_.episode = episode;
@@ -52,7 +54,15 @@ class OneContinuousSession : public ContinuousSession {
     return {now.position[0], Radians(now.heading[0]), Radians(now.elevation[0])};
   }
   Walked walked() const override { return walk_; }
+  std::size_t episode() const override { return episode_; }
   std::string episode_id() const override { return tasks::text_of(episode_of().id); }
+  Standpoint standpoint() const override {
+    const continuous::Pose now = pose();
+    const Vec3d eye = to_double(now.position) + Vec3d{0, 0, eye_height_};
+    const std::string scan(episode_of().scan());
+    return {fmt::format("{}/{:.6f}/{:.6f}/{:.6f}", scan, eye.x, eye.y, eye.z), FreeEye{scan, eye},
+            now.heading, now.elevation};
+  }
 
  protected:
   void carry_out(Tool tool, const std::vector<std::string>& values) override {
@@ -84,6 +94,7 @@ class OneContinuousSession : public ContinuousSession {
     seen.instruction = episode_of().instruction.text;
     seen.heading = Radians(simulator_.state().heading[0]);
     seen.elevation = Radians(simulator_.state().elevation[0]);
+    if (words_ != nullptr) seen.what = words_->of(standpoint());
     if (!seen.tools.empty()) return;
     ToolUse move{Tool::kMove, "actions", {}, true};
     const std::size_t count = looks_ ? kMoves.size() : kMovesWithoutLooks;
@@ -107,7 +118,9 @@ class OneContinuousSession : public ContinuousSession {
   }
 
   agents::ContinuousWorld world_;
+  Words* words_;  // null: none
   bool looks_;
+  double eye_height_;
   std::size_t episode_;
   continuous::Simulator simulator_;
   tasks::ContinuousResult walk_;
@@ -115,16 +128,14 @@ class OneContinuousSession : public ContinuousSession {
 
 }  // namespace
 
-std::unique_ptr<ContinuousSession> start_session(const agents::ContinuousWorld& world,
-                                                 const agents::ContinuousBenchmark& benchmark,
-                                                 std::size_t episode, const Limits& limits) {
+std::unique_ptr<ContinuousSession> FreeWorld::start_free(std::size_t episode,
+                                                         const Limits& limits) {
   validate(limits);
-  if (!world.episodes || !world.buildings) throw ArgumentError("world: no episodes or buildings");
-  if (episode >= world.episodes->episodes.size()) {
-    throw ArgumentError(
-        fmt::format("episode: {}; there are {}", episode, world.episodes->episodes.size()));
+  if (episode >= size()) {
+    throw ArgumentError(fmt::format("episode: {}; there are {}", episode, size()));
   }
-  return std::make_unique<OneContinuousSession>(world, benchmark, episode, limits);
+  if (words_source_ && !words_) words_ = words_source_();
+  return std::make_unique<OneContinuousSession>(world_, *benchmark_, episode, limits, words_.get());
 }
 
 }  // namespace enfilade::arena

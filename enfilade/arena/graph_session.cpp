@@ -7,7 +7,7 @@
 #include "enfilade/agents/episode_batch.h"
 #include "enfilade/agents/topological_map.h"
 #include "enfilade/arena/detail/names.h"
-#include "enfilade/arena/session.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/outlines.h"
 #include "enfilade/tasks/files.h"
@@ -64,6 +64,11 @@ class OneGraphSession : public GraphSession {
   }
   Walked walked() const override { return batch_.trajectory(0); }
   std::string episode_id() const override { return batch_.episode(0).instruction_id; }
+  Standpoint standpoint() const override {
+    const graph::NavGraph& graph = batch_.graph(0);
+    return {fmt::format("{}/{}", graph.scan(), graph.id(location().viewpoint)), location(),
+            heading_, elevation_};
+  }
 
  protected:
   void carry_out(Tool tool, const std::vector<std::string>& values) override {
@@ -144,6 +149,12 @@ class OneGraphSession : public GraphSession {
                              !new_here_.contains(one.viewpoint.value)});
     }
     std::ranges::stable_sort(seen.places, {}, [](const Place& p) { return p.turn.value; });
+    Standpoint from = standpoint();
+    for (Place& place : seen.places) {
+      from.heading = wrap_heading(heading_ + place.turn);
+      from.elevation = place.elevation;
+      place.what = world_.words_of(from);
+    }
   }
 
   std::vector<const tasks::ViewedObject*> visible() const {
@@ -211,11 +222,11 @@ class OneGraphSession : public GraphSession {
 
 }  // namespace
 
-std::unique_ptr<GraphSession> start_session(GraphWorld& world, std::size_t episode,
-                                            const Limits& limits) {
+std::unique_ptr<GraphSession> GraphWorld::start_on_graph(std::size_t episode,
+                                                         const Limits& limits) {
   validate(limits);
-  check(world.episodes(), episode);
-  return std::make_unique<OneGraphSession>(world, episode, limits);
+  check(*episodes_, episode);
+  return std::make_unique<OneGraphSession>(*this, episode, limits);
 }
 
 }  // namespace enfilade::arena

@@ -33,8 +33,8 @@ enum ErrorCode : int {
 
 constexpr const char* kInstructions =
     "You walk through a building as an instruction says, one tool call at a time. begin starts an "
-    "episode; then go_to, back_to and look take one of the listed values, and stop ends it where "
-    "the instruction leads to. What is impossible is told and does nothing.";
+    "episode; then the tools take the listed values, and stop ends it where the instruction leads "
+    "to. What is impossible is told and does nothing.";
 
 Json text_block(std::string text) { return {{"type", "text"}, {"text", std::move(text)}}; }
 
@@ -56,9 +56,8 @@ struct McpServer::Impl {
   Play play;
   std::string version;
 
-  Impl(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
-       McpConfig config)
-      : play(std::move(episodes), data,
+  Impl(std::unique_ptr<World> world, Sights sights, McpConfig config)
+      : play(std::move(world), std::move(sights),
              Prompt::named(config.pictures == Pictures::kNone ? "text" : "marks"),
              {.episodes = std::move(config.episodes),
               .limits = config.limits,
@@ -195,9 +194,8 @@ struct McpServer::Impl {
   }
 };
 
-McpServer::McpServer(std::shared_ptr<const tasks::EpisodeSet> episodes,
-                     const dataset::Dataset* data, McpConfig config)
-    : impl_(std::make_unique<Impl>(std::move(episodes), data, std::move(config))) {}
+McpServer::McpServer(std::unique_ptr<World> world, Sights sights, McpConfig config)
+    : impl_(std::make_unique<Impl>(std::move(world), std::move(sights), std::move(config))) {}
 McpServer::~McpServer() = default;
 
 std::vector<std::string> McpServer::handle(std::string_view message) {

@@ -10,7 +10,7 @@
 
 #include "enfilade/arena/pictures.h"
 #include "enfilade/arena/session.h"
-#include "enfilade/dataset/dataset.h"
+#include "enfilade/arena/world.h"
 
 namespace enfilade::arena {
 
@@ -30,11 +30,9 @@ struct McpConfig {
 /// are enumerated as they are now. One thread at a time.
 class McpServer {
  public:
-  /// \param data for pictures; may be null if there are none
-  /// \throws ArgumentError for no episode, an index out of range, pictures without data;
-  /// FileError, also if another process works in the folder
-  McpServer(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
-            McpConfig config);
+  /// \param sights for pictures; may be empty if there are none
+  /// \throws as Play
+  McpServer(std::unique_ptr<World> world, Sights sights, McpConfig config);
   ~McpServer();
   McpServer(const McpServer&) = delete;
   McpServer& operator=(const McpServer&) = delete;

@@ -11,6 +11,7 @@
 #include "enfilade/tasks/results.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/refusal.h"
+#include "tests/support/room_world.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
@@ -28,7 +29,7 @@ class Mcp : public ::testing::Test {
   void start() {
     server_.reset();  // it has its folder alone
     server_ = std::make_unique<McpServer>(
-        episodes_, nullptr,
+        std::make_unique<GraphWorld>(episodes_), Sights(),
         McpConfig{.episodes = {0, 1}, .limits = {.steps = 9}, .folder = folder_.path()});
   }
   json send(const json& message) {
@@ -57,6 +58,22 @@ class Mcp : public ::testing::Test {
   std::vector<std::string> answers_;
   int id_ = 0;
 };
+
+TEST(McpFree, AnAssistantMovesByActions) {
+  McpServer server(
+      std::make_unique<FreeWorld>(testing::room(), agents::continuous_benchmark("r2r-ce")), {},
+      {.episodes = {0}, .limits = {.steps = 9}});
+  const auto call = [&server](const json& params) {
+    const json message{{"jsonrpc", "2.0"}, {"id", 1}, {"method", "tools/call"}, {"params", params}};
+    return json::parse(server.handle(message.dump()).front()).at("result");
+  };
+  EXPECT_THAT(call({{"name", "begin"}}).dump(), HasSubstr("Walk east."));
+  const json moved =
+      call({{"name", "move"}, {"arguments", {{"actions", json::array({"forward", "left"})}}}});
+  EXPECT_THAT(moved.dump(), HasSubstr("You did 2 of 2 actions and walked 0.25 m."));
+  EXPECT_THAT(call({{"name", "stop"}}).dump(), HasSubstr("The episode is over"));
+  EXPECT_EQ(server.done(), 1U);
+}
 
 TEST_F(Mcp, AnEpisodeIsWalkedByCallsOfTools) {
   EXPECT_EQ(tools(), std::vector<std::string>{"begin"});
@@ -152,7 +169,8 @@ TEST_F(Mcp, NothingTellsWhereTheGoalIs) {
 TEST_F(Mcp, ConfigurationsAreChecked) {
   const auto fault = [this](McpConfig config) {
     config.folder = folder_.path() / "other";
-    return tests::refusal<ArgumentError>([&] { McpServer(episodes_, nullptr, config); });
+    return tests::refusal<ArgumentError>(
+        [&] { McpServer(std::make_unique<GraphWorld>(episodes_), {}, config); });
   };
   EXPECT_THAT(fault({}), HasSubstr("episodes: none"));
   EXPECT_THAT(fault({.episodes = {9}}), HasSubstr("episode: 9; there are 3"));

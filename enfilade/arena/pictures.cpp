@@ -5,57 +5,55 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
+#include "enfilade/arena/detail/sight.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/picture_marks.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/render/renderer.h"
 
 namespace enfilade::arena {
 namespace {
+
+using detail::Gaze;
 
 constexpr int kQuality = 85;
 constexpr std::uint32_t kSmallest = 64, kLargest = 2048;
 // Quarters of a strip, by how far each is turned from the heading: left, ahead, right, behind.
 constexpr std::array<double, 4> kQuarters{-90, 0, 90, 180};
 
-std::vector<render::View> views_of(const PictureOrder& order) {
-  const GraphPose& pose = order.pose;
-  if (!order.strip) {
-    return {{pose.location.scan, pose.location.viewpoint, pose.heading, pose.elevation}};
-  }
-  std::vector<render::View> views;
+/// The directions that an order has pictures of, side by side.
+std::vector<Gaze> gazes_of(const PictureOrder& order) {
+  if (!order.strip) return {{order.from.heading, order.from.elevation}};
+  std::vector<Gaze> gazes;
   for (const double turn : kQuarters) {
-    views.push_back({pose.location.scan, pose.location.viewpoint,
-                     wrap_heading(pose.heading + degrees(turn)), Radians(0)});
+    gazes.push_back({wrap_heading(order.from.heading + degrees(turn)), Radians(0)});
   }
-  return views;
+  return gazes;
 }
 
 /// Where a direction is drawn in a strip of squares of 90 degrees: in the one that looks nearest to
 /// it, so that each has its place once.
-draw::Mark mark_of(const NamedDirection& mark, std::span<const render::View> views, double size) {
-  const auto aside = [&](const render::View& view) {
-    return wrap_difference(mark.heading - view.heading).value;
+draw::Mark mark_of(const NamedDirection& mark, std::span<const Gaze> gazes, double size) {
+  const auto aside = [&](const Gaze& gaze) {
+    return wrap_difference(mark.heading - gaze.heading).value;
   };
-  const auto nearest = std::ranges::min_element(
-      views, {}, [&](const render::View& view) { return std::abs(aside(view)); });
+  const auto nearest =
+      std::ranges::min_element(gazes, {}, [&](const Gaze& gaze) { return std::abs(aside(gaze)); });
   const double turn = aside(*nearest);
   const double ahead = std::cos(mark.elevation.value) * std::cos(turn);
   const double right = std::cos(mark.elevation.value) * std::sin(turn);
   const double up = std::sin(mark.elevation.value);
   const double x = std::clamp(size / 2 * (1 + right / ahead), 0.0, size - 1);
   const double y = std::clamp(size / 2 * (1 - up / ahead), 0.0, size - 1);
-  return {x + size * static_cast<double>(nearest - views.begin()), y, mark.name};
+  return {x + size * static_cast<double>(nearest - gazes.begin()), y, mark.name};
 }
 
 }  // namespace
 
-std::string PictureOrder::key(const graph::GraphSet& graphs) const {
-  const graph::NavGraph& graph = graphs.graph(pose.location.scan);
-  std::string key = fmt::format("{}/{}/{}/{:.4f}/{:.4f}/{}", strip ? "strip" : "view", graph.scan(),
-                                graph.id(pose.location.viewpoint), to_degrees(pose.heading),
-                                to_degrees(pose.elevation), size);
+std::string PictureOrder::key() const {
+  std::string key = fmt::format("{}/{}/{:.4f}/{:.4f}/{}", strip ? "strip" : "view", from.place,
+                                to_degrees(from.heading), to_degrees(from.elevation), size);
   for (const NamedDirection& mark : marks) {
     key += fmt::format("/{}:{:.4f}:{:.4f}", mark.name, to_degrees(mark.heading),
                        to_degrees(mark.elevation));
@@ -63,7 +61,7 @@ std::string PictureOrder::key(const graph::GraphSet& graphs) const {
   return key;
 }
 
-std::vector<PictureOrder> order_pictures(const GraphSession& session, Pictures pictures,
+std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictures,
                                          std::uint32_t size) {
   if (size < kSmallest || size > kLargest) {
     throw ArgumentError(
@@ -71,19 +69,29 @@ std::vector<PictureOrder> order_pictures(const GraphSession& session, Pictures p
   }
   std::vector<PictureOrder> orders;
   if (pictures == Pictures::kNone || session.ending()) return orders;
-  const GraphPose pose = session.pose();
+  const Standpoint here = session.standpoint();
   const Observation& seen = session.observation();
+  const auto towards = [&here](Radians heading, Radians elevation) {
+    Standpoint from = here;
+    from.heading = heading;
+    from.elevation = elevation;
+    return from;
+  };
   if (pictures == Pictures::kStrip) {
     PictureOrder& strip = orders.emplace_back();
-    strip = {{}, {pose.location, pose.heading, Radians(0)}, true, size, {}};
+    strip = {{}, towards(here.heading, Radians(0)), true, size, {}};
     for (const Place& place : seen.places) {
-      strip.marks.push_back({place.name, wrap_heading(pose.heading + place.turn), place.elevation});
+      strip.marks.push_back({place.name, wrap_heading(here.heading + place.turn), place.elevation});
     }
+    return orders;
+  }
+  if (std::holds_alternative<FreeEye>(here.eye)) {
+    orders.push_back({"ahead", here, false, size, {}});
     return orders;
   }
   for (const Place& place : seen.places) {
     orders.push_back({place.name,
-                      {pose.location, wrap_heading(pose.heading + place.turn), place.elevation},
+                      towards(wrap_heading(here.heading + place.turn), place.elevation),
                       false,
                       size,
                       {}});
@@ -92,33 +100,32 @@ std::vector<PictureOrder> order_pictures(const GraphSession& session, Pictures p
 }
 
 struct Painter::Impl {
-  std::unique_ptr<render::Renderer> renderer;
+  detail::Sight sight;
   std::vector<std::uint8_t> pixels;
 };
 
-Painter::Painter(const dataset::Dataset& data) : impl_(std::make_unique<Impl>()) {
-  impl_->renderer = render::make_renderer(data.faces(), {.threads = 1});
-}
+Painter::Painter(Sights sights) : impl_(new Impl{detail::Sight(std::move(sights)), {}}) {}
 Painter::~Painter() = default;
 
 std::string Painter::draw(const PictureOrder& order) {
-  const std::vector<render::View> views = views_of(order);
-  const auto count = static_cast<std::uint32_t>(views.size());
+  const std::vector<Gaze> gazes = gazes_of(order);
+  const auto count = static_cast<std::uint32_t>(gazes.size());
   const std::size_t row = std::size_t{3} * order.size, each = row * order.size;
   impl_->pixels.resize(each * count);
   render::Outputs outputs;
   outputs.colour.emplace().pixels = std::as_writable_bytes(std::span(impl_->pixels));
-  const Camera camera{order.size, order.size, order.strip ? degrees(90) : degrees(60)};
-  impl_->renderer->render(camera, views, outputs);
+  Camera camera = detail::camera_for(order.from, order.size);
+  if (order.strip) camera.vertical_field_of_view = degrees(90);
+  impl_->sight.render(camera, order.from, gazes, outputs);
   image::Image8 picture(count * order.size, order.size, 3);
-  std::vector<draw::Mark> marks;
   for (std::uint32_t k = 0; k < count; ++k) {
     for (std::uint32_t y = 0; y < order.size; ++y) {
       std::ranges::copy(std::span(impl_->pixels).subspan(k * each + y * row, row),
                         picture.at(std::size_t{k} * order.size, y));
     }
   }
-  for (const NamedDirection& mark : order.marks) marks.push_back(mark_of(mark, views, order.size));
+  std::vector<draw::Mark> marks;
+  for (const NamedDirection& mark : order.marks) marks.push_back(mark_of(mark, gazes, order.size));
   draw::draw_marks(picture, marks);
   const std::vector<std::uint8_t> bytes = image::encode_jpeg(picture, kQuality);
   return {bytes.begin(), bytes.end()};

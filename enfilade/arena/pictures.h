@@ -1,11 +1,13 @@
 /// \file  What a session shows in pictures: described first, drawn only if somebody looks.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "enfilade/arena/session.h"
+#include "enfilade/continuous/scene.h"
 #include "enfilade/dataset/dataset.h"
 
 namespace enfilade::arena {
@@ -14,7 +16,7 @@ namespace enfilade::arena {
 enum class Pictures : std::uint8_t {
   kNone,
   kStrip,   ///< one: left, ahead, right and behind side by side, with the places' names in it
-  kPlaces,  ///< one a place, looking there, 60 degrees wide
+  kPlaces,  ///< one a place, looking there, 60 degrees wide; in continuous space one ahead, of 90
 };
 constexpr std::array<std::string_view, 3> names_of(Pictures /*enum*/) {
   return {"none", "strip", "places"};
@@ -28,32 +30,43 @@ struct NamedDirection {
 
 /// A picture before it is drawn. Two that are equal show the same, to the bit.
 struct PictureOrder {
-  std::string caption;  ///< "B": the place that it looks to; of a strip empty
-  GraphPose pose;       ///< of a strip the heading of its second quarter
+  std::string caption;  ///< "B": the place that it looks to, "ahead"; of a strip empty
+  Standpoint from;      ///< of a strip the heading of its second quarter
   bool strip = false;
   std::uint32_t size = 512;           ///< pixels: height, of a strip a quarter of the width
   std::vector<NamedDirection> marks;  ///< in a strip
 
-  /// Names what it shows, by scan, viewpoint, angles, size and marks: equal on all machines that
-  /// have the same data set, and known without drawing it.
-  std::string key(const graph::GraphSet& graphs) const;
+  /// Names what it shows, by place, angles, size and marks: equal on all machines that have the
+  /// same data set, and known without drawing it.
+  std::string key() const;
 };
 
 /// The pictures of an observation, in the order of its places. \param size pixels, 64 to 2048
 /// \throws ArgumentError for another size
-std::vector<PictureOrder> order_pictures(const GraphSession& session, Pictures pictures,
+std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictures,
                                          std::uint32_t size = 512);
+
+/// Gives the scene of a building, for pictures in continuous space. Called from several threads.
+using SceneSource =
+    std::function<std::shared_ptr<const continuous::Scene>(const std::string& scan)>;
+
+/// Where pictures come from.
+struct Sights {
+  std::shared_ptr<const dataset::Dataset> data = {};  ///< its panoramas, for graphs
+  SceneSource scene_of = {};                          ///< for continuous space
+};
 
 /// Draws pictures of a data set. One thread at a time.
 class Painter {
  public:
   /// \throws as dataset::Dataset::faces()
-  explicit Painter(const dataset::Dataset& data);
+  explicit Painter(Sights sights);
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  /// JPEG, quality 85. \throws as render::Renderer::render()
+  /// JPEG, quality 85. \throws ArgumentError if there is nothing to draw it from; as
+  /// render::Renderer::render(), SceneSource, continuous::Eyes::render()
   std::string draw(const PictureOrder& order);
 
  private:

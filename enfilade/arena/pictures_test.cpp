@@ -8,12 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/scan/store.h"
 #include "tests/support/panoramas.h"
 #include "tests/support/refusal.h"
+#include "tests/support/room_world.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
@@ -37,11 +39,11 @@ class ArenaPictures : public ::testing::Test {
     tasks::Annotations split{"val_seen", "", {}};
     split.paths.push_back({1, "row", degrees(90), {"v1", "v2"}, 1.0, {"Go on."}});
     write_file_atomically(folder_.path() / "r2r/R2R_val_seen.json", to_json(split));
-    data_.emplace(folder_.path());
+    data_ = std::make_shared<const dataset::Dataset>(folder_.path());
     world_.emplace(std::make_shared<const tasks::EpisodeSet>(data_->episodes("val_seen")));
   }
   tests::TemporaryFolder folder_;
-  std::optional<dataset::Dataset> data_;
+  std::shared_ptr<const dataset::Dataset> data_;
   std::optional<GraphWorld> world_;
 };
 
@@ -51,11 +53,11 @@ image::Image8 decoded(const std::string& jpeg) {
 }
 
 TEST_F(ArenaPictures, AStripHasTheNamesOfItsPlaces) {
-  const auto session = start_session(*world_, 0);  // one ahead and one behind
+  const auto session = world_->start_on_graph(0);  // one ahead and one behind
   const auto orders = order_pictures(*session, Pictures::kStrip, 128);
   ASSERT_EQ(orders.size(), 1U);
   EXPECT_EQ(orders[0].marks.size(), 2U);
-  Painter painter(*data_);
+  Painter painter({.data = data_});
   const std::string jpeg = painter.draw(orders[0]);
   const image::Image8 strip = decoded(jpeg);
   EXPECT_EQ(strip.width, 512U);
@@ -77,28 +79,55 @@ TEST_F(ArenaPictures, AStripHasTheNamesOfItsPlaces) {
 }
 
 TEST_F(ArenaPictures, APlaceHasAPictureThatLooksThere) {
-  const auto session = start_session(*world_, 0);
+  const auto session = world_->start_on_graph(0);
   const auto orders = order_pictures(*session, Pictures::kPlaces, 96);
   ASSERT_EQ(orders.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_EQ(orders[k].caption, session->observation().places[k].name);
   }
-  Painter painter(*data_);
+  Painter painter({.data = data_});
   EXPECT_EQ(decoded(painter.draw(orders[0])).width, 96U);
   EXPECT_TRUE(order_pictures(*session, Pictures::kNone).empty());
   session->call({"stop", ""});
   EXPECT_TRUE(order_pictures(*session, Pictures::kStrip).empty());
 }
 
+TEST(FreePictures, LookAheadOrAllAround) {
+  FreeWorld world(testing::room(), agents::continuous_benchmark("r2r-ce"));
+  const auto session = world.start(0);
+  const auto strip = order_pictures(*session, Pictures::kStrip, 64);
+  const auto ahead = order_pictures(*session, Pictures::kPlaces, 64);
+  ASSERT_EQ(strip.size(), 1U);
+  ASSERT_EQ(ahead.size(), 1U);
+  EXPECT_TRUE(strip[0].marks.empty());
+  EXPECT_EQ(ahead[0].caption, "ahead");
+  int opened = 0;
+  Painter painter({.data = nullptr, .scene_of = [&opened](const std::string& scan) {
+                     EXPECT_EQ(scan, "room");
+                     ++opened;
+                     return continuous::Scene::photographed(testing::room_tracer());
+                   }});
+  const image::Image8 around = decoded(painter.draw(strip[0]));
+  const image::Image8 one = decoded(painter.draw(ahead[0]));
+  EXPECT_EQ(around.width, 256U);
+  EXPECT_EQ(one.width, 64U);
+  EXPECT_EQ(opened, 1);
+  // The second quarter is what is ahead, but for what JPEG makes of it.
+  for (std::size_t x = 0; x < 64; x += 9) {
+    EXPECT_NEAR(around.at(64 + x, 20)[0], one.at(x, 20)[0], 12) << x;
+  }
+  Painter blind{Sights()};
+  EXPECT_THAT(refusal<ArgumentError>([&] { blind.draw(strip[0]); }), HasSubstr("no meshes"));
+}
+
 TEST_F(ArenaPictures, KeysNameWhatIsShown) {
-  const auto session = start_session(*world_, 0);
-  const graph::GraphSet& graphs = *data_->graphs();
+  const auto session = world_->start_on_graph(0);
   const auto orders = order_pictures(*session, Pictures::kPlaces, 96);
-  EXPECT_EQ(orders[1].key(graphs).substr(0, 12), "view/row/v1/");
-  EXPECT_NE(orders[0].key(graphs), orders[1].key(graphs));
-  EXPECT_NE(order_pictures(*session, Pictures::kPlaces, 97)[0].key(graphs), orders[0].key(graphs));
+  EXPECT_EQ(orders[1].key().substr(0, 12), "view/row/v1/");
+  EXPECT_NE(orders[0].key(), orders[1].key());
+  EXPECT_NE(order_pictures(*session, Pictures::kPlaces, 97)[0].key(), orders[0].key());
   const auto strip = order_pictures(*session, Pictures::kStrip, 96);
-  EXPECT_THAT(strip[0].key(graphs), HasSubstr("/B:90.0000:"));
+  EXPECT_THAT(strip[0].key(), HasSubstr("/B:90.0000:"));
   EXPECT_THAT(refusal<ArgumentError>([&] { order_pictures(*session, Pictures::kStrip, 12); }),
               HasSubstr("12 pixels, 64 to 2048"));
 }

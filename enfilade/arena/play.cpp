@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 
 #include "enfilade/arena/detail/transcript.h"
@@ -11,15 +11,16 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/folder_lock.h"
-#include "enfilade/tasks/results.h"
 
 namespace enfilade::arena {
 namespace {
 
-void check(const tasks::EpisodeSet& episodes, const PlayConfig& config) {
+std::unique_ptr<World> checked(std::unique_ptr<World> world, const PlayConfig& config) {
   validate(config.limits);
+  if (!world) throw ArgumentError("world: null");
   if (config.episodes.empty()) throw ArgumentError("episodes: none");
-  detail::check_episodes(episodes, config.episodes);
+  detail::check_episodes(*world, config.episodes);
+  return world;
 }
 
 /// {"name": "go_to", "arguments": {"place": "B"}}; servers write the arguments as a text of JSON.
@@ -41,32 +42,29 @@ Reading read_tool_call(std::string_view text) {
 }  // namespace
 
 struct Play::Impl {
-  std::shared_ptr<const tasks::EpisodeSet> episodes;
   PlayConfig config;
   Prompt prompt;
   Answers answers;
   Pictures pictures;
-  GraphWorld world;
+  std::unique_ptr<World> world;
   std::unique_ptr<Painter> painter;
   std::unique_ptr<FolderLock> lock;
-  std::unique_ptr<GraphSession> session;
+  std::unique_ptr<Session> session;
   std::optional<detail::Transcript> transcript;
   std::vector<PastStep> past;
-  std::set<std::size_t> walked_here;
-  std::vector<tasks::Trajectory> trajectories;  // of walked_here, in the order of walking
+  std::map<std::size_t, std::string> walked_here;  // what results files have of it, by episode
 
-  Impl(std::shared_ptr<const tasks::EpisodeSet> set, const dataset::Dataset* data, Prompt text,
-       PlayConfig settings)
-      : episodes(std::move(set)),
-        config(std::move(settings)),
+  Impl(std::unique_ptr<World> walked, Sights sights, Prompt text, PlayConfig settings)
+      : config(std::move(settings)),
         prompt(std::move(text)),
         answers(config.answers.value_or(prompt.answers())),
         pictures(config.pictures.value_or(prompt.pictures())),
-        world(episodes) {
-    check(*episodes, config);
+        world(checked(std::move(walked), config)) {
     if (pictures != Pictures::kNone) {
-      if (data == nullptr) throw ArgumentError("pictures: there is no data set for them");
-      painter = std::make_unique<Painter>(*data);
+      if (!sights.data && !sights.scene_of) {
+        throw ArgumentError("pictures: there is no data set for them");
+      }
+      painter = std::make_unique<Painter>(std::move(sights));
     }
     if (config.folder.empty()) return;
     make_folder(config.folder / "transcripts");
@@ -74,7 +72,7 @@ struct Play::Impl {
   }
 
   std::filesystem::path file_of(std::size_t episode) const {
-    return detail::transcript_file(config.folder, *episodes, episode);
+    return detail::transcript_file(config.folder, *world, episode);
   }
   bool is_done(std::size_t episode) const {
     return walked_here.contains(episode) ||
@@ -84,17 +82,21 @@ struct Play::Impl {
   void keep() {
     const std::size_t episode = session->episode();
     if (!config.folder.empty()) {
-      write_file_atomically(file_of(episode), std::move(*transcript).finish(*session, *episodes));
-      detail::write_results(config.folder, *episodes, config.episodes);
+      write_file_atomically(file_of(episode), std::move(*transcript).finish(*session, *world));
+      detail::write_results(config.folder, *world, config.episodes);
     }
-    trajectories.push_back(std::get<tasks::Trajectory>(session->walked()));
-    walked_here.insert(episode);
+    walked_here[episode] = world->result(session->walked());
+  }
+
+  void start(std::size_t episode) {
+    session = world->start(episode, config.limits);
+    transcript.emplace(*session);
+    past.clear();
   }
 };
 
-Play::Play(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
-           Prompt prompt, PlayConfig config)
-    : impl_(std::make_unique<Impl>(std::move(episodes), data, std::move(prompt),
+Play::Play(std::unique_ptr<World> world, Sights sights, Prompt prompt, PlayConfig config)
+    : impl_(std::make_unique<Impl>(std::move(world), std::move(sights), std::move(prompt),
                                    std::move(config))) {}
 Play::~Play() = default;
 
@@ -104,13 +106,20 @@ bool Play::begin() {
   const auto next =
       std::ranges::find_if_not(all, [this](std::size_t e) { return impl_->is_done(e); });
   if (next == all.end()) return false;
-  impl_->session = start_session(impl_->world, *next, impl_->config.limits);
-  impl_->transcript.emplace(*impl_->session);
-  impl_->past.clear();
+  impl_->start(*next);
   return true;
 }
 
-const GraphSession* Play::session() const noexcept { return impl_->session.get(); }
+void Play::begin_at(std::size_t episode) {
+  const auto& all = impl_->config.episodes;
+  if (std::ranges::find(all, episode) == all.end()) {
+    throw ArgumentError(fmt::format("episode: {} is not one of those that are walked", episode));
+  }
+  impl_->session.reset();
+  impl_->start(episode);
+}
+
+const Session* Play::session() const noexcept { return impl_->session.get(); }
 
 std::string Play::start_text() const {
   EN_CHECK(impl_->session != nullptr);
@@ -147,7 +156,7 @@ Reading Play::read(std::string_view answer) const {
 
 Outcome Play::call(const Reading& reading) {
   EN_CHECK(impl_->session != nullptr);
-  GraphSession& session = *impl_->session;
+  Session& session = *impl_->session;
   const Observation before = session.observation();
   Outcome outcome;
   if (reading.call) {
@@ -172,13 +181,19 @@ std::size_t Play::done() const noexcept {
       impl_->config.episodes, [this](std::size_t e) { return impl_->is_done(e); }));
 }
 std::size_t Play::size() const noexcept { return impl_->config.episodes.size(); }
+const std::vector<std::size_t>& Play::episodes() const noexcept { return impl_->config.episodes; }
 
 std::string Play::results() const {
   if (impl_->config.folder.empty()) {
-    return tasks::to_json(impl_->trajectories, *impl_->episodes);
+    std::vector<std::string> entries;
+    for (const std::size_t one : impl_->config.episodes) {
+      const auto found = impl_->walked_here.find(one);
+      if (found != impl_->walked_here.end()) entries.push_back(found->second);
+    }
+    return impl_->world->results(entries);
   }
   const auto file = impl_->config.folder / "results.json";
-  return file_exists(file) ? read_file(file) : "[]\n";
+  return file_exists(file) ? read_file(file) : impl_->world->results({});
 }
 
 }  // namespace enfilade::arena

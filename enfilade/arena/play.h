@@ -14,7 +14,7 @@
 #include "enfilade/arena/prompt.h"
 #include "enfilade/arena/session.h"
 #include "enfilade/arena/wire.h"
-#include "enfilade/dataset/dataset.h"
+#include "enfilade/arena/world.h"
 
 namespace enfilade::arena {
 
@@ -36,28 +36,32 @@ struct Outcome {
   std::string told;                   ///< a sentence
 };
 
-/// One episode after another, on graphs. One thread at a time.
+/// One episode after another. One thread at a time.
 ///
-///     arena::Play play(episodes, &data, arena::Prompt::named("marks"), {.episodes = {0, 1}});
+///     arena::Play play(std::make_unique<arena::GraphWorld>(episodes), {},
+///     arena::Prompt::named("text"),
+///                      {.episodes = {0, 1}});
 ///     while (play.begin()) {
 ///       while (play.session() != nullptr) play.call(play.read(model(play.step_text())));
 ///     }
 class Play {
  public:
-  /// \param data for pictures; may be null if there are none
-  /// \throws ArgumentError for no episode, an index out of range, limits or sizes out of range,
-  /// pictures without data; FileError, also if another process works in the folder
-  Play(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset* data,
-       Prompt prompt, PlayConfig config);
+  /// \param sights for pictures; may be empty if there are none
+  /// \throws ArgumentError for null, no episode, an index out of range, limits or sizes out of
+  /// range, pictures without sights; FileError, also if another process works in the folder
+  Play(std::unique_ptr<World> world, Sights sights, Prompt prompt, PlayConfig config);
   ~Play();
   Play(const Play&) = delete;
   Play& operator=(const Play&) = delete;
 
   /// Begins the next episode that is not done; false: all are. One that is being walked is given up
-  /// and begins again. \throws as start_session()
+  /// and begins again. \throws as World::start()
   bool begin();
+  /// Begins an episode, also one that is done: then it is walked anew, and what is walked last
+  /// counts. \throws ArgumentError for one that is not of PlayConfig::episodes; as begin()
+  void begin_at(std::size_t episode);
   /// The one that is being walked; null before begin() and when it has ended.
-  const GraphSession* session() const noexcept;
+  const Session* session() const noexcept;
 
   /// The prompt's texts for the session. \pre session() != nullptr
   std::string start_text() const;
@@ -77,6 +81,7 @@ class Play {
   Answers answers() const noexcept;
   std::size_t done() const noexcept;  ///< episodes, also by earlier processes in the folder
   std::size_t size() const noexcept;  ///< episodes in all
+  const std::vector<std::size_t>& episodes() const noexcept;  ///< PlayConfig::episodes
   /// Of all that are done, as the benchmark's results files have them. \throws FileError
   std::string results() const;
 

@@ -24,7 +24,8 @@ class PlayTest : public ::testing::Test {
 
   std::unique_ptr<Play> play(const char* prompt = "text", PlayConfig config = {}) {
     if (config.episodes.empty()) config.episodes = {0, 1};
-    return std::make_unique<Play>(episodes_, nullptr, Prompt::named(prompt), std::move(config));
+    return std::make_unique<Play>(std::make_unique<GraphWorld>(episodes_), Sights(),
+                                  Prompt::named(prompt), std::move(config));
   }
 
   tests::TemporaryFolder folder_;
@@ -76,6 +77,21 @@ TEST_F(PlayTest, AnEpisodeThatIsGivenUpBeginsAgain) {
   ASSERT_TRUE(walked->begin());
   EXPECT_EQ(walked->session()->episode(), 0U);
   EXPECT_EQ(walked->session()->observation().here, "A");
+}
+
+TEST_F(PlayTest, AnEpisodeIsWalkedAnewAndTheLastWalkCounts) {
+  const auto walked = play();
+  walked->begin_at(1);
+  walked->call(read_call("stop", {}));
+  walked->begin_at(1);
+  const std::string place = walked->session()->observation().places[0].name;
+  walked->call(read_call("go_to", json{{"place", place}}.dump()));
+  walked->call(read_call("stop", {}));
+  const json results = json::parse(walked->results());
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_EQ(results[0].at("trajectory").size(), 2U);
+  EXPECT_THAT([&] { walked->begin_at(2); },
+              ::testing::ThrowsMessage<ArgumentError>(HasSubstr("episode: 2 is not one of")));
 }
 
 TEST_F(PlayTest, PromptsOfTextRememberWhatWasDone) {

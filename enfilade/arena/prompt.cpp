@@ -230,6 +230,7 @@ data step_data(const Observation& seen, Answers answers, const Limits& limits,
   all["step"] = std::to_string(seen.step + 1);
   all["steps"] = std::to_string(limits.steps);
   all["heading"] = fmt::format("{:.0f}", to_degrees(seen.heading));
+  all["what"] = seen.what.empty() ? data(false) : data(seen.what);
   all["here"] = seen.here;
   all["moving"] = seen.here.empty();
   all["told"] = seen.told.empty() ? data(false) : data(seen.told);

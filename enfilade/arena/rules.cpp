@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/random.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
@@ -37,6 +38,34 @@ class GoToFirst : public Follower {
 
  private:
   const Session& session_;
+};
+
+class ForwardForEver : public Follower {
+ public:
+  Call next() override { return {std::string(name_of(Tool::kMove)), "forward"}; }
+};
+
+/// In calls of as many actions as one may have.
+class RecordedActions : public Follower {
+ public:
+  explicit RecordedActions(std::vector<std::uint8_t> actions) : actions_(std::move(actions)) {}
+
+  Call next() override {
+    std::vector<std::string_view> names;
+    while (names.size() < kMostMoves && at_ < actions_.size() && actions_[at_] != kStopping) {
+      names.push_back(kNames.at(actions_[at_++]));
+    }
+    if (names.empty()) return stop();
+    return {std::string(name_of(Tool::kMove)), fmt::format("{}", fmt::join(names, ","))};
+  }
+
+ private:
+  static constexpr std::uint8_t kStopping = tasks::ContinuousWalk::kStop;
+  static constexpr std::array<std::string_view, 6> kNames{"stop",  "forward", "left",
+                                                          "right", "up",      "down"};
+
+  std::vector<std::uint8_t> actions_;
+  std::size_t at_ = 0;
 };
 
 /// Keeps the heading that the agent "random" has, which is not where a session looks.
@@ -133,19 +162,35 @@ Rule rule_named(std::string_view name) {
   throw LookupError(fmt::format("no rule {:?}; there are {}", name, fmt::join(names, ", ")));
 }
 
-std::unique_ptr<Follower> follow(Rule rule, const GraphWorld& world, const GraphSession& session,
-                                 std::uint64_t seed) {
+std::unique_ptr<Follower> GraphWorld::follow(Rule rule, const Session& session,
+                                             std::uint64_t seed) const {
+  const auto& walked = dynamic_cast<const GraphSession&>(session);
   switch (rule) {
     case Rule::kRandom:
-      return std::make_unique<RandomRule>(session, seed);
+      return std::make_unique<RandomRule>(walked, seed);
     case Rule::kOracle:
-      return std::make_unique<Oracle>(world, session);
+      return std::make_unique<Oracle>(*this, walked);
     case Rule::kStop:
       return std::make_unique<StopAtOnce>();
     case Rule::kFirst:
       break;
   }
   return std::make_unique<GoToFirst>(session);
+}
+
+std::unique_ptr<Follower> FreeWorld::follow(Rule rule, const Session& session,
+                                            std::uint64_t seed) const {
+  if (rule == Rule::kStop) return std::make_unique<StopAtOnce>();
+  if (rule == Rule::kFirst) return std::make_unique<ForwardForEver>();
+  // The agent's walk through this episode alone: what it does depends on nothing else.
+  auto alone = std::make_shared<tasks::ContinuousEpisodes>();
+  alone->split = split();
+  alone->episodes.push_back(world_.episodes->episodes[session.episode()]);
+  const auto agent = agents::make_continuous_agent(rule == Rule::kOracle ? "shortest" : "random");
+  auto walks =
+      agents::run_continuous(*agent, *alone, world_.buildings,
+                             {.batch_size = 1, .seed = seed, .simulator = benchmark_->simulator});
+  return std::make_unique<RecordedActions>(std::move(walks[0].actions));
 }
 
 }  // namespace enfilade::arena

@@ -5,13 +5,13 @@
 #include <memory>
 #include <string_view>
 
-#include "enfilade/arena/session.h"
+#include "enfilade/arena/world.h"
 
 namespace enfilade::arena {
 
 /// By name.
 enum class Rule : std::uint8_t {
-  kFirst,   ///< always to the first place, and never stops
+  kFirst,   ///< always to the first place, and never stops; in continuous space forward
   kRandom,  ///< as the agent "random" of the same seed, step by step
   kOracle,  ///< the shortest way to the goal; of REVERIE it names the object
   kStop,    ///< stops at once
@@ -22,17 +22,12 @@ constexpr std::array<std::string_view, 4> names_of(Rule /*enum*/) {
 /// \throws LookupError listing the names
 Rule rule_named(std::string_view name);
 
-/// Follows a rule through one session.
+/// Follows a rule through one session; World::follow() makes one, which the session outlives.
 class Follower {
  public:
   virtual ~Follower() = default;
   /// The next call. \pre the session has not ended, and did all that was said before
   virtual Call next() = 0;
 };
-
-/// \param session outlives it \param seed of kRandom
-/// \throws ArgumentError for kOracle where the goal is hidden
-std::unique_ptr<Follower> follow(Rule rule, const GraphWorld& world, const GraphSession& session,
-                                 std::uint64_t seed = 1);
 
 }  // namespace enfilade::arena

@@ -3,13 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
 #include <vector>
 
+#include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/metrics.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/refusal.h"
+#include "tests/support/room_world.h"
 
 namespace enfilade::arena {
 namespace {
@@ -18,8 +21,8 @@ using arena::testing::episodes;
 using ::testing::HasSubstr;
 
 tasks::Trajectory walk(GraphWorld& world, std::size_t episode, Rule rule, std::uint64_t seed = 1) {
-  const auto session = start_session(world, episode);
-  const auto follower = follow(rule, world, *session, seed);
+  const auto session = world.start_on_graph(episode);
+  const auto follower = world.follow(rule, *session, seed);
   while (!session->ending()) EXPECT_TRUE(session->call(follower->next()));
   return std::get<tasks::Trajectory>(session->walked());
 }
@@ -64,11 +67,36 @@ TEST(Rules, TheOracleNamesTheObject) {
   EXPECT_EQ(walked.points.back().viewpoint.value, 1U);
 }
 
+std::vector<std::uint8_t> actions(FreeWorld& world, std::size_t episode, Rule rule,
+                                  std::uint64_t seed = 1) {
+  const auto session = world.start(episode, usual_limits(world.task()));
+  const auto follower = world.follow(rule, *session, seed);
+  while (!session->ending()) EXPECT_TRUE(session->call(follower->next()));
+  return std::get<tasks::ContinuousResult>(session->walked()).actions;
+}
+
+TEST(Rules, WalkFreelyAsTheAgentsDo) {
+  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark("r2r-ce");
+  const agents::ContinuousWorld room = testing::room(6);
+  FreeWorld world(room, benchmark);
+  for (const auto& [rule, name] :
+       {std::pair{Rule::kOracle, "shortest"}, {Rule::kRandom, "random"}}) {
+    const auto agent = agents::make_continuous_agent(name);
+    const auto walks = agents::run_continuous(*agent, *room.episodes, room.buildings,
+                                              {.seed = 3, .simulator = benchmark.simulator});
+    for (std::size_t e = 0; e < walks.size(); ++e) {
+      EXPECT_EQ(actions(world, e, rule, 3), walks[e].actions) << name << e;
+    }
+  }
+  EXPECT_EQ(actions(world, 0, Rule::kStop).size(), 1U);
+  EXPECT_EQ(actions(world, 0, Rule::kFirst).size(), 125U) << "a call is one step forward";
+}
+
 TEST(Rules, OthersStopOrNeverDo) {
   GraphWorld world(episodes());
   EXPECT_EQ(walk(world, 0, Rule::kStop).points.size(), 1U);
-  const auto session = start_session(world, 0);
-  const auto follower = follow(Rule::kFirst, world, *session);
+  const auto session = world.start_on_graph(0);
+  const auto follower = world.follow(Rule::kFirst, *session);
   while (!session->ending()) session->call(follower->next());
   EXPECT_EQ(session->ending(), Ending::kOutOfSteps);
   EXPECT_THAT(tests::refusal<LookupError>([] { rule_named("second"); }),

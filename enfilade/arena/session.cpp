@@ -55,11 +55,6 @@ std::string read_values(const ToolUse& use, std::string_view argument,
   return {};
 }
 
-std::shared_ptr<const graph::GraphSet> graphs_of(const tasks::EpisodeSet* episodes) {
-  if (episodes == nullptr || episodes->episodes.empty()) throw ArgumentError("episodes: none");
-  return episodes->graphs;
-}
-
 }  // namespace
 
 std::string_view name_of(Tool tool) noexcept { return names_of(tool).at(std::size_t(tool)); }
@@ -114,8 +109,5 @@ void Session::end(Ending ending) {
   seen_.places.clear();
   seen_.things.clear();
 }
-
-GraphWorld::GraphWorld(std::shared_ptr<const tasks::EpisodeSet> episodes)
-    : episodes_(std::move(episodes)), panoramas_(graphs_of(episodes_.get())) {}
 
 }  // namespace enfilade::arena

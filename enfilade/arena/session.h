@@ -10,11 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
-#include "enfilade/agents/continuous_environment.h"
-#include "enfilade/agents/panorama.h"
 #include "enfilade/continuous/pose.h"
-#include "enfilade/tasks/annotations.h"
+#include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/results.h"
 
@@ -82,6 +79,7 @@ struct Observation {
   std::uint32_t step = 0;        ///< calls that were carried out
   Radians heading;               ///< clockwise from the building's +y, [0, 2 pi)
   Radians elevation;             ///< of the look, up positive
+  std::string what;              ///< what is ahead, in words, in continuous space; empty: not known
   std::string here;              ///< the name of the place; empty in continuous space
   std::vector<Place> places;     ///< in the order of their turns, from left to right
   std::vector<Thing> things;     ///< of REVERIE
@@ -113,9 +111,24 @@ std::string_view name_of(Ending ending) noexcept;
 /// What was walked, as results files have it.
 using Walked = std::variant<tasks::Trajectory, tasks::ContinuousResult>;
 
-/// One episode. One thread at a time.
+/// An eye in continuous space.
+struct FreeEye {
+  std::string scan;
+  Vec3d point;  ///< metres, world frame
+};
+
+/// Where somebody stands and looks, for those who draw what is seen from there.
+struct Standpoint {
+  /// Names the place, equally on all machines that have the same data set: "SCAN/VIEWPOINT", or
+  /// "SCAN/x/y/z" of the eye in metres.
+  std::string place;
+  std::variant<graph::Location, FreeEye> eye;
+  Radians heading, elevation;
+};
+
+/// One episode; World::start() begins it. One thread at a time.
 ///
-///     const auto session = arena::start_session(world, episode);
+///     const auto session = world.start(episode);
 ///     while (!session->ending()) session->call({"go_to", session->observation().places[0].name});
 ///
 /// Same episode and calls give the same observations, to the bit.
@@ -137,8 +150,10 @@ class Session {
   std::optional<Ending> ending() const noexcept { return ending_; }  ///< no value: it goes on
   std::uint32_t mistakes() const noexcept { return mistakes_; }      ///< in all
   virtual Walked walked() const = 0;
+  virtual std::size_t episode() const = 0;  ///< index into its world's episodes
   /// The instruction's or episode's id, as results files have it.
   virtual std::string episode_id() const = 0;
+  virtual Standpoint standpoint() const = 0;
 
  protected:
   explicit Session(const Limits& limits) : limits_(limits) {}
@@ -159,20 +174,7 @@ class Session {
   std::uint32_t mistakes_ = 0, in_a_row_ = 0;
 };
 
-/// What sessions on graphs share: episodes, and what can be seen from where. One thread at a time.
-class GraphWorld {
- public:
-  /// \throws ArgumentError for null or no episode
-  explicit GraphWorld(std::shared_ptr<const tasks::EpisodeSet> episodes);
-  const tasks::EpisodeSet& episodes() const noexcept { return *episodes_; }
-  agents::PanoramaCache& panoramas() noexcept { return panoramas_; }
-
- private:
-  std::shared_ptr<const tasks::EpisodeSet> episodes_;
-  agents::PanoramaCache panoramas_;
-};
-
-/// Where a session on a graph stands, for those who draw what is seen from there.
+/// Where a session on a graph stands and looks.
 struct GraphPose {
   graph::Location location;
   Radians heading, elevation;
@@ -182,7 +184,6 @@ struct GraphPose {
 class GraphSession : public Session {
  public:
   virtual GraphPose pose() const = 0;
-  virtual std::size_t episode() const = 0;  ///< index into EpisodeSet::episodes
   /// For oracles and for those who draw maps: what a name stands for. \pre the place was seen; the
   /// object is one of Observation::things
   virtual ViewpointIndex viewpoint_of(std::string_view place) const = 0;
@@ -200,18 +201,5 @@ class ContinuousSession : public Session {
  protected:
   using Session::Session;
 };
-
-/// Begins an episode of a graph. \param world outlives it \throws ArgumentError for an episode that
-/// there is not, limits out of range, R2R-Back and SOON, whose answers no tool can give; errors of
-/// graph files
-std::unique_ptr<GraphSession> start_session(GraphWorld& world, std::size_t episode,
-                                            const Limits& limits = {});
-/// Begins an episode of walking freely: a step is a call of one to four actions.
-/// \throws ArgumentError for an episode that there is not, limits out of range, a world without
-/// episodes or buildings; LookupError for a building that it has not; ActionError for a start off
-/// the floor; errors of files
-std::unique_ptr<ContinuousSession> start_session(const agents::ContinuousWorld& world,
-                                                 const agents::ContinuousBenchmark& benchmark,
-                                                 std::size_t episode, const Limits& limits = {});
 
 }  // namespace enfilade::arena

@@ -7,15 +7,17 @@
 #include <vector>
 
 #include "enfilade/arena/detail/names.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
 #include "tests/support/grid_world.h"
-#include "tests/support/made_meshes.h"
 #include "tests/support/refusal.h"
+#include "tests/support/room_world.h"
 
 namespace enfilade::arena {
 namespace {
 
 using arena::testing::episodes;
+using arena::testing::room;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using tests::refusal;
@@ -39,7 +41,7 @@ tasks::Trajectory trajectory_of(const Session& session) {
 class GraphSessions : public ::testing::Test {
  protected:
   GraphWorld world_{episodes()};
-  std::unique_ptr<GraphSession> session_ = start_session(world_, 0, {.steps = 6, .mistakes = 3});
+  std::unique_ptr<GraphSession> session_ = world_.start_on_graph(0, {.steps = 6, .mistakes = 3});
   const Observation& seen_ = session_->observation();
 };
 
@@ -137,7 +139,7 @@ TEST_F(GraphSessions, StepsAreLimited) {
 
 TEST_F(GraphSessions, TheSameCallsGiveTheSame) {
   GraphWorld other(episodes());
-  const auto twin = start_session(other, 0);
+  const auto twin = other.start_on_graph(0);
   for (const Call& call : std::vector<Call>{{"go_to", "C"}, {"look", "left"}, {"go_to", "Q"}}) {
     EXPECT_EQ(session_->call(call), twin->call(call));
     EXPECT_EQ(twin->observation().told, seen_.told);
@@ -147,7 +149,7 @@ TEST_F(GraphSessions, TheSameCallsGiveTheSame) {
 
 TEST(Sessions, OfReverieNameAnObject) {
   GraphWorld world(episodes(tasks::Task::kReverie));
-  const auto session = start_session(world, 0);
+  const auto session = world.start_on_graph(0);
   const Observation& seen = session->observation();
   EXPECT_TRUE(seen.things.empty());
   EXPECT_THAT(tools_of(seen), ElementsAre("go_to", "look", "stop"));
@@ -163,9 +165,9 @@ TEST(Sessions, OfReverieNameAnObject) {
 
 TEST(Sessions, RefuseWhatTheyCannotBe) {
   GraphWorld world(episodes());
-  EXPECT_THAT(refusal<ArgumentError>([&] { start_session(world, 1); }),
+  EXPECT_THAT(refusal<ArgumentError>([&] { world.start_on_graph(1); }),
               HasSubstr("episode: 1; there are 1"));
-  EXPECT_THAT(refusal<ArgumentError>([&] { start_session(world, 0, {.steps = 0}); }),
+  EXPECT_THAT(refusal<ArgumentError>([&] { world.start_on_graph(0, {.steps = 0}); }),
               HasSubstr("limits.steps: 0"));
   EXPECT_THAT(refusal<ArgumentError>([] { GraphWorld(nullptr); }), HasSubstr("episodes"));
 }
@@ -181,25 +183,8 @@ TEST(Sessions, NamesAreLetters) {
   }
 }
 
-agents::ContinuousWorld room() {
-  const mesh::RayTracer tracer(
-      std::make_shared<const mesh::Mesh>(mesh::testing::Maker().room(0, 0, 6, 4).mesh));
-  auto all = std::make_shared<tasks::ContinuousEpisodes>();
-  all->split = "test";
-  tasks::ContinuousEpisode& one = all->episodes.emplace_back();
-  one.id = std::int64_t{5};
-  one.scene = "mp3d/room/room.glb";
-  one.start = {1, 1, 0};
-  one.rotation = tasks::StartRotation::of(degrees(90));
-  one.instruction.text = "Walk east.";
-  return {std::move(all), nullptr,
-          std::make_shared<const continuous::Buildings>(std::vector<continuous::Building>{
-              {"room", std::make_shared<const continuous::NavigationMesh>(
-                           mesh::make_floor_polygons(tracer))}})};
-}
-
 TEST(ContinuousSessions, MoveBySeveralActionsAtOnce) {
-  const auto session = start_session(room(), agents::continuous_benchmark("r2r-ce"), 0);
+  const auto session = FreeWorld(room(), agents::continuous_benchmark("r2r-ce")).start_free(0);
   const Observation& seen = session->observation();
   EXPECT_EQ(seen.instruction, "Walk east.");
   ASSERT_EQ(seen.tools.size(), 2U);
@@ -216,11 +201,14 @@ TEST(ContinuousSessions, MoveBySeveralActionsAtOnce) {
   EXPECT_EQ(walk.positions.size(), 5U);
   EXPECT_NEAR(walk.positions.back().x, 1.5, 1e-5);
   EXPECT_TRUE(walk.stopped());
+  const Standpoint last = session->standpoint();
+  EXPECT_EQ(last.place.substr(0, 14), "room/1.500000/");
+  EXPECT_NEAR(std::get<FreeEye>(last.eye).point.z, 1.25, 0.01);
 }
 
 TEST(ContinuousSessions, WallsAreToldAndTheBenchmarksActionsAreLimited) {
-  const auto session = start_session(room(), agents::continuous_benchmark("rxr-ce"), 0,
-                                     {.steps = 1000, .mistakes = 3});
+  FreeWorld world(room(), agents::continuous_benchmark("rxr-ce"));
+  const auto session = world.start_free(0, {.steps = 1000, .mistakes = 3});
   const Observation& seen = session->observation();
   EXPECT_THAT(seen.tools[0].allowed, ElementsAre("forward", "left", "right", "up", "down"));
   for (int k = 0; k < 6; ++k) session->call({"move", "forward,forward,forward,forward"});

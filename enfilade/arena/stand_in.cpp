@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -83,9 +82,8 @@ Json completion_of(const Json& request, const Json& message) {
 }  // namespace
 
 struct StandIn::Impl {
-  std::shared_ptr<const tasks::EpisodeSet> episodes;
+  std::unique_ptr<const World> world;
   StandInConfig config;
-  std::map<std::string, std::size_t> by_id;
   httplib::Server server;
   int port = 0;
   std::atomic<std::size_t> requests = 0, answers = 0, repeats = 0, now = 0, most = 0;
@@ -96,11 +94,11 @@ struct StandIn::Impl {
 
   /// The rule's call for an episode in which this was done.
   Call next_call(const std::string& episode, const std::vector<Call>& done) const {
-    const auto found = by_id.find(episode.substr(episode.rfind('/') + 1));
-    if (found == by_id.end()) throw LookupError("no episode " + episode);
-    GraphWorld world(episodes);
-    const auto session = start_session(world, found->second, {.steps = 100'000, .mistakes = 1});
-    const auto follower = follow(config.rule, world, *session, config.seed);
+    const auto found = world->find(episode.substr(episode.rfind('/') + 1));
+    if (!found) throw LookupError("no episode " + episode);
+    const std::unique_ptr<World> own = world->another();
+    const auto session = own->start(*found, {.steps = 100'000, .mistakes = 1});
+    const auto follower = own->follow(config.rule, *session, config.seed);
     for (const Call& call : done) {
       follower->next();  // so that it knows how far it is
       if (!session->call(call)) throw ArgumentError("calls that cannot be carried out");
@@ -175,14 +173,11 @@ struct StandIn::Impl {
   }
 };
 
-StandIn::StandIn(std::shared_ptr<const tasks::EpisodeSet> episodes, const StandInConfig& config)
+StandIn::StandIn(std::unique_ptr<const World> world, const StandInConfig& config)
     : impl_(std::make_unique<Impl>()) {
   Impl& all = *impl_;
-  all.episodes = std::move(episodes);
+  all.world = std::move(world);
   all.config = config;
-  for (std::size_t k = 0; k < all.episodes->episodes.size(); ++k) {
-    all.by_id.emplace(all.episodes->episodes[k].instruction_id, k);
-  }
   all.server.new_task_queue = [] {
     return new httplib::ThreadPool(kThreads);
   };  // httplib deletes it

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "enfilade/arena/rules.h"
-#include "enfilade/arena/session.h"
+#include "enfilade/arena/world.h"
 
 namespace enfilade::arena {
 
@@ -41,7 +41,7 @@ struct StandInConfig {
 class StandIn {
  public:
   /// Listens when this returns. \throws Error if no port is free
-  StandIn(std::shared_ptr<const tasks::EpisodeSet> episodes, const StandInConfig& config);
+  StandIn(std::unique_ptr<const World> world, const StandInConfig& config);
   ~StandIn();
   StandIn(const StandIn&) = delete;
   StandIn& operator=(const StandIn&) = delete;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <set>
 #include <string_view>
@@ -15,36 +14,27 @@
 
 namespace enfilade::arena {
 
-std::vector<std::size_t> spread_subset(const tasks::EpisodeSet& episodes, std::size_t count) {
-  const std::size_t all = episodes.episodes.size();
+std::vector<std::size_t> spread_subset(const World& world, std::size_t count) {
+  const std::size_t all = world.size();
   if (count == 0 || count > all) {
     throw ArgumentError(
-        fmt::format("subset of {} episodes: split {} has {}", count, episodes.split, all));
+        fmt::format("subset of {} episodes: split {} has {}", count, world.split(), all));
   }
   std::vector<std::size_t> order(all);
   std::iota(order.begin(), order.end(), 0U);
-  const auto place = [&episodes](std::size_t e) {
-    const tasks::Episode& one = episodes.episodes[e];
-    const tasks::ReferencePath& path = episodes.path_of(one);
-    // Of hidden goals there is a start only, of length 0.
-    return std::tuple(std::string_view(episodes.graphs->graph(path.scan).scan()),
-                      path.viewpoints.size(),
-                      tasks::length_of(path, episodes.graphs->graph(path.scan)),
-                      std::string_view(one.instruction_id));
-  };
-  std::ranges::sort(order, {}, place);
+  std::vector<std::tuple<std::string, std::size_t, double, std::string>> keys;
+  for (std::size_t e = 0; e < all; ++e) {
+    PathSize size = world.path_size(e);
+    keys.emplace_back(std::move(size.scan), size.places, size.length, world.episode_id(e));
+  }
+  std::ranges::sort(order, {}, [&keys](std::size_t e) -> const auto& { return keys[e]; });
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < count; ++k) chosen.push_back(order[(2 * k + 1) * all / (2 * count)]);
   std::ranges::sort(chosen);
   return chosen;
 }
 
-std::vector<std::size_t> listed_subset(const tasks::EpisodeSet& episodes,
-                                       const std::filesystem::path& file) {
-  std::map<std::string_view, std::size_t> by_id;
-  for (std::size_t e = 0; e < episodes.episodes.size(); ++e) {
-    by_id.emplace(episodes.episodes[e].instruction_id, e);
-  }
+std::vector<std::size_t> listed_subset(const World& world, const std::filesystem::path& file) {
   const std::string text = read_file(file);
   std::set<std::size_t> chosen;
   std::vector<Diagnostic> faults;
@@ -59,10 +49,10 @@ std::vector<std::size_t> listed_subset(const tasks::EpisodeSet& episodes,
       faults.push_back({Severity::kError, file.string(), fmt::format("line {}", number), code,
                         fmt::format("{:?} {}", id.substr(0, 60), what)});
     };
-    const auto found = by_id.find(id);
-    if (found == by_id.end()) {
+    const auto found = world.find(id);
+    if (!found) {
       refuse("unknown-episode", "is no episode of the split");
-    } else if (!chosen.insert(found->second).second) {
+    } else if (!chosen.insert(*found).second) {
       refuse("repeated-episode", "is there twice");
     }
   }
@@ -73,19 +63,18 @@ std::vector<std::size_t> listed_subset(const tasks::EpisodeSet& episodes,
   return {chosen.begin(), chosen.end()};
 }
 
-std::vector<std::size_t> subset_named(const tasks::EpisodeSet& episodes,
-                                      const std::string& subset) {
+std::vector<std::size_t> subset_named(const World& world, const std::string& subset) {
   constexpr std::size_t kUsual = 100, kDigits = 8;
-  const std::size_t all = episodes.episodes.size();
-  if (subset.empty()) return spread_subset(episodes, std::min(kUsual, all));
+  const std::size_t all = world.size();
+  if (subset.empty()) return spread_subset(world, std::min(kUsual, all));
   if (subset == "all") {
     std::vector<std::size_t> which(all);
     std::iota(which.begin(), which.end(), 0U);
     return which;
   }
   const bool number = subset.find_first_not_of("0123456789") == std::string::npos;
-  if (number && subset.size() < kDigits) return spread_subset(episodes, std::stoul(subset));
-  return listed_subset(episodes, subset);
+  if (number && subset.size() < kDigits) return spread_subset(world, std::stoul(subset));
+  return listed_subset(world, subset);
 }
 
 double chance_of(std::size_t count) { return 1.96 * std::sqrt(0.25 / static_cast<double>(count)); }

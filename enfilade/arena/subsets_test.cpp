@@ -21,13 +21,13 @@ using ::testing::HasSubstr;
 using tests::refusal;
 
 TEST(Subsets, AreSpreadEvenly) {
-  const auto all = episodes(tasks::Task::kR2r, 40);
-  const std::size_t size = all->episodes.size();
-  EXPECT_EQ(spread_subset(*all, size).size(), size);
-  EXPECT_EQ(spread_subset(*all, 7).size(), 7U);
-  EXPECT_EQ(spread_subset(*all, 7), spread_subset(*all, 7));
-  EXPECT_THAT(refusal<ArgumentError>([&] { spread_subset(*all, size + 1); }), HasSubstr("has 81"));
-  EXPECT_THAT(refusal<ArgumentError>([&] { spread_subset(*all, 0); }), HasSubstr("subset of 0"));
+  const GraphWorld all(episodes(tasks::Task::kR2r, 40));
+  const std::size_t size = all.size();
+  EXPECT_EQ(spread_subset(all, size).size(), size);
+  EXPECT_EQ(spread_subset(all, 7).size(), 7U);
+  EXPECT_EQ(spread_subset(all, 7), spread_subset(all, 7));
+  EXPECT_THAT(refusal<ArgumentError>([&] { spread_subset(all, size + 1); }), HasSubstr("has 81"));
+  EXPECT_THAT(refusal<ArgumentError>([&] { spread_subset(all, 0); }), HasSubstr("subset of 0"));
 }
 
 TEST(Subsets, ChanceIsABinomials) {
@@ -37,15 +37,15 @@ TEST(Subsets, ChanceIsABinomials) {
 }
 
 TEST(Subsets, FilesNameEpisodes) {
-  const auto all = episodes(tasks::Task::kR2r, 2);
+  const GraphWorld all(episodes(tasks::Task::kR2r, 2));
   const tests::TemporaryFolder folder("subsets");
   const auto file = folder.path() / "ids.txt";
   const auto fault = [&](const std::string& text) {
     write_file_atomically(file, text);
-    return refusal<InvalidInput>([&] { listed_subset(*all, file); });
+    return refusal<InvalidInput>([&] { listed_subset(all, file); });
   };
   write_file_atomically(file, "# two\n3_1\n 1_0 \n\n");
-  EXPECT_THAT(listed_subset(*all, file), ElementsAre(0, 4));
+  EXPECT_THAT(listed_subset(all, file), ElementsAre(0, 4));
   EXPECT_THAT(fault("1_0\n9_9\n1_0"), HasSubstr("line 2: \"9_9\" is no episode of the split"));
   EXPECT_THAT(fault("1_0\n9_9\n1_0"), HasSubstr("line 3: \"1_0\" is there twice"));
   EXPECT_THAT(fault("# none"), HasSubstr("no id in it"));
@@ -56,10 +56,11 @@ TEST(Subsets, OfRoomToRoomAreWhatTheyWere) {
   const auto data = dataset::Dataset::from_environment();
   if (!data || !data->has_split("val_unseen"))
     GTEST_SKIP() << "ENFILADE_DATA has no R2R val_unseen";
-  const tasks::EpisodeSet all = data->episodes("val_unseen");
-  ASSERT_EQ(all.episodes.size(), 2349U);
+  const GraphWorld world(std::make_shared<const tasks::EpisodeSet>(data->episodes("val_unseen")));
+  const tasks::EpisodeSet& all = world.episodes();
+  ASSERT_EQ(world.size(), 2349U);
   for (const std::size_t count : {100U, 216U, 1000U}) {
-    const auto chosen = spread_subset(all, count);
+    const auto chosen = spread_subset(world, count);
     std::map<std::size_t, std::size_t> by_scan, of_all;
     for (const std::size_t e : chosen) ++by_scan[all.path_of(all.episodes[e]).scan.at()];
     for (const tasks::Episode& one : all.episodes) ++of_all[all.path_of(one).scan.at()];

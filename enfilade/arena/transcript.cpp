@@ -7,7 +7,6 @@
 #include "enfilade/arena/wire.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/tasks/results.h"
 
 namespace enfilade::arena::detail {
 
@@ -29,14 +28,12 @@ void Transcript::add(const Observation& before, const Call* call, const Session&
   text_ += step.dump() + "\n";
 }
 
-std::string Transcript::finish(const Session& session, const tasks::EpisodeSet& episodes) && {
-  const auto walked = std::get<tasks::Trajectory>(session.walked());
-  const Json result = Json::parse(tasks::to_json({walked}, episodes));
+std::string Transcript::finish(const Session& session, const World& world) && {
   return std::move(text_) +
          Json{{"ending", name_of(*session.ending())},
               {"steps", session.observation().step},
               {"mistakes", session.mistakes()},
-              {"result", result[0]}}
+              {"result", Json::parse(world.result(session.walked()))}}
              .dump() +
          "\n";
 }
@@ -58,25 +55,24 @@ Json end_of_transcript(const std::filesystem::path& file) {
   return end;
 }
 
-std::vector<Json> write_results(const std::filesystem::path& folder,
-                                const tasks::EpisodeSet& episodes,
+std::vector<Json> write_results(const std::filesystem::path& folder, const World& world,
                                 const std::vector<std::size_t>& which) {
   std::vector<Json> ends;
-  std::string results;
+  std::vector<std::string> entries;
   for (const std::size_t episode : which) {
-    const auto file = transcript_file(folder, episodes, episode);
+    const auto file = transcript_file(folder, world, episode);
     if (!file_exists(file)) continue;
     ends.push_back(end_of_transcript(file));
-    results += (results.empty() ? "[\n" : ",\n") + ends.back()["result"].dump();
+    entries.push_back(ends.back()["result"].dump());
   }
-  if (!results.empty()) write_file_atomically(folder / "results.json", results + "\n]\n");
+  if (!entries.empty()) write_file_atomically(folder / "results.json", world.results(entries));
   return ends;
 }
 
-std::filesystem::path transcript_file(const std::filesystem::path& folder,
-                                      const tasks::EpisodeSet& episodes, std::size_t episode) {
+std::filesystem::path transcript_file(const std::filesystem::path& folder, const World& world,
+                                      std::size_t episode) {
   std::string name;
-  for (const char c : episodes.episodes[episode].instruction_id) {
+  for (const char c : world.episode_id(episode)) {
     const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
                        c == '-' || c == '_' || c == '.';
     name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
@@ -84,10 +80,10 @@ std::filesystem::path transcript_file(const std::filesystem::path& folder,
   return folder / "transcripts" / (name + ".jsonl");
 }
 
-void check_episodes(const tasks::EpisodeSet& episodes, const std::vector<std::size_t>& which) {
+void check_episodes(const World& world, const std::vector<std::size_t>& which) {
   for (const std::size_t one : which) {
-    if (one < episodes.episodes.size()) continue;
-    throw ArgumentError(fmt::format("episode: {}; there are {}", one, episodes.episodes.size()));
+    if (one < world.size()) continue;
+    throw ArgumentError(fmt::format("episode: {}; there are {}", one, world.size()));
   }
 }
 

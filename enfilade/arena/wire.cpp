@@ -104,6 +104,7 @@ std::string to_json(const Observation& seen) {
            {"step", seen.step},
            {"heading", degrees_of(seen.heading)},
            {"elevation", degrees_of(seen.elevation)}};
+  if (!seen.what.empty()) out["what"] = seen.what;
   if (!seen.here.empty()) {
     out["here"] = seen.here;
     Json& places = out["places"] = Json::array();

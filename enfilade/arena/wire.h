@@ -10,7 +10,7 @@
 
 namespace enfilade::arena {
 
-/// {"instruction", "step", "heading", "elevation", "here"?, "places": [{"name", "turn",
+/// {"instruction", "step", "heading", "elevation", "what"?, "here"?, "places": [{"name", "turn",
 /// "elevation", "distance", "visited", "seen_before", "what"?}], "things": [{"name", "category",
 /// "turn", "elevation"}], "map": [{"name", "leads_to"}], "told", "tools": [{"tool", "argument"?,
 /// "allowed", "list"?}]}. Lists that a task does not have are left out.

@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/arena/session.h"
+#include "enfilade/arena/wire.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
@@ -91,7 +92,7 @@ TEST_F(PlayingTest, AnEpisodeIsWalkedToItsGoalAndScored) {
 TEST_F(PlayingTest, SaysWhatTheSessionItselfSays) {
   const dataset::Dataset data(served_.root() / "data");
   arena::GraphWorld world(std::make_shared<const tasks::EpisodeSet>(data.episodes("val_seen")));
-  const auto session = arena::start_session(world, 0);
+  const auto session = world.start_on_graph(0);
   const Play play = begin(first_episode());
   json state = play.begun;
   Rng rng(3);

@@ -3,6 +3,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
 
 #include <atomic>
 #include <filesystem>
@@ -13,10 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/agents/continuous_run.h"
 #include "enfilade/arena/play.h"
 #include "enfilade/arena/subsets.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/dataset/dataset.h"
+#include "enfilade/tasks/continuous_measures.h"
 #include "python/src/bindings.h"
 #include "python/src/busy.h"
 
@@ -34,21 +37,41 @@ std::optional<arena::Answers> answers_named(const std::string& name) {
   throw ArgumentError("answers '" + name + "': one of tools, json, text");
 }
 
+nb::str measure_name(const tasks::ContinuousMeasure& measure) {
+  return nb::str(measure.name.data(), measure.name.size());
+}
+
 /// An arena::Play that answers nobody while another thread is in it.
 class ArenaPlay {
  public:
-  ArenaPlay(std::shared_ptr<const tasks::EpisodeSet> episodes, const dataset::Dataset& data,
-            const std::string& subset, const std::string& prompt, arena::PlayConfig config)
-      : data_(data), episodes_(std::move(episodes)) {
-    config.episodes = arena::subset_named(*episodes_, subset);
-    play_ = std::make_unique<arena::Play>(episodes_, &data_, arena::Prompt::open(prompt),
-                                          std::move(config));
+  ArenaPlay(std::unique_ptr<arena::World> world, arena::Sights sights, const std::string& subset,
+            const std::string& prompt, arena::PlayConfig config, std::uint32_t steps,
+            std::uint32_t mistakes)
+      : world_(world->another()) {
+    config.episodes = arena::subset_named(*world, subset);
+    config.limits = arena::usual_limits(world->task());
+    config.limits.mistakes = mistakes;
+    if (steps > 0) config.limits.steps = steps;
+    play_ = std::make_unique<arena::Play>(std::move(world), std::move(sights),
+                                          arena::Prompt::open(prompt), std::move(config));
   }
 
   bool begin() {
     const Busy busy(busy_);
     const nb::gil_scoped_release unlocked;
     return play_->begin();
+  }
+  void begin_at(const std::string& episode) {
+    const Busy busy(busy_);
+    const nb::gil_scoped_release unlocked;
+    const auto found = world_->find(episode);
+    if (!found) throw LookupError("episode '" + episode + "': the split has no such id");
+    play_->begin_at(*found);
+  }
+  std::vector<std::string> ids() const {
+    std::vector<std::string> ids;
+    for (const std::size_t one : play_->episodes()) ids.push_back(world_->episode_id(one));
+    return ids;
   }
   std::string start_text() {
     return with_session([&] { return play_->start_text(); });
@@ -68,6 +91,18 @@ class ArenaPlay {
   std::string episode() {
     return with_session([&] { return play_->session()->episode_id(); });
   }
+  // (scan, viewpoint or None, eye or None, heading, elevation)
+  nb::tuple standpoint() {
+    const auto here = with_session([&] { return play_->session()->standpoint(); });
+    const std::string scan = here.place.substr(0, here.place.find('/'));
+    nb::object viewpoint = nb::none(), eye = nb::none();
+    if (const auto* free = std::get_if<arena::FreeEye>(&here.eye)) {
+      eye = nb::make_tuple(free->point.x, free->point.y, free->point.z);
+    } else {
+      viewpoint = nb::cast(here.place.substr(scan.size() + 1));
+    }
+    return nb::make_tuple(scan, viewpoint, eye, here.heading.value, here.elevation.value);
+  }
   nb::list draw() {
     const std::vector<std::string> drawn = with_session([&] { return play_->draw(); });
     nb::list pictures;
@@ -84,6 +119,33 @@ class ArenaPlay {
   }
 
   std::string results() const { return play_->results(); }
+  // Of walks in continuous space: ({measure: (mean, low, high)}, {episode: {measure: value}})
+  nb::tuple free_score() const {
+    const auto& free = dynamic_cast<const arena::FreeWorld&>(*world_);
+    const auto& [episodes, experts, buildings] = free.world();
+    std::vector<tasks::ContinuousResult> walks;
+    std::vector<tasks::ContinuousScore> scores;
+    {
+      const nb::gil_scoped_release unlocked;
+      walks = tasks::parse_continuous_results(play_->results(), "results", *episodes,
+                                              tasks::Coverage::kPart);
+      scores = agents::score_continuous_walks(walks, *episodes, *buildings, *experts);
+    }
+    const tasks::ContinuousMeasures measured = tasks::measure(scores, walks, *episodes);
+    nb::dict means, by_id;
+    for (std::size_t m = 0; m < measured.means.size(); ++m) {
+      const auto& [mean, low, high] = measured.means[m];
+      means[measure_name(tasks::continuous_measures()[m])] = nb::make_tuple(mean, low, high);
+    }
+    for (std::size_t k = 0; k < walks.size(); ++k) {
+      nb::dict one;
+      for (const tasks::ContinuousMeasure& measure : tasks::continuous_measures()) {
+        one[measure_name(measure)] = measure.value(scores[k]);
+      }
+      by_id[nb::cast(world_->episode_id(walks[k].episode))] = one;
+    }
+    return nb::make_tuple(means, by_id);
+  }
   std::size_t done() const { return play_->done(); }
   std::size_t size() const { return play_->size(); }
 
@@ -104,25 +166,51 @@ class ArenaPlay {
     return nb::make_tuple(outcome.carried_out, ending, outcome.told);
   }
 
-  dataset::Dataset data_;  // Play draws from it
-  std::shared_ptr<const tasks::EpisodeSet> episodes_;
+  std::unique_ptr<arena::World> world_;  // for scores
   std::unique_ptr<arena::Play> play_;
   std::atomic_flag busy_;
 };
+
+arena::PlayConfig config_of(const std::string& answers, std::uint32_t picture_size,
+                            const std::optional<std::filesystem::path>& folder) {
+  arena::PlayConfig config;
+  config.answers = answers_named(answers);
+  config.picture_size = picture_size;
+  if (folder) config.folder = *folder;
+  return config;
+}
 
 std::unique_ptr<ArenaPlay> open_play(const dataset::Dataset& data, nb::handle episodes,
                                      const std::string& subset, const std::string& prompt,
                                      const std::string& answers, std::uint32_t steps,
                                      std::uint32_t mistakes, std::uint32_t picture_size,
-                                     const std::optional<std::filesystem::path>& folder) {
-  arena::PlayConfig config;
-  config.limits = {steps, mistakes};
-  config.answers = answers_named(answers);
-  config.picture_size = picture_size;
-  if (folder) config.folder = *folder;
+                                     const std::optional<std::filesystem::path>& folder,
+                                     bool words) {
   auto set = episode_set(episodes);
   const nb::gil_scoped_release unlocked;
-  return std::make_unique<ArenaPlay>(std::move(set), data, subset, prompt, std::move(config));
+  arena::Sights sights;
+  sights.data = std::make_shared<const dataset::Dataset>(data);
+  auto world = std::make_unique<arena::GraphWorld>(
+      std::move(set), words ? arena::label_words(sights) : arena::WordsSource());
+  return std::make_unique<ArenaPlay>(std::move(world), std::move(sights), subset, prompt,
+                                     config_of(answers, picture_size, folder), steps, mistakes);
+}
+
+// In continuous space, where Python draws with enfilade.eyes.
+std::unique_ptr<ArenaPlay> open_free_play(const std::filesystem::path& data,
+                                          const std::string& task, const std::string& split,
+                                          const std::string& subset, const std::string& prompt,
+                                          const std::string& answers, std::uint32_t steps,
+                                          std::uint32_t mistakes,
+                                          const std::optional<std::filesystem::path>& folder) {
+  const nb::gil_scoped_release unlocked;
+  constexpr std::uint32_t kNoPictures = 64;  // their size is checked, whether there are any or not
+  arena::PlayConfig config = config_of(answers, kNoPictures, folder);
+  config.pictures = arena::Pictures::kNone;
+  const auto& benchmark = agents::continuous_benchmark(task);
+  auto world = arena::FreeWorld::open(benchmark, data, split);
+  return std::make_unique<ArenaPlay>(std::move(world), arena::Sights(), subset, prompt,
+                                     std::move(config), steps, mistakes);
 }
 
 }  // namespace
@@ -130,8 +218,18 @@ std::unique_ptr<ArenaPlay> open_play(const dataset::Dataset& data, nb::handle ep
 void bind_arena(nb::module_& m) {
   nb::class_<ArenaPlay>(m, "ArenaPlay", "What enfilade.arena() is made of.")
       .def(nb::new_(&open_play), "dataset"_a, "episodes"_a, "subset"_a, "prompt"_a, "answers"_a,
-           "steps"_a, "mistakes"_a, "picture_size"_a, "folder"_a.none())
+           "steps"_a, "mistakes"_a, "picture_size"_a, "folder"_a.none(), "words"_a)
+      .def_static("free", &open_free_play, "data"_a, "task"_a, "split"_a, "subset"_a, "prompt"_a,
+                  "answers"_a, "steps"_a, "mistakes"_a, "folder"_a.none())
+      .def("standpoint", &ArenaPlay::standpoint,
+           nb::sig("def standpoint(self) -> tuple[str, str | None, tuple[float, float, float] | "
+                   "None, float, float]"))
+      .def("free_score", &ArenaPlay::free_score,
+           nb::sig("def free_score(self) -> tuple[dict[str, tuple[float, float, float]], "
+                   "dict[str, dict[str, float]]]"))
       .def("begin", &ArenaPlay::begin)
+      .def("begin_at", &ArenaPlay::begin_at, "episode"_a)
+      .def_prop_ro("ids", &ArenaPlay::ids)
       .def("start_text", &ArenaPlay::start_text)
       .def("step_text", &ArenaPlay::step_text)
       .def("observation", &ArenaPlay::observation)

@@ -33,6 +33,9 @@ class AskKill : public ::testing::Test {
     episodes_ = std::make_shared<const tasks::EpisodeSet>(data.episodes("val_unseen"));
   }
 
+  std::unique_ptr<arena::World> world() const {
+    return std::make_unique<arena::GraphWorld>(episodes_);
+  }
   std::vector<std::string> words(const arena::StandIn& model, const std::string& output) const {
     return {EN_PROGRAM,   "ask",
             "--data",     (folder_.path() / "homes").string(),
@@ -59,10 +62,10 @@ class AskKill : public ::testing::Test {
 
 TEST_F(AskKill, TheRunGoesOnAndNothingIsAskedTwice) {
   // Each answer takes 10 ms, so that there is a middle to be killed in.
-  const arena::StandIn model(episodes_, {.rule = arena::Rule::kRandom,
-                                         .faults = {arena::Fault::kSilence},
-                                         .one_in = 1,
-                                         .silence = 0.01});
+  const arena::StandIn model(world(), {.rule = arena::Rule::kRandom,
+                                       .faults = {arena::Fault::kSilence},
+                                       .one_in = 1,
+                                       .silence = 0.01});
   Rng rng(20);
   int killed = 0;
   for (int k = 0; k < kKills; ++k) {
@@ -76,7 +79,7 @@ TEST_F(AskKill, TheRunGoesOnAndNothingIsAskedTwice) {
   EXPECT_LE(model.repeats(), kKills * kParallel);
   const std::size_t answered = model.answers() - model.repeats();
 
-  const arena::StandIn fresh(episodes_, {.rule = arena::Rule::kRandom});
+  const arena::StandIn fresh(world(), {.rule = arena::Rule::kRandom});
   EXPECT_EQ(Process(words(fresh, "whole")).wait(), 0);
   EXPECT_EQ(fresh.answers(), answered);
   EXPECT_EQ(files("killed"), files("whole"));
@@ -84,17 +87,17 @@ TEST_F(AskKill, TheRunGoesOnAndNothingIsAskedTwice) {
 
 TEST_F(AskKill, AServerThatIsKilledIsWaitedFor) {
   auto model = std::make_unique<arena::StandIn>(
-      episodes_,
+      world(),
       arena::StandInConfig{.faults = {arena::Fault::kSilence}, .one_in = 1, .silence = 0.01});
   Process run(words(*model, "run"));
   while (model->answers() < 30) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   model.reset();
   // It asks again six times; then the exit code says that something is left to do.
   EXPECT_EQ(run.wait(), 1);
-  const arena::StandIn other(episodes_, {});
+  const arena::StandIn other(world(), {});
   EXPECT_EQ(Process(words(other, "run")).wait(), 0);
   EXPECT_LT(other.answers(), 400U);
-  const arena::StandIn fresh(episodes_, {});
+  const arena::StandIn fresh(world(), {});
   EXPECT_EQ(Process(words(fresh, "whole")).wait(), 0);
   EXPECT_EQ(files("run"), files("whole"));
 }

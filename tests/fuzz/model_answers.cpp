@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const arena::Limits limits{.steps = 3, .mistakes = 2};
   for (const Answers answers : {Answers::kTools, Answers::kJson, Answers::kText}) {
-    const auto session = start_session(world, 0, limits);
+    const auto session = world.start_on_graph(0, limits);
     arena::Chat chat(prompt, {.model = "m"}, answers, limits);
     while (!session->ending()) {
       chat.ask(session->observation(), {}, {});
@@ -40,7 +40,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   try {
     const arena::Prompt own = arena::Prompt::parse(text, "<fuzz>", "fuzz");
-    const auto session = start_session(world, 0);
+    const auto session = world.start_on_graph(0);
     own.start(session->observation(), own.answers(), {});
     own.step(session->observation(), own.answers(), {}, {});
   } catch (const InvalidInput&) {

@@ -28,11 +28,6 @@ std::shared_ptr<const continuous::Buildings> open_buildings(const ContinuousBenc
                                                        benchmark.navigation_folder());
 }
 
-tasks::ContinuousResultsForm form_of(const ContinuousBenchmark& benchmark) {
-  return benchmark.form == tasks::ContinuousForm::kRxr ? tasks::ContinuousResultsForm::kRxr
-                                                       : tasks::ContinuousResultsForm::kR2r;
-}
-
 std::vector<tasks::ContinuousScore> scores_of(const std::vector<tasks::ContinuousResult>& walks,
                                               const tasks::ContinuousEpisodes& episodes,
                                               const continuous::Buildings& buildings,
@@ -88,7 +83,7 @@ void run_free_walk(const FreeWalk& walk) {
       agents::run_continuous(*agent, episodes, buildings, options,
                              progress_bar(fmt::format("{}, {}", walk.agent, walk.split)));
   if (!walk.output.empty()) {
-    write_output(walk.output, to_json(walks, episodes, form_of(benchmark)));
+    write_output(walk.output, to_json(walks, episodes, benchmark.results_form()));
   }
   if (walk.output == "-") return;
   fmt::print("{} on {} of {}: {} episodes{}\n", walk.agent, walk.split, benchmark.title,

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/arena/session.h"
+#include "enfilade/arena/world.h"
 
 namespace enfilade::arena::detail {
 
@@ -19,7 +19,7 @@ class Transcript {
   void add(const Observation& before, const Call* call, const Session& after,
            const nlohmann::ordered_json& more = nlohmann::ordered_json::object());
   /// The whole text. \pre the session has ended
-  std::string finish(const Session& session, const tasks::EpisodeSet& episodes) &&;
+  std::string finish(const Session& session, const World& world) &&;
 
  private:
   std::string text_;
@@ -31,14 +31,14 @@ nlohmann::ordered_json end_of_transcript(const std::filesystem::path& file);
 /// Writes results.json of those of the episodes that have a transcript; nothing if none has.
 /// \returns the ends of their transcripts
 std::vector<nlohmann::ordered_json> write_results(const std::filesystem::path& folder,
-                                                  const tasks::EpisodeSet& episodes,
+                                                  const World& world,
                                                   const std::vector<std::size_t>& which);
 
 /// "FOLDER/transcripts/<id>.jsonl", with what file names should not have as "%3a".
-std::filesystem::path transcript_file(const std::filesystem::path& folder,
-                                      const tasks::EpisodeSet& episodes, std::size_t episode);
+std::filesystem::path transcript_file(const std::filesystem::path& folder, const World& world,
+                                      std::size_t episode);
 
-/// \throws ArgumentError naming an index that the set does not have
-void check_episodes(const tasks::EpisodeSet& episodes, const std::vector<std::size_t>& which);
+/// \throws ArgumentError naming an index that the world does not have
+void check_episodes(const World& world, const std::vector<std::size_t>& which);
 
 }  // namespace enfilade::arena::detail

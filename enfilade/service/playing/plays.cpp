@@ -60,72 +60,13 @@ void carry_out(arena::Session& session, const CallRow& call) {
 
 }  // namespace
 
-// Episodes of one split, as everybody may see them.
-class Plays::World {
- public:
-  virtual ~World() = default;
-  /// Null for an episode that there is not. \throws as arena::start_session()
-  virtual std::unique_ptr<arena::Session> start(std::string_view episode,
-                                                const arena::Limits& limits) = 0;
-  virtual std::string result(const arena::Session& session) const = 0;
+// Episodes of one split, as everybody may see them; one thread at a time for all sessions, as they
+// share what they look up.
+struct Plays::Shared {
+  explicit Shared(std::unique_ptr<arena::World> opened) : world(std::move(opened)) {}
 
-  std::mutex mutex;  // of all sessions: they share what they look up
-};
-
-class Plays::GraphWorld : public World {
- public:
-  explicit GraphWorld(std::shared_ptr<const tasks::EpisodeSet> episodes)
-      : graphs_(std::move(episodes)) {
-    const auto& all = graphs_.episodes().episodes;
-    for (std::size_t e = 0; e < all.size(); ++e) by_id_.emplace(all[e].instruction_id, e);
-  }
-  std::unique_ptr<arena::Session> start(std::string_view episode,
-                                        const arena::Limits& limits) override {
-    const auto found = by_id_.find(episode);
-    if (found == by_id_.end()) return nullptr;
-    return arena::start_session(graphs_, found->second, limits);
-  }
-  std::string result(const arena::Session& session) const override {
-    const std::vector<tasks::Trajectory> walked{std::get<tasks::Trajectory>(session.walked())};
-    return tasks::to_json(walked, graphs_.episodes());
-  }
-
- private:
-  arena::GraphWorld graphs_;
-  std::map<std::string, std::size_t, std::less<>> by_id_;
-};
-
-class Plays::FreeWorld : public World {
- public:
-  FreeWorld(const agents::ContinuousBenchmark& benchmark, const std::filesystem::path& folder,
-            const std::string& split)
-      : benchmark_(benchmark) {
-    world_.episodes = std::make_shared<const tasks::ContinuousEpisodes>(
-        agents::load_continuous_split(benchmark, folder, split));
-    world_.buildings =
-        std::make_shared<const continuous::Buildings>(folder / benchmark.navigation_folder());
-    const auto& all = world_.episodes->episodes;
-    for (std::size_t e = 0; e < all.size(); ++e) by_id_.emplace(tasks::text_of(all[e].id), e);
-  }
-  std::unique_ptr<arena::Session> start(std::string_view episode,
-                                        const arena::Limits& limits) override {
-    const auto found = by_id_.find(episode);
-    if (found == by_id_.end()) return nullptr;
-    return arena::start_session(world_, benchmark_, found->second, limits);
-  }
-  std::string result(const arena::Session& session) const override {
-    const std::vector<tasks::ContinuousResult> walked{
-        std::get<tasks::ContinuousResult>(session.walked())};
-    return tasks::to_json(walked, *world_.episodes,
-                          benchmark_.form == tasks::ContinuousForm::kRxr
-                              ? tasks::ContinuousResultsForm::kRxr
-                              : tasks::ContinuousResultsForm::kR2r);
-  }
-
- private:
-  const agents::ContinuousBenchmark& benchmark_;
-  agents::ContinuousWorld world_;
-  std::map<std::string, std::size_t, std::less<>> by_id_;
+  std::mutex mutex;
+  std::unique_ptr<arena::World> world;
 };
 
 // A play in memory, or one that is still to be walked again.
@@ -133,7 +74,7 @@ struct Plays::Live {
   std::mutex mutex;
   std::int64_t id = 0;
   PlayRow row;
-  std::shared_ptr<World> world;
+  std::shared_ptr<Shared> shared;
   std::unique_ptr<arena::Session> session;  // null: walk the calls again
   std::int64_t calls = 0;
 };
@@ -169,7 +110,11 @@ struct Plays::Painters {
         all.returned.notify_one();
       }
     } const back{*this, painter};
-    if (painter == nullptr) painter = std::make_unique<arena::Painter>(site->data());
+    if (painter == nullptr) {
+      // The site has the data set for as long as it lives.
+      painter = std::make_unique<arena::Painter>(
+          arena::Sights{.data = {site, &site->data()}, .scene_of = {}});
+    }
     return painter->draw(order);
   }
 
@@ -180,29 +125,18 @@ struct Plays::Painters {
   std::size_t left;
 };
 
-arena::Limits default_limits(const std::string& task) {
-  arena::Limits limits;
-  if (!agents::is_continuous(task)) {
-    (void)task_of(task);
-    return limits;
-  }
-  const auto actions = agents::continuous_benchmark(task).simulator.most_steps;
-  limits.steps = static_cast<std::uint32_t>((actions + arena::kMostMoves - 1) / arena::kMostMoves);
-  return limits;
-}
-
 Plays::Plays(std::shared_ptr<const Site> site, store::Database& db)
     : site_(std::move(site)),
       db_(db),
       painters_(std::make_unique<Painters>(site_)),
-      worlds_(kMostWorlds, [](const std::shared_ptr<World>&) { return std::size_t{1}; }) {}
+      worlds_(kMostWorlds, [](const std::shared_ptr<Shared>&) { return std::size_t{1}; }) {}
 Plays::~Plays() = default;
 
-std::shared_ptr<Plays::World> Plays::world_of(const WorldKey& key) {
-  return worlds_.get(key, [&] { return open_world(key); });
+std::shared_ptr<Plays::Shared> Plays::world_of(const WorldKey& key) {
+  return worlds_.get(key, [&] { return std::make_shared<Shared>(open_world(key)); });
 }
 
-std::shared_ptr<Plays::World> Plays::open_world(const WorldKey& key) const {
+std::unique_ptr<arena::World> Plays::open_world(const WorldKey& key) const {
   const auto& [task, name] = key;
   const Refusal unknown(Reason::kNotFound,
                         fmt::format("there is no split {:.40} of {}", name, task));
@@ -210,7 +144,7 @@ std::shared_ptr<Plays::World> Plays::open_world(const WorldKey& key) const {
     if (!detail::is_name(name)) throw unknown;  // the name becomes a file's
     const auto& benchmark = agents::continuous_benchmark(task);
     if (!agents::find_continuous_split(benchmark, site_->folder(), name)) throw unknown;
-    return std::make_shared<FreeWorld>(benchmark, site_->folder(), name);
+    return arena::FreeWorld::open(benchmark, site_->folder(), name);
   }
   const tasks::Task known = task_of(task);
   const PublicSplit* split = site_->find_split(name, known);
@@ -220,14 +154,14 @@ std::shared_ptr<Plays::World> Plays::open_world(const WorldKey& key) const {
       split->annotations, site_->shared_graphs(), tasks::Instructions::kScored, objects));
   // The site has them for as long as it lives.
   if (objects != nullptr) episodes->objects = {site_, objects};
-  return std::make_shared<GraphWorld>(std::move(episodes));
+  return std::make_unique<arena::GraphWorld>(std::move(episodes));
 }
 
 Ticket Plays::begin(const NewPlay& wanted) {
-  arena::Limits limits = default_limits(wanted.task);
+  const std::shared_ptr<Shared> shared = world_of({wanted.task, wanted.split});
+  arena::Limits limits = arena::usual_limits(wanted.task);
   limits.steps = wanted.steps.value_or(limits.steps);
   limits.mistakes = wanted.mistakes.value_or(limits.mistakes);
-  const std::shared_ptr<World> world = world_of({wanted.task, wanted.split});
   auto live = std::make_shared<Live>();
   Ticket ticket;
   ticket.key = detail::new_secret("play_");
@@ -237,10 +171,12 @@ Ticket Plays::begin(const NewPlay& wanted) {
                wanted.episode,
                limits.steps,
                limits.mistakes};
-  live->world = world;
+  live->shared = shared;
   try {
-    const std::scoped_lock lock(world->mutex);
-    live->session = world->start(wanted.episode, limits);
+    const std::scoped_lock lock(shared->mutex);
+    if (const auto episode = shared->world->find(wanted.episode)) {
+      live->session = shared->world->start(*episode, limits);
+    }
   } catch (const ArgumentError& error) {  // limits, or a start off the floor
     throw Refusal(Reason::kInvalidInput, error.what());
   }
@@ -290,7 +226,7 @@ std::shared_ptr<Plays::Live> Plays::find(const Ticket& ticket) {
   live->id = ticket.id;
   live->row = *row;
   own(live);
-  live->world = world_of({row->task, row->split});
+  live->shared = world_of({row->task, row->split});
   const std::scoped_lock lock(mutex_);
   return live_.try_emplace(ticket.id, std::move(live)).first->second;
 }
@@ -300,11 +236,12 @@ void Plays::open(Live& live) const {
   if (live.session != nullptr) return;
   const auto calls = db_.select<CallRow>(
       "SELECT tool, argument, fault FROM play_call WHERE play = ? ORDER BY number", live.id);
-  const std::scoped_lock lock(live.world->mutex);
-  auto session = live.world->start(live.row.episode, {live.row.steps, live.row.mistakes});
-  if (session == nullptr) {
+  const std::scoped_lock lock(live.shared->mutex);
+  const auto episode = live.shared->world->find(live.row.episode);
+  if (!episode) {
     throw Refusal(Reason::kNotFound, "the data set has changed: the session's episode is gone");
   }
+  auto session = live.shared->world->start(*episode, {live.row.steps, live.row.mistakes});
   for (const CallRow& call : calls) carry_out(*session, call);
   live.session = std::move(session);
   live.calls = std::ssize(calls);
@@ -354,7 +291,7 @@ ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
     });
     const std::uint32_t before = live.session->mistakes();
     try {
-      const std::scoped_lock lock(live.world->mutex);
+      const std::scoped_lock lock(live.shared->mutex);
       carry_out(*live.session, call);
     } catch (...) {
       live.session.reset();  // the call is kept, so it is to be walked again
@@ -370,9 +307,9 @@ ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
 std::string Plays::picture(const Ticket& ticket, arena::Pictures kind, std::size_t number,
                            std::uint32_t size) {
   const auto order = with(ticket, [&](const Live& live) -> std::optional<arena::PictureOrder> {
-    const auto* const session = dynamic_cast<const arena::GraphSession*>(live.session.get());
-    if (session == nullptr || session->ending()) return std::nullopt;
-    const auto all = order_pictures(*session, kind, size);
+    const bool free = agents::is_continuous(live.row.task);
+    if (free || live.session->ending()) return std::nullopt;
+    const auto all = order_pictures(*live.session, kind, size);
     if (number >= all.size()) return std::nullopt;
     return all[number];
   });
@@ -385,7 +322,8 @@ std::string Plays::result(const Ticket& ticket) {
     if (!live.session->ending()) {
       throw Refusal(Reason::kConflict, "the session goes on: it has no result yet");
     }
-    return live.world->result(*live.session);
+    const arena::World& world = *live.shared->world;
+    return world.results(std::vector{world.result(live.session->walked())});
   });
 }
 

@@ -12,6 +12,7 @@
 #include "enfilade/arena/pictures.h"
 #include "enfilade/arena/session.h"
 #include "enfilade/arena/wire.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/service/detail/kept.h"
 #include "enfilade/service/site.h"
 
@@ -26,11 +27,8 @@ struct NewPlay {
   std::string task = "r2r";  ///< a benchmark's name, also of continuous space: "r2r-ce"
   std::string split;
   std::string episode;  ///< an instruction's id: "12_0"; of continuous space an episode's: "12"
-  std::optional<std::uint32_t> steps = {}, mistakes = {};  ///< limits; none: default_limits()
+  std::optional<std::uint32_t> steps = {}, mistakes = {};  ///< none: arena::usual_limits()
 };
-/// arena::Limits; in continuous space as many calls as its benchmark has actions, by fours.
-/// \throws Refusal kInvalidInput for a task that cannot be played
-arena::Limits default_limits(const std::string& task);
 
 /// Who walks: the number in addresses, and the secret that only who has begun it knows.
 struct Ticket {
@@ -83,15 +81,13 @@ class Plays {
   std::string result(const Ticket& ticket);
 
  private:
-  class World;
-  class GraphWorld;
-  class FreeWorld;
+  struct Shared;
   struct Live;
   struct Painters;
   using WorldKey = std::pair<std::string, std::string>;  // task, split
 
-  std::shared_ptr<World> world_of(const WorldKey& key);
-  std::shared_ptr<World> open_world(const WorldKey& key) const;
+  std::shared_ptr<Shared> world_of(const WorldKey& key);
+  std::unique_ptr<arena::World> open_world(const WorldKey& key) const;
   std::shared_ptr<Live> find(const Ticket& ticket);
   void open(Live& live) const;
   nlohmann::ordered_json state_of(const Live& live) const;
@@ -101,7 +97,7 @@ class Plays {
   std::shared_ptr<const Site> site_;
   store::Database& db_;
   std::unique_ptr<Painters> painters_;
-  detail::Kept<WorldKey, std::shared_ptr<World>> worlds_;
+  detail::Kept<WorldKey, std::shared_ptr<Shared>> worlds_;
   std::mutex mutex_;  // of live_
   std::map<std::int64_t, std::shared_ptr<Live>> live_;
 };

@@ -1,0 +1,66 @@
+#include "apps/enfilade/arena_world.h"
+
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/continuous/scenes.h"
+#include "apps/enfilade/task_option.h"
+#include "enfilade/tasks/files.h"
+
+namespace enfilade::apps {
+namespace {
+
+/// Opens each building once for as long as somebody draws it.
+class SharedScenes {
+ public:
+  explicit SharedScenes(std::shared_ptr<const dataset::Dataset> data) : data_(std::move(data)) {}
+
+  std::shared_ptr<const continuous::Scene> at(const std::string& scan) {
+    const std::scoped_lock lock(mutex_);
+    std::weak_ptr<const continuous::Scene>& known = known_[scan];
+    auto scene = known.lock();
+    if (!scene) known = scene = scene_of_scan(*data_, {}, scan, 0);
+    return scene;
+  }
+
+ private:
+  std::shared_ptr<const dataset::Dataset> data_;
+  std::mutex mutex_;
+  std::map<std::string, std::weak_ptr<const continuous::Scene>> known_;
+};
+
+}  // namespace
+
+OpenedWorld open_world(const std::shared_ptr<const dataset::Dataset>& data, const std::string& task,
+                       const std::string& split, const std::string& words) {
+  OpenedWorld opened;
+  const auto words_from = [&words](const arena::Sights& sights) {
+    return words == "labels" ? arena::label_words(sights) : arena::WordsSource();
+  };
+  if (agents::is_continuous(task)) {
+    const auto& benchmark = agents::continuous_benchmark(task);
+    opened.sights.scene_of = [scenes = std::make_shared<SharedScenes>(data)](
+                                 const std::string& scan) { return scenes->at(scan); };
+    opened.world =
+        arena::FreeWorld::open(benchmark, data->folder(), split, words_from(opened.sights));
+    opened.title = benchmark.title;
+    return opened;
+  }
+  auto episodes =
+      std::make_shared<const tasks::EpisodeSet>(episodes_of(*data, task_of(task, *data), split));
+  opened.title = tasks::title_of(episodes->task);
+  opened.sights.data = data;
+  opened.world =
+      std::make_unique<arena::GraphWorld>(std::move(episodes), words_from(opened.sights));
+  return opened;
+}
+
+void add_words_option(CLI::App& verb, std::string& words) {
+  add_setting(verb, "--words", words, "SOURCE",
+              "What the texts say of views: none, or labels, by pictures of classes and instances",
+              CLI::IsMember({"none", "labels"}));
+}
+
+}  // namespace enfilade::apps

@@ -1,0 +1,84 @@
+#include "enfilade/arena/words.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "enfilade/arena/detail/sight.h"
+#include "enfilade/mesh/mpcat40.h"
+
+namespace enfilade::arena {
+namespace {
+
+using mesh::Mpcat40;
+
+constexpr std::uint32_t kSize = 120;                 // pixels: a lamp across a room is seen
+constexpr std::size_t kLeast = kSize * kSize / 200;  // pixels that are worth a word
+constexpr std::size_t kMostWords = 6;
+
+bool is_a_thing(std::size_t category) {
+  constexpr std::array kNone{Mpcat40::kVoid,    Mpcat40::kWall,   Mpcat40::kFloor,
+                             Mpcat40::kCeiling, Mpcat40::kColumn, Mpcat40::kBeam,
+                             Mpcat40::kObjects, Mpcat40::kMisc,   Mpcat40::kUnlabeled};
+  return category < mesh::kMpcat40Size && std::ranges::find(kNone, category, [](auto one) {
+                                            return std::size_t(one);
+                                          }) == kNone.end();
+}
+
+class LabelWords : public Words {
+ public:
+  explicit LabelWords(Sights sights)
+      : sight_(std::move(sights)), classes_(kSize * kSize), instances_(kSize * kSize) {}
+
+  std::string of(const Standpoint& from) override {
+    render::Outputs outputs;
+    outputs.classes.emplace().pixels = std::as_writable_bytes(std::span(classes_));
+    outputs.instances.emplace().pixels = instances_;
+    const detail::Gaze gaze{from.heading, from.elevation};
+    sight_.render(detail::camera_for(from, kSize), from, {&gaze, 1}, outputs);
+
+    struct Seen {
+      std::size_t pixels = 0;
+      std::map<std::uint32_t, std::size_t> instances;  // and their pixels
+    };
+    std::map<std::size_t, Seen> by_class;
+    for (std::size_t p = 0; p < classes_.size(); ++p) {
+      if (!is_a_thing(classes_[p])) continue;
+      Seen& seen = by_class[classes_[p]];
+      ++seen.pixels;
+      ++seen.instances[instances_[p]];
+    }
+    std::vector<std::pair<std::size_t, std::string>> words;
+    for (const auto& [category, seen] : by_class) {
+      if (seen.pixels < kLeast) continue;
+      const auto count = std::ranges::count_if(
+          seen.instances, [](const auto& one) { return one.second >= kLeast; });
+      const std::string_view name = mesh::mpcat40(category).raw;
+      words.emplace_back(seen.pixels, count > 1 ? fmt::format("{} ({})", name, count) : name);
+    }
+    std::ranges::stable_sort(words, std::greater(), &std::pair<std::size_t, std::string>::first);
+    if (words.size() > kMostWords) words.resize(kMostWords);
+    std::vector<std::string_view> names;
+    for (const auto& [pixels, name] : words) names.push_back(name);
+    return fmt::format("{}", fmt::join(names, ", "));
+  }
+
+ private:
+  detail::Sight sight_;
+  std::vector<std::uint16_t> classes_;
+  std::vector<std::uint32_t> instances_;
+};
+
+}  // namespace
+
+WordsSource label_words(Sights sights) {
+  return [sights = std::move(sights)] { return std::make_unique<LabelWords>(sights); };
+}
+
+}  // namespace enfilade::arena

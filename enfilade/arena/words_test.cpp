@@ -1,0 +1,139 @@
+#include "enfilade/arena/words.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "enfilade/arena/world.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/mesh/mpcat40.h"
+#include "enfilade/scan/store.h"
+#include "tests/support/panoramas.h"
+#include "tests/support/refusal.h"
+#include "tests/support/room_world.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade::arena {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Says where it was asked, so that a test sees what is asked for, and how often.
+class Recorder : public Words {
+ public:
+  explicit Recorder(std::vector<Standpoint>& asked) : asked_(asked) {}
+  std::string of(const Standpoint& from) override {
+    asked_.push_back(from);
+    return "view " + std::to_string(asked_.size());
+  }
+
+ private:
+  std::vector<Standpoint>& asked_;
+};
+
+class WordsTest : public ::testing::Test {
+ protected:
+  /// Three viewpoints in a row, to the east, whose panoramas are label_cube().
+  WordsTest() : folder_("words") {
+    for (const char* name : {"connectivity", "r2r", "store"}) make_folder(folder_.path() / name);
+    const scan::Connectivity row = scan::testing::row_of_viewpoints("row", 3);
+    write_file_atomically(folder_.path() / "connectivity/scans.txt", "row\n");
+    write_file_atomically(folder_.path() / "connectivity/row_connectivity.json",
+                          scan::to_json(row));
+    std::vector<scan::Panorama> panoramas(3, label_cube());
+    scan::pack(scan::MemoryPanoramas(row, std::move(panoramas)), folder_.path() / "store", {});
+    tasks::Annotations split{"val_seen", "", {}};
+    split.paths.push_back({1, "row", degrees(90), {"v1", "v2"}, 1.0, {"Go on."}});
+    write_file_atomically(folder_.path() / "r2r/R2R_val_seen.json", to_json(split));
+  }
+
+  /// Walls; but a face for which `is_named` is a bed (object 5) above, and below two chairs side by
+  /// side (objects 6 and 7) with a lamp between them that is too small to be told.
+  static scan::Panorama label_cube() {
+    scan::Panorama p = scan::make_panorama(kFace);
+    for (std::size_t k = 0; k < kCubeFaces; ++k) {
+      for (std::size_t y = 0; y < kFace; ++y) {
+        for (std::size_t x = 0; x < kFace; ++x) {
+          const bool upper = y < kFace / 2, left = x < kFace / 2;
+          const bool lamp = !upper && x == kFace / 2 && y == kFace / 2;
+          std::uint16_t category = mesh::Mpcat40::kWall;
+          std::uint32_t object = 1;
+          if (k != kBareFace) {
+            category = lamp    ? mesh::Mpcat40::kLighting
+                       : upper ? mesh::Mpcat40::kBed
+                               : mesh::Mpcat40::kChair;
+            object = lamp ? 8 : upper ? 5 : left ? 6 : 7;
+          }
+          *p.classes[k].at(x, y) = category;
+          *p.instances[k].at(x, y) = object;
+        }
+      }
+    }
+    return p;
+  }
+  static constexpr std::uint32_t kFace = 64;
+  static constexpr std::size_t kBareFace = 4;
+
+  tests::TemporaryFolder folder_;
+  std::vector<Standpoint> asked_;
+};
+
+TEST_F(WordsTest, LabelsAreCountedAndTheLargestComesFirst) {
+  const auto data = std::make_shared<const dataset::Dataset>(folder_.path());
+  const auto words = label_words({.data = data})();
+  std::map<std::string, int> said;
+  for (const double heading : {0.0, 90.0, 180.0, 270.0}) {
+    ++said[words->of({"row/v1", graph::Location{ScanIndex(0), ViewpointIndex(1)}, degrees(heading),
+                      degrees(10)})];
+  }
+  // A little above the horizon the bed takes more than half of the view; one side is bare.
+  EXPECT_EQ(said["bed, chair (2)"], 3) << ::testing::PrintToString(said);
+  EXPECT_EQ(said[""], 1);
+}
+
+TEST_F(WordsTest, EachPlaceHasThoseOfItsDirection) {
+  const dataset::Dataset data(folder_.path());
+  GraphWorld world(std::make_shared<const tasks::EpisodeSet>(data.episodes("val_seen")),
+                   [this] { return std::make_unique<Recorder>(asked_); });
+  const auto session = world.start(0);
+  ASSERT_EQ(asked_.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Place& place = session->observation().places[k];
+    EXPECT_EQ(place.what, "view " + std::to_string(k + 1));
+    EXPECT_NEAR(wrap_difference(asked_[k].heading - degrees(90) - place.turn).value, 0, 1e-9);
+    EXPECT_EQ(asked_[k].place, "row/v1");
+  }
+  session->call({"look", "left"});
+  EXPECT_EQ(asked_.size(), 2U) << "the same directions, although one looks elsewhere";
+  session->call({"look", "right"});
+  EXPECT_EQ(session->observation().places[0].what, "view 1");
+}
+
+TEST(FreeWords, SayWhatIsAhead) {
+  std::vector<Standpoint> asked;
+  FreeWorld world(testing::room(), agents::continuous_benchmark("r2r-ce"),
+                  [&asked] { return std::make_unique<Recorder>(asked); });
+  const auto session = world.start(0);
+  EXPECT_EQ(session->observation().what, "view 1");
+  session->call({"move", "left"});
+  EXPECT_EQ(session->observation().what, "view 2");
+  EXPECT_NEAR(to_degrees(asked[1].heading), 75, 1e-6);
+}
+
+TEST(FreeWords, LabelsNameWhatTheMeshHas) {
+  // A room whose walls have no class: nothing to name.
+  const Standpoint from{"room/1/1/1", FreeEye{"room", {1, 1, 1.25}}, degrees(90), Radians(0)};
+  const auto words = label_words({.data = nullptr, .scene_of = [](const std::string&) {
+                                    return continuous::Scene::photographed(testing::room_tracer());
+                                  }})();
+  EXPECT_EQ(words->of(from), "");
+  const auto blind = label_words({})();
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { blind->of(from); }), HasSubstr("no meshes"));
+}
+
+}  // namespace
+}  // namespace enfilade::arena
