@@ -1,0 +1,156 @@
+"""The arena for OpenEnv's clients: https://github.com/meta-pytorch/OpenEnv (needs `pip install openenv-core`).
+
+    python -m enfilade.openenv r2r/val_unseen --data homes --port 8000
+
+serves episodes as OpenEnv's own server does, over HTTP and WebSockets. In a client:
+
+>>> with GenericEnvClient(base_url="http://127.0.0.1:8000").sync() as env:
+...     seen = env.reset().observation                      # {"prompt": ..., "observation": {...}, "images": []}
+...     result = env.step({"tool": "go_to", "argument": "B"})
+...     result.reward, result.done                          # the reward comes with the end
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import threading
+from typing import Any, Callable, Optional
+
+from openenv.core.env_server import (  # type: ignore[import-not-found, unused-ignore]
+    Action,
+    Environment,
+    Observation,
+    State,
+    create_fastapi_app,
+)
+from pydantic import Field
+
+import enfilade
+from enfilade._arena import Arena, ArenaStep
+
+__all__ = ["Walk", "WalkAction", "WalkObservation", "app", "main"]
+
+_SUCCESS = ("success", "success_rate")  # as benchmarks call it
+_arenas = threading.Lock()  # opening one reads the whole split
+
+
+class WalkAction(Action):  # type: ignore[misc, unused-ignore]
+    """A call of a tool, or a model's words (docs/arena.md)."""
+
+    tool: str = Field("", description="go_to, back_to, look, answer, move or stop")
+    argument: str = Field("", description="The tool's value: B; of move several, with commas between")
+    answer: str = Field("", description="Instead of a tool: a model's words, read as the prompt asks for")
+
+
+class WalkObservation(Observation):  # type: ignore[misc, unused-ignore]
+    """What is known at a step. `metadata` of the last one of an episode has how it ended, and its
+    metrics where the goal is not hidden."""
+
+    prompt: str = Field("", description="The prompt's text for this step")
+    observation: dict[str, Any] = Field(default_factory=dict, description="docs/arena.md, A step")
+    told: str = Field("", description="What came of the last call, a sentence")
+    images: list[str] = Field(default_factory=list, description="The prompt's pictures: JPEG in base64")
+
+
+class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[misc, unused-ignore]
+    """An environment of OpenEnv. The reward is 0 until the end, and then the benchmark's success, 0 or 1;
+    0 where the goal is hidden.
+
+    Args:
+        make: opens the arena.
+    """
+
+    SUPPORTS_CONCURRENT_SESSIONS = True
+
+    def __init__(self, make: Callable[[], Arena]) -> None:
+        super().__init__()
+        with _arenas:
+            self._arena = make()
+        self._step: Optional[ArenaStep] = None
+        self._calls = 0
+        self._next = 0
+
+    def reset(
+        self, seed: Optional[int] = None, episode_id: Optional[str] = None, **_: Any
+    ) -> WalkObservation:  # fmt: skip
+        """Begins the episode of that id; without one that of number `seed`; without both the next."""
+        ids = self._arena.ids
+        if episode_id is None:
+            episode_id = ids[(self._next if seed is None else seed) % len(ids)]
+        self._step = self._arena.begin(episode_id)
+        self._next = ids.index(episode_id) + 1
+        self._calls = 0
+        return self._seen(self._step)
+
+    def step(self, action: WalkAction, timeout_s: Optional[float] = None, **_: Any) -> WalkObservation:
+        """Does what was called. What is impossible changes nothing: `told` says what would be possible."""
+        step = self._step
+        if step is None:
+            raise RuntimeError("no episode is being walked: call reset()")
+        if action.tool:
+            step.call(action.tool, action.argument)
+        else:
+            step.act(action.answer)
+        self._calls += 1
+        if step.ending is None:
+            self._step = next(self._arena)
+            return self._seen(self._step, step.told)
+        self._step = None
+        metrics = self._metrics(step.episode)
+        return WalkObservation(
+            done=True,
+            reward=next((metrics[name] for name in _SUCCESS if name in metrics), 0.0),
+            told=step.told,
+            metadata={"ending": step.ending, "episode": step.episode, "metrics": metrics},
+        )
+
+    @property
+    def state(self) -> State:
+        """The episode's id, and how many calls were answered in it."""
+        return State(episode_id=self._step.episode if self._step else None, step_count=self._calls)
+
+    def _metrics(self, episode: str) -> dict[str, float]:
+        try:
+            return self._arena.score().episodes[episode]
+        except enfilade.ArgumentError:  # the goal is hidden
+            return {}
+
+    @staticmethod
+    def _seen(step: ArenaStep, told: str = "") -> WalkObservation:
+        images = [base64.b64encode(one).decode("ascii") for one in step.images]
+        return WalkObservation(
+            done=False, reward=0.0, prompt=step.prompt, observation=step.observation, told=told, images=images,
+            metadata={"episode": step.episode},
+        )  # fmt: skip
+
+
+def app(name: str, *, sessions: int = 16, **options: Any) -> Any:
+    """The FastAPI application of OpenEnv's server. Arguments as enfilade.arena(); sessions: at once."""
+    return create_fastapi_app(
+        lambda: Walk(lambda: enfilade.arena(name, **options)),
+        WalkAction,
+        WalkObservation,
+        max_concurrent_envs=sessions,
+    )
+
+
+def main(arguments: Optional[list[str]] = None) -> None:
+    """python -m enfilade.openenv"""
+    parser = argparse.ArgumentParser(prog="python -m enfilade.openenv", description="Serve the arena to OpenEnv's clients.")
+    parser.add_argument("name", help="task and split: r2r/val_unseen")
+    parser.add_argument("--data", help="folder of the data set (default: what ENFILADE_DATA names)")
+    parser.add_argument("--subset", default="all", help="how many episodes, or a file of ids (default: all)")
+    parser.add_argument("--prompt", default="text", help="text, marks, navgpt, mapgpt, or a file (default: text)")
+    parser.add_argument("--host", default="127.0.0.1", help="interface to listen on (default: 127.0.0.1)")
+    parser.add_argument("--port", type=int, default=8000, help="(default: 8000)")
+    parser.add_argument("--sessions", type=int, default=16, help="walkers at once (default: 16)")
+    given = parser.parse_args(arguments)
+    import uvicorn
+
+    served = app(given.name, data=given.data, subset=given.subset, prompt=given.prompt, sessions=given.sessions)
+    uvicorn.run(served, host=given.host, port=given.port, log_level="warning")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""The arena through OpenEnv's own server and client. Graphs are SYNTHETIC."""
+
+import threading
+import time
+
+import pytest
+
+pytest.importorskip("openenv.core", reason="the package openenv-core is not installed (Python 3.10 or newer)")
+import uvicorn
+from enfilade import openenv as served
+from openenv.core.generic_client import GenericEnvClient
+
+
+@pytest.fixture(scope="module")
+def address(small):
+    config = uvicorn.Config(
+        served.app("r2r/val_unseen", data=small, subset=3), host="127.0.0.1", port=0, log_level="warning"
+    )
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, daemon=True)
+    thread.start()
+    while not server.started:
+        time.sleep(0.02)
+    yield f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
+    server.should_exit = True
+    thread.join()
+
+
+def test_episodes_are_walked_one_after_another(address):
+    with GenericEnvClient(base_url=address).sync() as env:
+        begun = env.reset()
+        first = env.state()["episode_id"]
+        assert not begun.done and "Instruction: " in begun.observation["prompt"]
+        place = begun.observation["observation"]["places"][0]["name"]
+        walked = env.step({"tool": "go_to", "argument": place})
+        assert f"You went to {place}" in walked.observation["told"]
+        refused = env.step({"tool": "go_to", "argument": "QQ"})
+        assert not refused.done and "is not one of" in refused.observation["told"]
+        assert refused.observation["observation"] == {
+            **walked.observation["observation"], "told": refused.observation["told"],
+        }  # fmt: skip
+        ended = env.step({"tool": "stop"})
+        assert ended.done and ended.reward in (0, 1)
+        env.reset()
+        assert env.state()["episode_id"] != first
+        env.reset(episode_id=first)
+        assert env.state() == {"episode_id": first, "step_count": 0}
+        assert env.reset(seed=0).observation["prompt"] == begun.observation["prompt"]
+
+
+def test_walkers_do_not_see_each_other(address):
+    with GenericEnvClient(base_url=address).sync() as one, GenericEnvClient(base_url=address).sync() as other:
+        one.reset(seed=0)
+        other.reset(seed=1)
+        one.step({"tool": "look", "argument": "left"})
+        assert (one.state()["step_count"], other.state()["step_count"]) == (1, 0)
+
+
+def test_what_is_wrong_is_told(address):
+    with GenericEnvClient(base_url=address).sync() as env:
+        with pytest.raises(RuntimeError, match="no such id"):
+            env.reset(episode_id="nowhere")
+        with pytest.raises(RuntimeError, match="call reset"):
+            env.step({"tool": "stop"})
+        env.reset()
+        with pytest.raises(RuntimeError, match="VALIDATION|[Vv]alid|[Ee]xtra"):
+            env.step({"shout": "stop"})
