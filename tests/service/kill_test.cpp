@@ -107,6 +107,95 @@ TEST_F(Kill, SubmissionsThatWereAcknowledgedAreThereOnce) {
   RecordProperty("acknowledged", static_cast<int>(acknowledged));
 }
 
+/// Somebody who walks to and fro by requests, and knows what was acknowledged.
+struct Walker {
+  std::string path;
+  httplib::Headers headers;
+  int calls = 0;     ///< that were answered
+  json observation;  ///< of the last answer
+
+  /// The next call is settled by how many there were, so that one which is sent again is the same.
+  json next() const {
+    const json& places = observation.at("places");
+    if (calls % 3 == 2) return {{"tool", "look"}, {"argument", "left"}, {"after", calls}};
+    const json& place = places.at(static_cast<std::size_t>(calls) % places.size());
+    return {{"tool", "go_to"}, {"argument", place.at("name")}, {"after", calls}};
+  }
+};
+
+Walker begin_walk(int port, const std::string& episode) {
+  httplib::Client client("127.0.0.1", port);
+  const json wanted{
+      {"split", "val_seen"}, {"episode", episode}, {"steps", 1000}, {"mistakes", 1000}};
+  const auto answer = client.Post("/api/v1/sessions", wanted.dump(), "application/json");
+  const json begun = json::parse(answer->body);
+  return {"/api/v1/sessions/" + std::to_string(begun.at("session").get<int>()),
+          {{"Enfilade-Session", begun.at("key").get<std::string>()}},
+          0,
+          begun.at("observation")};
+}
+
+/// Walks until the server is gone, or `most` calls were answered.
+void walk_on(Walker& walker, int port, int most) {
+  httplib::Client client("127.0.0.1", port);
+  client.set_keep_alive(true);
+  while (walker.calls < most) {
+    const auto answer = client.Post(walker.path + "/calls", walker.headers, walker.next().dump(),
+                                    "application/json");
+    if (!answer) return;
+    ASSERT_EQ(answer->status, 200) << answer->body;
+    const json state = json::parse(answer->body);
+    ASSERT_EQ(state.at("calls"), walker.calls + 1);
+    ++walker.calls;
+    walker.observation = state.at("observation");
+  }
+}
+
+TEST_F(Kill, SessionsOfTheArenaGoOnWhereTheyWere) {
+  constexpr int kRounds = 20, kMostCalls = 900;
+  std::vector<Walker> walkers;
+  for (std::size_t w = 0; w < kClients; ++w) {
+    walkers.push_back(begin_walk(program_.port(), w % 2 == 0 ? "1_0" : "2_0"));
+  }
+  int lost_answers = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const int most = kMostCalls * (round + 1) / kRounds;
+    crowd_and_kill(program_, rng_, [&](int port, std::size_t client) {
+      walk_on(walkers[client], port, most);
+      return Counts();
+    });
+    for (Walker& walker : walkers) {
+      httplib::Client client("127.0.0.1", program_.port());
+      const json state = json::parse(client.Get(walker.path, walker.headers)->body);
+      const int kept = state.at("calls").get<int>();
+      // One call at most was carried out whose answer was lost; sent again, it would be refused.
+      ASSERT_TRUE(kept == walker.calls || kept == walker.calls + 1) << kept << walker.calls;
+      if (kept == walker.calls + 1) {
+        ++lost_answers;
+        EXPECT_EQ(client
+                      .Post(walker.path + "/calls", walker.headers, walker.next().dump(),
+                            "application/json")
+                      ->status,
+                  409);
+      } else {
+        EXPECT_EQ(state.at("observation"), walker.observation);
+      }
+      walker.calls = kept;
+      walker.observation = state.at("observation");
+    }
+  }
+  RecordProperty("lost_answers", lost_answers);
+  // Nobody else's calls are in a session: walkers of one episode who made as many calls are where
+  // a walker is whom nobody has disturbed.
+  for (const Walker& walker : walkers) {
+    EXPECT_GT(walker.calls, kRounds);
+    Walker calm = begin_walk(program_.port(),
+                             &walker == walkers.data() || &walker == &walkers[2] ? "1_0" : "2_0");
+    walk_on(calm, program_.port(), walker.calls);
+    EXPECT_EQ(calm.observation, walker.observation);
+  }
+}
+
 /// Makes a collection of many places. \returns its key
 std::string make_collection(int port, const httplib::Headers& organiser, const std::string& name,
                             const std::string& kind) {
