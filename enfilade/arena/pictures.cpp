@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <span>
 #include <utility>
 
@@ -18,6 +19,8 @@ namespace {
 using detail::Gaze;
 
 constexpr int kQuality = 85;
+// Conversations show the picture of the step before again.
+constexpr std::size_t kKept = 8;
 constexpr std::uint32_t kSmallest = 64, kLargest = 2048;
 // Quarters of a strip, by how far each is turned from the heading: left, ahead, right, behind.
 constexpr std::array<double, 4> kQuarters{-90, 0, 90, 180};
@@ -102,25 +105,37 @@ std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictur
 struct Painter::Impl {
   detail::Sight sight;
   std::vector<std::uint8_t> pixels;
+  std::deque<std::pair<std::string, std::string>> drawn;  // the latest at the end, by key
+
+  std::string draw(const PictureOrder& order);
 };
 
-Painter::Painter(Sights sights) : impl_(new Impl{detail::Sight(std::move(sights)), {}}) {}
+Painter::Painter(Sights sights) : impl_(new Impl{detail::Sight(std::move(sights)), {}, {}}) {}
 Painter::~Painter() = default;
 
 std::string Painter::draw(const PictureOrder& order) {
+  std::string key = order.key();
+  auto& drawn = impl_->drawn;
+  const auto known = std::ranges::find_if(drawn, [&](const auto& one) { return one.first == key; });
+  if (known != drawn.end()) return known->second;
+  if (drawn.size() == kKept) drawn.pop_front();
+  return drawn.emplace_back(std::move(key), impl_->draw(order)).second;
+}
+
+std::string Painter::Impl::draw(const PictureOrder& order) {
   const std::vector<Gaze> gazes = gazes_of(order);
   const auto count = static_cast<std::uint32_t>(gazes.size());
   const std::size_t row = std::size_t{3} * order.size, each = row * order.size;
-  impl_->pixels.resize(each * count);
+  pixels.resize(each * count);
   render::Outputs outputs;
-  outputs.colour.emplace().pixels = std::as_writable_bytes(std::span(impl_->pixels));
+  outputs.colour.emplace().pixels = std::as_writable_bytes(std::span(pixels));
   Camera camera = detail::camera_for(order.from, order.size);
   if (order.strip) camera.vertical_field_of_view = degrees(90);
-  impl_->sight.render(camera, order.from, gazes, outputs);
+  sight.render(camera, order.from, gazes, outputs);
   image::Image8 picture(count * order.size, order.size, 3);
   for (std::uint32_t k = 0; k < count; ++k) {
     for (std::uint32_t y = 0; y < order.size; ++y) {
-      std::ranges::copy(std::span(impl_->pixels).subspan(k * each + y * row, row),
+      std::ranges::copy(std::span(pixels).subspan(k * each + y * row, row),
                         picture.at(std::size_t{k} * order.size, y));
     }
   }
