@@ -136,8 +136,9 @@ ExitCode ask(Options& options) {
   const arena::AskReport report =
       arena::ask(world, opened.sights, which, prompt, options.ask, endpoint.get(), cache, folder,
                  progress_bar(options.ask.chat.model + ", " + options.split));
-  fmt::print("{} with the prompt {} on {} {}{}\n", options.ask.chat.model, prompt.name(),
-             opened.title, options.split, data->synthetic() ? ", SYNTHETIC" : "");
+  fmt::print("{} with the prompt {}, answers as {}, on {} {}{}\n", options.ask.chat.model,
+             prompt.name(), names_of(report.answers).at(std::size_t(report.answers)), opened.title,
+             options.split, data->synthetic() ? ", SYNTHETIC" : "");
   print_report(report, options);
   for (const std::string& one : report.given_up) fmt::print(stderr, "{}\n", one);
   if (report.done > 0 && !world.goals_hidden()) {
@@ -171,7 +172,8 @@ void add_verb(CLI::App& app, int& status) {
               fmt::format("One of {}, or a template file (docs/arena.md)",
                           fmt::join(arena::Prompt::names(), ", ")));
   add_value(verb, "--answers", options->answers, "FORM",
-            "tools, json or text: how the model says what to do (default: as the prompt says)");
+            "tools, json or text: how the model says what to do (default: as the prompt says, or "
+            "what the server takes)");
   add_words_option(verb, options->ask.words);
   add_steps_option(verb, options->steps);
   add_whole_number(verb, "--parallel", options->ask.parallel, "Episodes at once; changes nothing");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -74,6 +75,17 @@ Json run_json(const World& world, const Prompt& prompt, const AskConfig& config,
   return run;
 }
 
+/// The form of answers of the run that the folder has; none: there is no run yet.
+std::optional<Answers> answers_of_run(const fs::path& folder) {
+  if (!file_exists(folder / "run.json")) return std::nullopt;
+  const Json there = Json::parse(read_file(folder / "run.json"), nullptr, false);
+  if (!there.is_object() || !there.contains("answers")) return std::nullopt;
+  const auto names = names_of(Answers());
+  const auto found = std::ranges::find(names, there["answers"]);
+  if (found == names.end()) return std::nullopt;  // claim_folder() says what is wrong
+  return static_cast<Answers>(found - names.begin());
+}
+
 /// Writes run.json, or checks that the folder's is the same.
 /// \pre this process has it alone
 void claim_folder(const fs::path& folder, const Json& run) {
@@ -133,8 +145,38 @@ class Run {
         cache_(cache),
         folder_(folder) {}
 
+  /// Asks for the first step of the first episode that is not done, so that a refusal shows; the
+  /// answer is kept, and nobody is asked for it again. \returns false if the server refuses what
+  /// is asked for; true also if it is busy, or if nothing is left to be done
+  bool try_first_step(const std::vector<std::size_t>& which) {
+    const auto open = std::ranges::find_if_not(
+        which, [this](std::size_t episode) { return file_exists(file_of(episode)); });
+    if (endpoint_ == nullptr || open == which.end()) return true;
+    const auto own = world_.another();
+    const auto walked = own->start(*open, config_.limits);
+    Chat chat(prompt_, config_.chat, answers_, config_.limits);
+    const Request step = next_request(*walked, chat);
+    std::unique_ptr<Painter> painter;
+    try {
+      cache_.get(step.request, [&] {
+        const auto begin = Clock::now();
+        std::string answer =
+            endpoint_->post(body_of(step.request, chat, painter), origin_of(*walked));
+        chat.read(answer);
+        const std::chrono::duration<double> seconds = Clock::now() - begin;
+        return KeptAnswer{std::move(answer), seconds.count(), 1};
+      });
+    } catch (const EndpointError& error) {
+      constexpr std::array kRefusals{400, 422, 501};
+      return std::ranges::find(kRefusals, error.status()) == kRefusals.end();
+    } catch (const InvalidInput&) {  // half an answer: the run asks again
+    }
+    return true;
+  }
+
   AskReport walk(const std::vector<std::size_t>& which, const Progress& progress) {
     report_.episodes = which.size();
+    report_.answers = answers_;
     std::vector<std::size_t> open;
     for (const std::size_t episode : which) {
       if (!file_exists(file_of(episode))) open.push_back(episode);
@@ -188,19 +230,42 @@ class Run {
     pause_.stop();
   }
 
+  RequestOrigin origin_of(const Session& session) const {
+    return {fmt::format("{}/{}/{}", world_.task(), world_.split(), session.episode_id()), {}};
+  }
+
+  struct Request {
+    std::string request;
+    std::vector<std::string> keys;  // of its pictures
+  };
+  Request next_request(const Session& session, Chat& chat) const {
+    const auto pictures = order_pictures(session, prompt_.pictures(), config_.picture_size);
+    Request next;
+    for (const PictureOrder& one : pictures) next.keys.push_back(one.key());
+    next.request = chat.ask(session.observation(), pictures, next.keys);
+    return next;
+  }
+
+  /// The request with its pictures in it.
+  std::string body_of(const std::string& request, const Chat& chat,
+                      std::unique_ptr<Painter>& painter) const {
+    return with_pictures(request, [&](std::string_view key) {
+      if (!painter) painter = std::make_unique<Painter>(sights_);
+      const PictureOrder* order = chat.find_picture(key);
+      EN_CHECK(order != nullptr);
+      return painter->draw(*order);
+    });
+  }
+
   /// \returns the transcript
   std::string walk_episode(World& world, std::size_t episode, std::unique_ptr<Painter>& painter) {
     const auto session = world.start(episode, config_.limits);
     Chat chat(prompt_, config_.chat, answers_, config_.limits);
-    RequestOrigin origin{
-        fmt::format("{}/{}/{}", world_.task(), world_.split(), session->episode_id()), {}};
+    RequestOrigin origin = origin_of(*session);
     detail::Transcript transcript(*session);
     while (!session->ending()) {
       const Observation before = session->observation();
-      const auto pictures = order_pictures(*session, prompt_.pictures(), config_.picture_size);
-      std::vector<std::string> keys;
-      for (const PictureOrder& one : pictures) keys.push_back(one.key());
-      const std::string request = chat.ask(before, pictures, keys);
+      const auto [request, keys] = next_request(*session, chat);
       const KeptAnswer kept =
           cache_.get(request, [&] { return ask_endpoint(request, origin, chat, painter); });
       const ChatAnswer answer = chat.read(kept.answer);
@@ -229,12 +294,7 @@ class Run {
     if (config_.most_tokens && tokens_ >= *config_.most_tokens) {
       throw GivenUp(fmt::format("{} tokens were used, the most that may be", tokens_.load()));
     }
-    const std::string body = with_pictures(request, [&](std::string_view key) {
-      if (!painter) painter = std::make_unique<Painter>(sights_);
-      const PictureOrder* order = chat.find_picture(key);
-      EN_CHECK(order != nullptr);
-      return painter->draw(*order);
-    });
+    const std::string body = body_of(request, chat, painter);
     double wait = config_.first_wait;
     for (int attempt = 1;; ++attempt) {
       const auto begin = Clock::now();
@@ -336,11 +396,23 @@ AskReport ask(const World& world, const Sights& sights, const std::vector<std::s
               const fs::path& folder, const Progress& progress) {
   check(config, prompt, sights);
   detail::check_episodes(world, which);
-  const Answers answers = config.answers.value_or(prompt.answers());
   make_folder(folder);
   const FolderLock lock(folder / "ask.lock");
+  Answers answers = config.answers.value_or(prompt.answers());
+  const auto run_with = [&](Answers form) {
+    return std::make_unique<Run>(world, sights, prompt, config, form, endpoint, cache, folder);
+  };
+  if (!config.answers) {
+    if (const auto kept = answers_of_run(folder)) {
+      answers = *kept;
+    } else {
+      while (answers != Answers::kText && !run_with(answers)->try_first_step(which)) {
+        answers = static_cast<Answers>(std::size_t(answers) + 1);
+      }
+    }
+  }
   claim_folder(folder, run_json(world, prompt, config, answers));
-  return Run(world, sights, prompt, config, answers, endpoint, cache, folder).walk(which, progress);
+  return run_with(answers)->walk(which, progress);
 }
 
 std::map<std::string, Price> load_prices(const fs::path& file) {

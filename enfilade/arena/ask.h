@@ -24,7 +24,9 @@ namespace enfilade::arena {
 /// How a model is asked.
 struct AskConfig {
   ChatConfig chat;
-  std::optional<Answers> answers = {};  ///< none: as the prompt has it
+  /// None: as the folder's run has it; in a new folder as the prompt has it, or, where the server
+  /// refuses tools, JSON by a schema, or, where it refuses that, text.
+  std::optional<Answers> answers = {};
   Limits limits;
   std::uint32_t picture_size = 512;  ///< pixels
   std::string words = "none";        ///< what makes the world's words: what a run is, in run.json
@@ -52,9 +54,10 @@ double money_of(const Ledger& ledger, const Price& price);
 
 /// How a run went.
 struct AskReport {
-  std::size_t episodes = 0;  ///< that were to be walked
-  std::size_t done = 0;      ///< of these, also in earlier runs
-  std::size_t mistakes = 0;  ///< calls that could not be carried out, in all done
+  std::size_t episodes = 0;           ///< that were to be walked
+  std::size_t done = 0;               ///< of these, also in earlier runs
+  Answers answers = Answers::kTools;  ///< the form that was asked for
+  std::size_t mistakes = 0;           ///< calls that could not be carried out, in all done
   std::map<Ending, std::size_t> endings;
   std::vector<std::string> given_up;  ///< a sentence an episode
   Ledger ledger;

@@ -100,6 +100,23 @@ TEST_F(Ask, TheOracleReachesEveryGoalInEveryFormOfAnswers) {
   }
 }
 
+TEST_F(Ask, AServerWithoutToolsIsAskedForJson) {
+  const StandIn plain(world(), {});
+  run(plain, "plain");
+  const StandIn without(world(), {.with_tools = false});
+  const auto endpoint = make_http_endpoint({.url = without.url()});
+  const AskReport report = run(endpoint.get(), "json", "other-cache");
+  EXPECT_EQ(report.answers, Answers::kJson);
+  EXPECT_EQ(report.done, which_.size());
+  EXPECT_EQ(results("json"), results("plain"));
+  EXPECT_EQ(without.answers(), report.ledger.answers) << "the first answer counts, and once";
+  // The folder says how the run asks: nobody is asked again, and nothing else is.
+  EXPECT_EQ(run(endpoint.get(), "json", "other-cache").answers, Answers::kJson);
+  config_.answers = Answers::kTools;
+  EXPECT_THAT(refusal<InvalidInput>([&] { run(endpoint.get(), "tools", "third-cache"); }),
+              HasSubstr("no tools here"));
+}
+
 TEST_F(Ask, RandomIsTheAgentsWalk) {
   const StandIn stand_in(world(), {.rule = Rule::kRandom, .seed = 3});
   run(stand_in);
