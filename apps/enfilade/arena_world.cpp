@@ -4,7 +4,6 @@
 #include <mutex>
 #include <utility>
 
-#include "apps/common/program.h"
 #include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/task_option.h"
 #include "enfilade/tasks/files.h"
@@ -34,10 +33,10 @@ class SharedScenes {
 }  // namespace
 
 OpenedWorld open_world(const std::shared_ptr<const dataset::Dataset>& data, const std::string& task,
-                       const std::string& split, const std::string& words) {
+                       const std::string& split, const WordsMaker& words) {
   OpenedWorld opened;
   const auto words_from = [&words](const arena::Sights& sights) {
-    return words == "labels" ? arena::label_words(sights) : arena::WordsSource();
+    return words ? words(sights) : arena::WordsSource();
   };
   if (agents::is_continuous(task)) {
     const auto& benchmark = agents::continuous_benchmark(task);
@@ -55,12 +54,6 @@ OpenedWorld open_world(const std::shared_ptr<const dataset::Dataset>& data, cons
   opened.world =
       std::make_unique<arena::GraphWorld>(std::move(episodes), words_from(opened.sights));
   return opened;
-}
-
-void add_words_option(CLI::App& verb, std::string& words) {
-  add_setting(verb, "--words", words, "SOURCE",
-              "What the texts say of views: none, or labels, by pictures of classes and instances",
-              CLI::IsMember({"none", "labels"}));
 }
 
 }  // namespace enfilade::apps

@@ -1,10 +1,11 @@
 /// \file  What language models and assistants walk: a split of any benchmark, and its pictures.
 #pragma once
-#include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <string>
 
 #include "enfilade/arena/pictures.h"
+#include "enfilade/arena/words.h"
 #include "enfilade/arena/world.h"
 #include "enfilade/dataset/dataset.h"
 
@@ -16,11 +17,11 @@ struct OpenedWorld {
   arena::Sights sights;
   std::string title;  ///< of the benchmark
 };
-/// \param task as --task has it \param words as --words has it
+/// Makes words of a world's pictures.
+using WordsMaker = std::function<arena::WordsSource(const arena::Sights&)>;
+/// \param task as --task has it \param words empty: none
 /// \throws as task_of(), episodes_of(), arena::FreeWorld::open()
 OpenedWorld open_world(const std::shared_ptr<const dataset::Dataset>& data, const std::string& task,
-                       const std::string& split, const std::string& words);
-/// Adds `--words none|labels`.
-void add_words_option(CLI::App& verb, std::string& words);
+                       const std::string& split, const WordsMaker& words = {});
 
 }  // namespace enfilade::apps

@@ -31,6 +31,7 @@ struct Options {
   std::string data, task, split = "val_unseen", subset;
   std::string endpoint, key_file, stand_in, prompt = "text", answers;
   std::string cache, prices, output = "asked";
+  std::string words = "none", captioner, captioner_model;
   bool replay = false, list = false;
   std::uint32_t steps = 0;
   double timeout = 120;
@@ -87,6 +88,21 @@ void print_score_of(const arena::World& world, const fs::path& file, const Optio
                    .part = true});
 }
 
+/// And says in the run's settings where words come from.
+WordsMaker words_maker(Options& options, arena::Endpoint* captioner, arena::AnswerCache& cache) {
+  options.ask.words = options.words;
+  if (options.words == "labels") return arena::label_words;
+  if (options.words == "none") return {};
+  arena::CaptionConfig config{.chat = options.ask.chat,
+                              .picture_size = options.ask.picture_size,
+                              .attempts = options.ask.attempts};
+  if (!options.captioner_model.empty()) config.chat.model = options.captioner_model;
+  options.ask.words = "captions by " + config.chat.model;
+  return [config, captioner, &cache](const arena::Sights& sights) {
+    return arena::caption_words(sights, config, captioner, cache);
+  };
+}
+
 ExitCode ask(Options& options) {
   const int sources = (options.endpoint.empty() ? 0 : 1) + (options.stand_in.empty() ? 0 : 1) +
                       (options.replay ? 1 : 0);
@@ -102,14 +118,13 @@ ExitCode ask(Options& options) {
     throw UsageError("ask: --model NAME is needed, as the server calls it");
   }
   const auto data = std::make_shared<const dataset::Dataset>(open_data(options.data));
-  const OpenedWorld opened = open_world(data, options.task, options.split, options.ask.words);
-  const arena::World& world = *opened.world;
-  const std::vector<std::size_t> which = arena::subset_named(world, options.subset);
   if (options.list) {
-    for (const std::size_t e : which) fmt::print("{}\n", world.episode_id(e));
+    const OpenedWorld opened = open_world(data, options.task, options.split);
+    for (const std::size_t e : arena::subset_named(*opened.world, options.subset)) {
+      fmt::print("{}\n", opened.world->episode_id(e));
+    }
     return kSuccess;
   }
-  options.ask.limits = limits_of(world, options.steps);
   const arena::Prompt prompt = arena::Prompt::open(options.prompt);
   if (!options.answers.empty()) {
     options.ask.answers = named<arena::Answers>(options.answers, "--answers");
@@ -123,7 +138,8 @@ ExitCode ask(Options& options) {
   if (!options.stand_in.empty()) {
     arena::StandInConfig config{.rule = arena::rule_named(options.stand_in)};
     config.seed = static_cast<std::uint64_t>(options.seed);
-    stand_in = std::make_unique<arena::StandIn>(world.another(), config);
+    stand_in = std::make_unique<arena::StandIn>(open_world(data, options.task, options.split).world,
+                                                config);
     endpoint = arena::make_http_endpoint({.url = stand_in->url()});
   } else if (!options.replay) {
     endpoint = arena::make_http_endpoint(
@@ -133,6 +149,18 @@ ExitCode ask(Options& options) {
   }
   const fs::path folder = options.output;
   arena::AnswerCache cache(options.cache.empty() ? folder / "cache" : fs::path(options.cache));
+  std::unique_ptr<arena::Endpoint> captioner;
+  if (!options.captioner.empty() && !options.replay) {
+    captioner = arena::make_http_endpoint({.url = options.captioner,
+                                           .key = read_secret("", {"ENFILADE_CAPTIONER_KEY"}),
+                                           .timeout = options.timeout});
+  }
+  const OpenedWorld opened =
+      open_world(data, options.task, options.split,
+                 words_maker(options, captioner ? captioner.get() : endpoint.get(), cache));
+  const arena::World& world = *opened.world;
+  const std::vector<std::size_t> which = arena::subset_named(world, options.subset);
+  options.ask.limits = limits_of(world, options.steps);
   const arena::AskReport report =
       arena::ask(world, opened.sights, which, prompt, options.ask, endpoint.get(), cache, folder,
                  progress_bar(options.ask.chat.model + ", " + options.split));
@@ -174,7 +202,15 @@ void add_verb(CLI::App& app, int& status) {
   add_value(verb, "--answers", options->answers, "FORM",
             "tools, json or text: how the model says what to do (default: as the prompt says, or "
             "what the server takes)");
-  add_words_option(verb, options->ask.words);
+  add_setting(verb, "--words", options->words, "SOURCE",
+              "What texts say of views: none; labels, by pictures of classes and instances; "
+              "captions, by a model that looks at pictures",
+              CLI::IsMember({"none", "labels", "captions"}));
+  add_value(verb, "--captioner", options->captioner, "URL",
+            "Where captions are asked for (default: the endpoint). Its key is the environment "
+            "variable ENFILADE_CAPTIONER_KEY");
+  add_value(verb, "--captioner-model", options->captioner_model, "NAME",
+            "Who makes captions (default: the model)");
   add_steps_option(verb, options->steps);
   add_whole_number(verb, "--parallel", options->ask.parallel, "Episodes at once; changes nothing");
   add_setting(verb, "--temperature", options->ask.chat.temperature, "T", "0 to 2",

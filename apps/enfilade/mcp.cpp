@@ -28,7 +28,8 @@ struct Options {
 
 void play(Options& options) {
   const auto data = std::make_shared<const dataset::Dataset>(open_data(options.data));
-  OpenedWorld opened = open_world(data, options.task, options.split, options.words);
+  OpenedWorld opened = open_world(data, options.task, options.split,
+                                  options.words == "labels" ? arena::label_words : WordsMaker());
   options.config.episodes = arena::subset_named(*opened.world, options.subset);
   options.config.limits = limits_of(*opened.world, options.steps);
   options.config.folder = options.output;
@@ -57,7 +58,9 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.add_flag("--pictures", options->pictures,
                 "Send a picture of all that is around, on a graph with the places' names in it");
   add_whole_number(verb, "--picture-size", options->config.picture_size, "Pixels, 64 to 2048");
-  add_words_option(verb, options->words);
+  add_setting(verb, "--words", options->words, "SOURCE",
+              "What texts say of views: none, or labels, by pictures of classes and instances",
+              CLI::IsMember({"none", "labels"}));
   add_steps_option(verb, options->steps);
   add_setting(verb, "-o,--output", options->output, "DIR",
               "Transcripts and results; episodes that have a transcript are left out");

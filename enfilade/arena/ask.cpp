@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "enfilade/arena/detail/patience.h"
 #include "enfilade/arena/detail/transcript.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/core/check.h"
@@ -28,15 +29,10 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kVersion = 1;
-constexpr double kLongestWait = 60;     // seconds between two attempts, unless the server says more
-constexpr double kMostAskedWait = 600;  // more than that is no wait
+constexpr double kLongestWait = 60;  // seconds
 constexpr std::size_t kMostParallel = 256;
 
-/// An episode that cannot go on now; the run's others can.
-class GivenUp : public Error {
- public:
-  using Error::Error;
-};
+using detail::GivenUp;
 
 void check(const AskConfig& config, const Prompt& prompt, const Sights& sights) {
   validate(config.limits);
@@ -114,9 +110,11 @@ void claim_folder(const fs::path& folder, const Json& run) {
 /// Waits between attempts, but not once somebody wants to stop.
 class Pause {
  public:
-  void wait(double seconds) {
+  /// \returns false if somebody does
+  bool wait(double seconds) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return stopped_; });
+    return !changed_.wait_for(lock, std::chrono::duration<double>(seconds),
+                              [this] { return stopped_; });
   }
   void stop() {
     {
@@ -295,34 +293,20 @@ class Run {
       throw GivenUp(fmt::format("{} tokens were used, the most that may be", tokens_.load()));
     }
     const std::string body = body_of(request, chat, painter);
-    double wait = config_.first_wait;
-    for (int attempt = 1;; ++attempt) {
-      const auto begin = Clock::now();
-      std::string failed;
-      double asked_wait = 0;
-      try {
-        std::string answer = endpoint_->post(body, origin);
-        const ChatAnswer read = chat.read(answer);  // what is no completion is asked again
-        tokens_ += read.prompt_tokens + read.answer_tokens;
-        silent_ = 0;
-        const std::chrono::duration<double> seconds = Clock::now() - begin;
-        return {std::move(answer), seconds.count(), attempt};
-      } catch (const EndpointError& error) {
-        if (!error.passes())
-          throw InvalidInput(
-              {{Severity::kError, "endpoint", origin.episode, "refused", error.what()}});
-        failed = error.what();
-        asked_wait = std::min(error.wait().value_or(0), kMostAskedWait);
-      } catch (const InvalidInput& error) {
-        failed = error.what();
-      }
-      if (attempt >= config_.attempts || stop_) {
-        // Nobody there: the episodes that are left need not find that out one after another.
-        if (++silent_ >= config_.parallel) stop();
-        throw GivenUp(fmt::format("no answer in {} attempts; the last: {}", attempt, failed));
-      }
-      pause_.wait(std::max(wait, asked_wait));
-      wait = std::min(2 * wait, kLongestWait);
+    const detail::Patience patience{config_.attempts, config_.first_wait,
+                                    [this](double seconds) { return pause_.wait(seconds); }};
+    try {
+      KeptAnswer kept =
+          post_patiently(*endpoint_, body, origin, patience, [&](std::string_view answer) {
+            const ChatAnswer read = chat.read(answer);  // what is no completion is asked again
+            tokens_ += read.prompt_tokens + read.answer_tokens;
+          });
+      silent_ = 0;
+      return kept;
+    } catch (const GivenUp&) {
+      // Nobody there: the episodes that are left need not find that out one after another.
+      if (++silent_ >= config_.parallel) stop();
+      throw;
     }
   }
 

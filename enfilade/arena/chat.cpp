@@ -113,7 +113,7 @@ struct Chat::Impl {
         content.push_back(text_part(fmt::format("Picture {}:", pictures[k].caption)));
       }
       content.push_back(
-          {{"type", "image_url"}, {"image_url", {{"url", std::string(kScheme) + keys[k]}}}});
+          {{"type", "image_url"}, {"image_url", {{"url", picture_address(keys[k])}}}});
     }
     return message;
   }
@@ -175,11 +175,18 @@ std::string Chat::ask(const Observation& seen, const std::vector<PictureOrder>& 
   return request.dump();
 }
 
-ChatAnswer Chat::read(std::string_view body) const {
+ChatAnswer read_completion(std::string_view body) {
   const Json completion = Json::parse(body, nullptr, false);
-  const Json message = message_of(completion);
   ChatAnswer answer;
-  answer.text = text_in(message, "content");
+  answer.text = text_in(message_of(completion), "content");
+  answer.prompt_tokens = count_in(completion, "prompt_tokens");
+  answer.answer_tokens = count_in(completion, "completion_tokens");
+  return answer;
+}
+
+ChatAnswer Chat::read(std::string_view body) const {
+  ChatAnswer answer = read_completion(body);
+  const Json message = message_of(Json::parse(body));
   switch (impl_->answers) {
     case Answers::kTools:
       answer.reading = read_tools(message);
@@ -192,8 +199,6 @@ ChatAnswer Chat::read(std::string_view body) const {
       answer.reading = read_answer_text(answer.text);
       break;
   }
-  answer.prompt_tokens = count_in(completion, "prompt_tokens");
-  answer.answer_tokens = count_in(completion, "completion_tokens");
   return answer;
 }
 
@@ -220,6 +225,8 @@ const PictureOrder* Chat::find_picture(std::string_view key) const {
                                        [](const auto& one) { return std::string_view(one.first); });
   return found == impl_->seen.end() ? nullptr : &found->second;
 }
+
+std::string picture_address(std::string_view key) { return std::string(kScheme).append(key); }
 
 std::string with_pictures(std::string_view request,
                           const std::function<std::string(std::string_view key)>& picture) {

@@ -33,6 +33,10 @@ struct ChatAnswer {
   std::int64_t answer_tokens = 0;  ///< likewise
 };
 
+/// The message of any chat completion: text and tokens, no reading.
+/// \throws InvalidInput for what is none, which is a fault of the server
+ChatAnswer read_completion(std::string_view body);
+
 /// One conversation about one episode. A plain object: one thread at a time.
 class Chat {
  public:
@@ -61,6 +65,8 @@ class Chat {
   std::unique_ptr<Impl> impl_;
 };
 
+/// What a request has in place of a picture: "enfilade-picture:<key>".
+std::string picture_address(std::string_view key);
 /// The same request with the pictures in it, as data URLs. \param picture  the bytes of a JPEG by
 /// its key
 std::string with_pictures(std::string_view request,

@@ -149,10 +149,18 @@ struct StandIn::Impl {
     if (fault == Fault::kSilence) {
       std::this_thread::sleep_for(std::chrono::duration<double>(config.silence));
     }
+    const std::string origin = request.get_header_value("X-Enfilade-Episode");
+    if (origin.starts_with("caption/")) {
+      ++answers;
+      const Json caption{
+          {"role", "assistant"},
+          {"content", fmt::format("View {:08x} of a room.",
+                                  stream_of(origin.data(), origin.size()) & 0xFFFFFFFFU)}};
+      return response.set_content(completion_of(asked, caption).dump(), "application/json");
+    }
     Call call;
     try {
-      call = next_call(request.get_header_value("X-Enfilade-Episode"),
-                       read_trail(request.get_header_value("X-Enfilade-Calls")));
+      call = next_call(origin, read_trail(request.get_header_value("X-Enfilade-Calls")));
     } catch (const Error& error) {
       return refuse(400, error.what());
     }

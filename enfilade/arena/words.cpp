@@ -4,13 +4,18 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <map>
-#include <set>
+#include <nlohmann/json.hpp>
 #include <span>
+#include <thread>
 #include <utility>
 #include <vector>
 
+#include "enfilade/arena/detail/patience.h"
 #include "enfilade/arena/detail/sight.h"
+#include "enfilade/arena/detail/texts.h"
+#include "enfilade/core/errors.h"
 #include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::arena {
@@ -75,7 +80,86 @@ class LabelWords : public Words {
   std::vector<std::uint32_t> instances_;
 };
 
+class CaptionWords : public Words {
+ public:
+  CaptionWords(Sights sights, CaptionConfig config, Endpoint* endpoint, AnswerCache& cache)
+      : painter_(std::move(sights)),
+        config_(std::move(config)),
+        endpoint_(endpoint),
+        cache_(cache) {}
+
+  std::string of(const Standpoint& from) override {
+    const PictureOrder order{{}, from, false, config_.picture_size, {}};
+    const std::string key = order.key();
+    const std::string request = request_for(key);
+    const KeptAnswer kept = cache_.get(request, [&] {
+      if (endpoint_ == nullptr) {
+        throw detail::GivenUp(
+            fmt::format("the caption {} is not in the cache", AnswerCache::key_of(request)));
+      }
+      const std::string body =
+          with_pictures(request, [&](std::string_view) { return painter_.draw(order); });
+      const detail::Patience patience{
+          config_.attempts, config_.first_wait, [](double seconds) {
+            std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+            return true;
+          }};
+      return post_patiently(*endpoint_, body, {"caption/" + key, {}}, patience,
+                            [](std::string_view answer) { read_completion(answer); });
+    });
+    return one_line(read_completion(kept.answer).text);
+  }
+
+ private:
+  std::string request_for(const std::string& key) const {
+    nlohmann::ordered_json request{{"model", config_.chat.model},
+                                   {"messages", {{{"role", "user"}}}},
+                                   {"temperature", config_.chat.temperature}};
+    if (config_.chat.seed) request["seed"] = *config_.chat.seed;
+    if (config_.chat.most_tokens) request["max_tokens"] = *config_.chat.most_tokens;
+    request["messages"][0]["content"] = {
+        {{"type", "text"}, {"text", config_.question}},
+        {{"type", "image_url"}, {"image_url", {{"url", picture_address(key)}}}}};
+    return request.dump();
+  }
+
+  static std::string one_line(std::string_view text) {
+    constexpr std::size_t kMost = 300;
+    std::string line;
+    for (const char c : detail::trimmed(text)) {
+      const bool blank = static_cast<unsigned char>(c) <= ' ';
+      if (!blank) {
+        line += c;
+      } else if (!line.ends_with(' ')) {
+        line += ' ';
+      }
+    }
+    if (line.size() > kMost) {
+      line.resize(kMost);
+      // Not in the middle of a character of UTF-8.
+      while (!line.empty() && (static_cast<unsigned char>(line.back()) & 0xC0U) == 0x80U) {
+        line.pop_back();
+      }
+      if (!line.empty() && static_cast<unsigned char>(line.back()) >= 0xC0U) line.pop_back();
+    }
+    return line;
+  }
+
+  Painter painter_;
+  CaptionConfig config_;
+  Endpoint* endpoint_;
+  AnswerCache& cache_;
+};
+
 }  // namespace
+
+WordsSource caption_words(Sights sights, CaptionConfig config, Endpoint* endpoint,
+                          AnswerCache& cache) {
+  if (config.chat.model.empty()) throw ArgumentError("captions: no model");
+  return [sights = std::move(sights), config = std::move(config), endpoint, &cache] {
+    return std::make_unique<CaptionWords>(sights, config, endpoint, cache);
+  };
+}
 
 WordsSource label_words(Sights sights) {
   return [sights = std::move(sights)] { return std::make_unique<LabelWords>(sights); };

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -93,6 +94,49 @@ TEST_F(WordsTest, LabelsAreCountedAndTheLargestComesFirst) {
   // A little above the horizon the bed takes more than half of the view; one side is bare.
   EXPECT_EQ(said["bed, chair (2)"], 3) << ::testing::PrintToString(said);
   EXPECT_EQ(said[""], 1);
+}
+
+/// Says what it was asked; the first time it is out of order.
+class Captioner : public Endpoint {
+ public:
+  std::string post(std::string_view body, const RequestOrigin& origin) override {
+    bodies.emplace_back(body);
+    origins.push_back(origin.episode);
+    if (bodies.size() == 1) throw EndpointError(503, "out of order");
+    const nlohmann::json message{{"role", "assistant"}, {"content", text}};
+    return nlohmann::json{{"choices", {{{"index", 0}, {"message", message}}}}}.dump();
+  }
+  std::string text = " A bed,\n\n<b>two</b> chairs. ";
+  std::vector<std::string> bodies, origins;
+};
+
+TEST_F(WordsTest, CaptionsAreAskedForOnceAndKept) {
+  const auto data = std::make_shared<const dataset::Dataset>(folder_.path());
+  Captioner captioner;
+  AnswerCache cache(folder_.path() / "cache");
+  const CaptionConfig config{.chat = {.model = "m"}, .picture_size = 64, .first_wait = 0.001};
+  const auto words = caption_words({.data = data}, config, &captioner, cache)();
+  const Standpoint from{"row/v1", graph::Location{ScanIndex(0), ViewpointIndex(1)}, degrees(90),
+                        Radians(0)};
+  EXPECT_EQ(words->of(from), "A bed, <b>two</b> chairs.");
+  ASSERT_EQ(captioner.bodies.size(), 2U) << "once more after 503";
+  EXPECT_EQ(captioner.origins[1], "caption/view/row/v1/90.0000/0.0000/64");
+  const auto asked = nlohmann::json::parse(captioner.bodies[1]);
+  EXPECT_EQ(asked.at("model"), "m");
+  const auto& content = asked.at("messages").at(0).at("content");
+  EXPECT_THAT(content.at(0).at("text").get<std::string>(), HasSubstr("one short sentence"));
+  EXPECT_THAT(content.at(1).at("image_url").at("url").get<std::string>(),
+              ::testing::StartsWith("data:image/jpeg;base64,/9j/"));
+  // Another thread's, another day: nobody is asked.
+  EXPECT_EQ(caption_words({.data = data}, config, nullptr, cache)()->of(from),
+            "A bed, <b>two</b> chairs.");
+  Standpoint other = from;
+  other.heading = degrees(91);
+  EXPECT_THAT(
+      tests::refusal<Error>([&] { caption_words({}, config, nullptr, cache)()->of(other); }),
+      HasSubstr("is not in the cache"));
+  captioner.text = std::string(299, 'a') + "\xC3\xA9 is long";
+  EXPECT_EQ(words->of(other), std::string(299, 'a')) << "no half of a character";
 }
 
 TEST_F(WordsTest, EachPlaceHasThoseOfItsDirection) {
