@@ -188,6 +188,12 @@ void add_serve_options(CLI::App& verb, Options& options) {
                   "What submissions are scored on, with secret goals or without: docs/service.md "
                   "(default: each split but train that has its goals)")
       ->type_name("FILE.json");
+  verb.add_option(
+          "--runs", options.config.runs,
+          "Runs of `enfilade ask`, `enfilade mcp` or Python's arena that everybody may look "
+          "at: the folder that holds theirs, or one of them")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
   verb.add_option("--host", options.config.host, "Interface to listen on")->capture_default_str();
   verb.add_option("--port", options.config.port, "0: any that is free")
       ->capture_default_str()

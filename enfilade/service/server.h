@@ -49,6 +49,9 @@ struct ServerConfig {
   /// With less room on the database's disk, /healthz tells of trouble: twice the largest
   /// submission, which is in SQLite's log first and then in the file.
   std::uint64_t least_free_bytes = 64U << 20U;
+  /// Runs of `enfilade ask`, `enfilade mcp` and Python's arena that everybody may look at: the
+  /// folder that holds theirs, or one of them. Empty: none.
+  std::filesystem::path runs = {};
   bool open_registration = false;  ///< anybody may make a team; else organisers do
   /// Called after each request and each failure of scoring, from many threads at once. Must not
   /// throw; may be empty.
@@ -62,8 +65,8 @@ struct ServerConfig {
 class Server {
  public:
   /// Opens the database, bringing its schema up to date, binds the port and starts serving.
-  /// \throws FileError for the database; ArgumentError if the address can't be bound, or for a
-  /// value of `config` that is not allowed
+  /// \throws FileError for the database and for runs that are no folder; ArgumentError if the
+  /// address can't be bound, or for a value of `config` that is not allowed
   Server(const std::shared_ptr<const Site>& site, const ServerConfig& config);
   /// Calls stop(), waits until the submission that is being scored is stored, and closes the
   /// database. Other queued submissions are scored after the next start. The same threads may call

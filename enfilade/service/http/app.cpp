@@ -57,6 +57,7 @@ App::App(std::shared_ptr<const Site> site, ServerConfig config)
   add_browsing_routes(router_);
   add_roaming_routes(router_, context_.site);
   add_playing_routes(router_, context_.site, context_.db);
+  add_replay_routes(router_, context_.site, context_.config.runs);
   add_account_routes(router_);
   add_evaluation_routes(router_, most_bytes);
   add_collection_routes(router_, most_bytes);

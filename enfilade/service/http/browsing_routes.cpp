@@ -184,6 +184,12 @@ Response episodes(Context& context, const Request& request) {
                                request.number("limit", 50, 1, kMostEpisodes)}));
 }
 
+/// What pages show in their headers is known with the first thing that they ask for.
+std::string with_runs(nlohmann::ordered_json about, const Context& context) {
+  about["runs"] = !context.config.runs.empty();
+  return about.dump();
+}
+
 }  // namespace
 
 void add_browsing_routes(Router& router) {
@@ -191,13 +197,15 @@ void add_browsing_routes(Router& router) {
   const std::string one = "/api/v1/scans/{scan}";
   router.add(
       {"GET", "/api/v1/scans", Access::kPublic, [cache](Context& context, const Request& request) {
-         return cache->get(request, "application/json",
-                           [&] { return browsing::scan_list_json(*context.site).dump(); });
+         return cache->get(request, "application/json", [&] {
+           return with_runs(browsing::scan_list_json(*context.site), context);
+         });
        }});
   router.add({"GET", one, Access::kPublic, [cache](Context& context, const Request& request) {
                 const ScanIndex scan = scan_of(context, request);
-                return cache->get(request, "application/json",
-                                  [&] { return browsing::scan_json(*context.site, scan).dump(); });
+                return cache->get(request, "application/json", [&] {
+                  return with_runs(browsing::scan_json(*context.site, scan), context);
+                });
               }});
   router.add({"GET", one + "/plan.svg", Access::kPublic,
               [cache](Context& context, const Request& request) {

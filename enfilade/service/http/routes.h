@@ -1,6 +1,9 @@
 /// \file  The routes of the API, a function for each group. What handlers throw (HttpError,
 /// detail::Refusal, InvalidInput) becomes a response: see error_response().
 #pragma once
+#include <filesystem>
+#include <memory>
+
 #include "enfilade/service/collecting/collections.h"
 #include "enfilade/service/http/context.h"
 #include "enfilade/service/http/router.h"
@@ -14,6 +17,10 @@ void add_roaming_routes(Router& router, const std::shared_ptr<const Site>& site)
 /// Sessions of the arena: episodes walked call by call.
 void add_playing_routes(Router& router, const std::shared_ptr<const Site>& site,
                         store::Database& db);
+/// Runs of the arena, shown step by step. \param runs their folder; empty: none
+/// \throws FileError if it is no folder
+void add_replay_routes(Router& router, const std::shared_ptr<const Site>& site,
+                       const std::filesystem::path& runs);
 /// Teams, and logging in to the pages.
 void add_account_routes(Router& router);
 /// Phases, submissions, leaderboards. \param most_bytes of a results file

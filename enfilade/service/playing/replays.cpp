@@ -1,0 +1,548 @@
+#include "enfilade/service/playing/replays.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/arena/session.h"
+#include "enfilade/arena/wire.h"
+#include "enfilade/core/file.h"
+#include "enfilade/service/detail/refusal.h"
+#include "enfilade/service/detail/texts.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/instruction_ids.h"
+
+namespace enfilade::service::playing {
+namespace {
+
+namespace fs = std::filesystem;
+using detail::Reason;
+using detail::Refusal;
+using nlohmann::ordered_json;
+
+constexpr std::size_t kLongestName = 200;                  // characters
+constexpr std::uintmax_t kMostRunBytes = 1ULL << 20ULL;    // of run.json
+constexpr std::uintmax_t kMostEndBytes = 256ULL << 10ULL;  // of a transcript's last line
+constexpr std::string_view kSuffix = ".jsonl";
+
+bool is_folder(const fs::path& path) {
+  std::error_code none;
+  return fs::is_directory(fs::symlink_status(path, none));
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code none;
+  return fs::is_regular_file(fs::symlink_status(path, none));
+}
+
+/// The inverse of what arena::detail::transcript_file() makes of an id.
+std::string id_of(const fs::path& file) {
+  const std::string name = file.stem().string();
+  std::string id;
+  for (std::size_t k = 0; k < name.size(); ++k) {
+    unsigned char byte = 0;
+    const std::string_view digits = std::string_view(name).substr(k + 1, 2);
+    const char* const end = digits.data() + digits.size();
+    if (name[k] == '%' && digits.size() == 2 &&
+        std::from_chars(digits.data(), end, byte, 16).ptr == end) {
+      id += static_cast<char>(byte);
+      k += 2;
+    } else {
+      id += name[k];
+    }
+  }
+  return id;
+}
+
+struct TranscriptFile {
+  std::string id;
+  fs::path path;
+};
+
+/// In the order of their ids: by length, then by letters, so that 2_0 is before 10_0.
+std::vector<TranscriptFile> transcripts_in(const fs::path& run) {
+  std::vector<TranscriptFile> found;
+  std::error_code error;
+  for (fs::directory_iterator one(run / "transcripts", error), end; !error && one != end;
+       one.increment(error)) {
+    if (one->path().extension() != kSuffix || !is_file(one->path())) continue;
+    std::string id = id_of(one->path());
+    if (detail::is_label(id, kLongestName)) found.push_back({std::move(id), one->path()});
+  }
+  std::ranges::sort(found, {}, [](const TranscriptFile& file) {
+    return std::pair(file.id.size(), std::string_view(file.id));
+  });
+  return found;
+}
+
+std::optional<TranscriptFile> transcript_in(const fs::path& run, std::string_view episode) {
+  for (TranscriptFile& one : transcripts_in(run)) {
+    if (one.id == episode) return std::move(one);
+  }
+  return std::nullopt;
+}
+
+/// The text that an object has under a name, if it has one.
+std::optional<std::string> text_in(const ordered_json& object, const char* name) {
+  const auto found = object.find(name);
+  if (found == object.end() || !found->is_string()) return std::nullopt;
+  return found->get<std::string>();
+}
+
+bool is_count(const ordered_json& object, const char* name) {
+  return object.contains(name) && object[name].is_number_unsigned();
+}
+
+bool is_ending(const ordered_json& line) {
+  const auto names = names_of(arena::Ending());
+  const auto ending = line.is_object() ? text_in(line, "ending") : std::nullopt;
+  return ending && std::ranges::find(names, *ending) != names.end() && is_count(line, "steps") &&
+         is_count(line, "mistakes");
+}
+
+/// The last line of a transcript, of which no more is read than that; discarded if it is none.
+ordered_json last_line(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  const auto size = static_cast<std::uintmax_t>(std::max<std::streamoff>(0, stream.tellg()));
+  std::string text(std::min(size, kMostEndBytes), '\0');
+  stream.seekg(static_cast<std::streamoff>(size - text.size()));
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  const std::size_t before = text.find_last_not_of('\n');
+  const std::size_t begin = before == std::string::npos ? 0 : text.rfind('\n', before) + 1;
+  return ordered_json::parse(text.substr(begin), nullptr, false);
+}
+
+constexpr std::array kEndParts{"ending", "steps", "mistakes"};
+
+struct Step {
+  ordered_json shown;  // what is told of the line
+  std::optional<arena::Call> call;
+};
+
+struct Transcript {
+  std::string instruction;
+  std::vector<Step> steps;
+  ordered_json end;
+};
+
+/// Copies those of the names that an object has.
+template <std::size_t kCount>
+ordered_json parts_of(const ordered_json& object, const std::array<const char*, kCount>& names) {
+  ordered_json parts = ordered_json::object();
+  for (const char* name : names) {
+    if (object.contains(name)) parts[name] = object[name];
+  }
+  return parts;
+}
+
+class TranscriptReader {
+ public:
+  explicit TranscriptReader(const fs::path& path)
+      : name_(fmt::format("transcripts/{}", path.filename().string())) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(path, error);
+    if (!error && size > Replays::kMostBytes) {
+      throw Refusal(Reason::kInvalidInput,
+                    fmt::format("{}: {} bytes, {} at most", name_, size, Replays::kMostBytes));
+    }
+    text_ = read_file(path);
+  }
+
+  Transcript read() {
+    Transcript read;
+    const ordered_json head = next();
+    const auto instruction = text_in(head, "instruction");
+    if (!instruction) refuse("no instruction; the first line is of the episode");
+    read.instruction = *instruction;
+    for (;;) {
+      if (at_ == text_.size()) {
+        ++line_;
+        refuse("the end is missing; the transcript was not written to its end");
+      }
+      const ordered_json line = next();
+      if (is_ending(line)) {
+        read.end = parts_of(line, kEndParts);
+        return read;
+      }
+      read.steps.push_back(step_of(line));
+    }
+  }
+
+ private:
+  [[noreturn]] void refuse(std::string_view what) const {
+    throw Refusal(Reason::kInvalidInput, fmt::format("{}, line {}: {}", name_, line_, what));
+  }
+
+  ordered_json next() {
+    if (++line_ > Replays::kMostLines) {
+      refuse(fmt::format("more than {} lines", Replays::kMostLines));
+    }
+    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    ordered_json line =
+        ordered_json::parse(text_.begin() + static_cast<std::ptrdiff_t>(at_),
+                            text_.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
+    at_ = std::min(end + 1, text_.size());
+    if (!line.is_object()) refuse("no JSON object");
+    return line;
+  }
+
+  using Names = std::initializer_list<const char*>;
+
+  /// What pages reckon with. \param where the object's name and a dot
+  void check(const ordered_json& object, std::string_view where, Names numbers, Names texts) const {
+    for (const char* name : numbers) {
+      if (!object.contains(name) || !object[name].is_number()) {
+        refuse(fmt::format("{}{}: not a number", where, name));
+      }
+    }
+    for (const char* name : texts) {
+      if (!text_in(object, name)) refuse(fmt::format("{}{}: not a text", where, name));
+    }
+  }
+
+  void check_list(const ordered_json& seen, const char* name, Names numbers, Names texts) const {
+    const auto list = seen.find(name);
+    if (list == seen.end()) return;
+    if (!list->is_array()) refuse(fmt::format("observation.{}: not a list", name));
+    for (std::size_t k = 0; k < list->size(); ++k) {
+      const std::string where = fmt::format("observation.{}[{}]", name, k);
+      if (!(*list)[k].is_object()) refuse(where + ": not an object");
+      check((*list)[k], where + ".", numbers, texts);
+    }
+  }
+
+  Step step_of(const ordered_json& line) const {
+    if (!line.contains("observation") || !line["observation"].is_object()) {
+      refuse("neither a step nor an end: no observation");
+    }
+    const ordered_json& seen = line["observation"];
+    check(seen, "observation.", {"heading", "elevation", "step"}, {"told"});
+    check_list(seen, "places", {"turn", "elevation", "distance"}, {"name"});
+    check_list(seen, "things", {"turn", "elevation"}, {"name", "category"});
+    check_list(seen, "map", {}, {"name"});
+    check_list(seen, "tools", {}, {"tool"});
+    if (seen.contains("here")) check(seen, "observation.", {}, {"here"});
+    Step step;
+    step.shown["observation"] =
+        parts_of(seen, std::array{"instruction", "step", "heading", "elevation", "here", "places",
+                                  "things", "map", "told", "tools"});
+    step.shown["call"] = nullptr;
+    if (line.contains("call") && !line["call"].is_null()) {
+      const ordered_json& call = line["call"];
+      const auto tool = call.is_object() ? text_in(call, "tool") : std::nullopt;
+      const auto argument = call.is_object() ? text_in(call, "argument") : std::nullopt;
+      if (!tool || !argument) refuse("call: neither null nor an object of tool and argument");
+      step.call = arena::Call{*tool, *argument};
+      step.shown["call"] = {{"tool", *tool}, {"argument", *argument}};
+    }
+    const auto told = text_in(line, "told");
+    if (!told) refuse("told: not a text");
+    step.shown["told"] = *told;
+    if (const auto text = text_in(line, "text")) step.shown["text"] = *text;
+    for (const char* name : {"prompt_tokens", "answer_tokens"}) {
+      if (is_count(line, name)) step.shown[name] = line[name];
+    }
+    return step;
+  }
+
+  std::string name_, text_;
+  std::size_t at_ = 0, line_ = 0;
+};
+
+/// Whether what a session sees is what a transcript says that it saw, as far as that tells the
+/// place: later versions may put it in other words.
+bool is_same_place(const ordered_json& told, const ordered_json& seen) {
+  for (const char* name : {"step", "here", "heading", "elevation"}) {
+    if (!told.contains(name) || told[name] != seen.at(name)) return false;
+  }
+  const ordered_json& places = seen.at("places");
+  if (!told.contains("places") || told["places"].size() != places.size()) return false;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const ordered_json& place = told["places"][k];
+    if (!place.is_object()) return false;
+    for (const char* name : {"name", "turn", "elevation", "distance"}) {
+      if (!place.contains(name) || place[name] != places[k].at(name)) return false;
+    }
+  }
+  return true;
+}
+
+/// Where a session stands and looks, degrees, how it came there, and which viewpoints the places
+/// are. \param walked points of its trajectory that were told before; then all that there are
+ordered_json place_of(const arena::GraphSession& session, const graph::NavGraph& graph,
+                      std::size_t& walked) {
+  const arena::GraphPose pose = session.pose();
+  ordered_json at{{"viewpoint", graph.id(pose.location.viewpoint)},
+                  {"heading", to_degrees(pose.heading)},
+                  {"elevation", to_degrees(pose.elevation)}};
+  ordered_json& path = at["path"] = ordered_json::array();
+  const auto trajectory = std::get<tasks::Trajectory>(session.walked());
+  for (; walked < trajectory.points.size(); ++walked) {
+    path.push_back(graph.id(trajectory.points[walked].viewpoint));
+  }
+  ordered_json& places = at["places"] = ordered_json::object();
+  for (const arena::Place& one : session.observation().places) {
+    places[one.name] = graph.id(session.viewpoint_of(one.name));
+  }
+  return at;
+}
+
+/// One path of a split with the number of one of its instructions.
+struct Found {
+  const PublicSplit* split = nullptr;
+  const tasks::PathAnnotation* path = nullptr;
+  std::size_t number = 0;
+};
+
+std::optional<Found> find_in(const PublicSplit& split, std::string_view id) {
+  for (const tasks::PathAnnotation& path : split.annotations.paths) {
+    for (std::size_t k = 0; k < path.instructions.size(); ++k) {
+      if (tasks::instruction_id(path, k) == id) return Found{&split, &path, k};
+    }
+  }
+  return std::nullopt;
+}
+
+/// Walks a transcript's calls again. Adds to the steps where they stood, or why that is not known.
+class SecondWalk {
+ public:
+  SecondWalk(const std::shared_ptr<const Site>& site, const Found& found) : episode_(found.number) {
+    const tasks::Annotations& all = found.split->annotations;
+    const tasks::ObjectBoxes* objects =
+        all.task == tasks::Task::kReverie ? site->objects() : nullptr;
+    // Of the whole split the one path: nothing else is needed to walk it.
+    const tasks::Annotations one{all.split, all.file, {*found.path}, all.task};
+    auto episodes = std::make_shared<tasks::EpisodeSet>(
+        tasks::make_episodes(one, site->shared_graphs(), tasks::Instructions::kAll, objects));
+    if (objects != nullptr) episodes->objects = {site, objects};
+    world_ = std::make_unique<arena::GraphWorld>(std::move(episodes));
+  }
+
+  const graph::NavGraph& graph() const {
+    const tasks::EpisodeSet& set = world_->episodes();
+    return set.graph_of(set.episodes.at(episode_));
+  }
+
+  /// \returns the first step, from 1, at which it came out differently; 0: none
+  std::size_t walk(std::vector<Step>& steps, ordered_json& end) {
+    // Its end is the transcript's: no limit of another run ends it before.
+    const auto most = static_cast<std::uint32_t>(steps.size() + 1);
+    const auto session = arena::start_session(*world_, episode_, {most, most});
+    std::size_t walked = 0;
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      const auto seen = ordered_json::parse(to_json(session->observation()));
+      const bool same = !session->ending() && is_same_place(steps[k].shown.at("observation"), seen);
+      if (!same) return k + 1;
+      steps[k].shown["at"] = place_of(*session, graph(), walked);
+      if (steps[k].call) {
+        session->call(*steps[k].call);
+      } else {
+        session->misread("no call");
+      }
+    }
+    end["at"] = place_of(*session, graph(), walked);
+    return 0;
+  }
+
+ private:
+  std::size_t episode_;
+  std::unique_ptr<arena::GraphWorld> world_;
+};
+
+struct RunFolder {
+  std::string name;
+  fs::path path;
+};
+
+/// By name. A folder with transcripts/ is a run itself.
+std::vector<RunFolder> run_folders(const fs::path& folder) {
+  if (folder.empty()) return {};
+  if (is_folder(folder / "transcripts")) return {{folder.filename().string(), folder}};
+  std::vector<RunFolder> found;
+  std::error_code error;
+  for (fs::directory_iterator one(folder, error), end; !error && one != end; one.increment(error)) {
+    std::string name = one->path().filename().string();
+    if (!detail::is_label(name, kLongestName) || !is_folder(one->path() / "transcripts")) continue;
+    found.push_back({std::move(name), one->path()});
+  }
+  std::ranges::sort(found, {}, &RunFolder::name);
+  return found;
+}
+
+}  // namespace
+
+// A folder of a run, and what is known of it.
+struct Replays::Run {
+  std::string name;
+  fs::path folder;
+  std::optional<std::string> task = {}, split = {}, model = {}, prompt = {};
+  std::string problem = {};
+
+  ordered_json to_json() const {
+    ordered_json out{{"run", name}};
+    for (const auto& [key, value] :
+         {std::pair{"task", &task}, {"split", &split}, {"model", &model}, {"prompt", &prompt}}) {
+      out[key] = *value ? ordered_json(**value) : ordered_json();
+    }
+    if (!problem.empty()) out["problem"] = problem;
+    return out;
+  }
+
+  /// What run.json says; MCP and Python write none.
+  void read_description() {
+    const fs::path file = folder / "run.json";
+    if (!is_file(file)) return;
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    const ordered_json run = error || size > kMostRunBytes
+                                 ? ordered_json(ordered_json::value_t::discarded)
+                                 : ordered_json::parse(read_file(file), nullptr, false);
+    if (!run.is_object()) {
+      problem = "run.json: no JSON object";
+      return;
+    }
+    task = text_in(run, "task");
+    split = text_in(run, "split");
+    model = text_in(run, "model");
+    prompt = text_in(run, "prompt");
+  }
+
+  /// By an episode of it, where no file says it.
+  void find_split(const Site& site, const TranscriptFile& transcript) {
+    if (task && split) return;
+    std::ifstream stream(transcript.path, std::ios::binary);
+    std::string text(kMostEndBytes, '\0');
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(stream.gcount()));
+    const ordered_json head = ordered_json::parse(text.substr(0, text.find('\n')), nullptr, false);
+    const auto instruction = head.is_object() ? text_in(head, "instruction") : std::nullopt;
+    if (!instruction) return;
+    for (const PublicSplit& one : site.splits()) {
+      const auto found = find_in(one, transcript.id);
+      if (!found || found->path->instructions[found->number] != *instruction) continue;
+      task = tasks::name_of(one.annotations.task);
+      split = one.annotations.split;
+      return;
+    }
+  }
+
+  /// Where the steps were. \returns why that is not known of some; empty: of all it is
+  std::string find_places(const std::shared_ptr<const Site>& site, std::string_view id,
+                          Transcript& transcript, ordered_json& out) const {
+    if (task && agents::is_continuous(*task)) {
+      return "the steps of a walk in continuous space have no viewpoints";
+    }
+    const auto found = find_episode(*site, id);
+    if (!found) return "this server has no such episode, so where the steps were is not known";
+    try {
+      SecondWalk walk(site, *found);
+      out["scan"] = walk.graph().scan();
+      const std::size_t different = walk.walk(transcript.steps, transcript.end);
+      if (different == 0) return {};
+      return fmt::format(
+          "walked again, step {} comes out differently from the transcript: the data set here is "
+          "another one, so from there on the places are not known",
+          different);
+    } catch (const Error&) {  // what it says may name files of this machine
+      return "the episode cannot be walked again here, so where the steps were is not known";
+    }
+  }
+
+  std::optional<Found> find_episode(const Site& site, std::string_view id) const {
+    if (!task || !split) return std::nullopt;
+    for (const PublicSplit& one : site.splits()) {
+      const tasks::Annotations& all = one.annotations;
+      if (all.split == *split && tasks::name_of(all.task) == *task) return find_in(one, id);
+    }
+    return std::nullopt;
+  }
+};
+
+Replays::Replays(std::shared_ptr<const Site> site, const fs::path& folder)
+    : site_(std::move(site)) {
+  if (folder.empty()) return;
+  std::error_code error;
+  folder_ = fs::canonical(folder, error);
+  if (error || !fs::is_directory(folder_, error)) {
+    throw FileError(
+        fmt::format("{}: no folder; runs of `enfilade ask` are looked for there", folder.string()));
+  }
+}
+
+Replays::Run Replays::find(std::string_view name) const {
+  for (RunFolder& one : run_folders(folder_)) {
+    if (one.name != name) continue;
+    Run run{std::move(one.name), std::move(one.path)};
+    run.read_description();
+    return run;
+  }
+  throw Refusal(Reason::kNotFound, fmt::format("there is no run {:.80?}", name));
+}
+
+ordered_json Replays::runs(std::string_view episode) const {
+  ordered_json list = ordered_json::array();
+  for (RunFolder& one : run_folders(folder_)) {
+    const auto transcripts = transcripts_in(one.path);
+    const auto wanted = episode.empty()
+                            ? transcripts.begin()
+                            : std::ranges::find(transcripts, episode, &TranscriptFile::id);
+    if (!episode.empty() && wanted == transcripts.end()) continue;
+    if (list.size() == kMostRuns) break;
+    Run run{std::move(one.name), std::move(one.path)};
+    run.read_description();
+    if (wanted != transcripts.end()) run.find_split(*site_, *wanted);
+    list.push_back(run.to_json());
+    list.back()["episodes"] = transcripts.size();
+  }
+  return {{"runs", std::move(list)}};
+}
+
+ordered_json Replays::run(std::string_view name, std::size_t offset, std::size_t limit) const {
+  Run run = find(name);
+  const auto transcripts = transcripts_in(run.folder);
+  if (!transcripts.empty()) run.find_split(*site_, transcripts.front());
+  ordered_json out = run.to_json();
+  out["episodes"] = transcripts.size();
+  ordered_json& list = out["list"] = ordered_json::array();
+  for (std::size_t k = offset; k < transcripts.size() && list.size() < limit; ++k) {
+    ordered_json& one = list.emplace_back(ordered_json{{"episode", transcripts[k].id}});
+    const ordered_json end = last_line(transcripts[k].path);
+    if (is_ending(end)) {
+      one.update(parts_of(end, kEndParts));
+    } else {
+      one["problem"] = "the last line is no end of an episode";
+    }
+  }
+  return out;
+}
+
+ordered_json Replays::episode(std::string_view name, std::string_view episode) const {
+  Run run = find(name);
+  const auto file = transcript_in(run.folder, episode);
+  if (!file) {
+    throw Refusal(Reason::kNotFound,
+                  fmt::format("run {} has no episode {:.80?}", run.name, episode));
+  }
+  Transcript transcript = TranscriptReader(file->path).read();
+  run.find_split(*site_, *file);
+  ordered_json out = run.to_json();
+  out["episode"] = file->id;
+  out["instruction"] = transcript.instruction;
+  out["scan"] = nullptr;
+  const std::string problem = run.find_places(site_, file->id, transcript, out);
+  ordered_json& steps = out["steps"] = ordered_json::array();
+  for (Step& step : transcript.steps) steps.push_back(std::move(step.shown));
+  out["end"] = std::move(transcript.end);
+  if (!problem.empty()) out["place_problem"] = problem;
+  return out;
+}
+
+}  // namespace enfilade::service::playing

@@ -1,0 +1,297 @@
+// Runs of the arena, looked at over real sockets.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enfilade/arena/ask.h"
+#include "enfilade/arena/play.h"
+#include "enfilade/dataset/dataset.h"
+#include "enfilade/service/playing/replays.h"
+#include "tests/support/refusal.h"
+#include "tests/support/served_data.h"
+
+namespace enfilade::service {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+/// A model that says the same in each episode, step by step.
+class Script : public arena::Endpoint {
+ public:
+  explicit Script(std::vector<std::string> lines) : lines_(std::move(lines)) {}
+  std::string post(std::string_view /*body*/, const arena::RequestOrigin& origin) override {
+    const std::string& line = lines_.at(std::min(origin.calls.size(), lines_.size() - 1));
+    return json{{"choices", {{{"message", {{"role", "assistant"}, {"content", line}}}}}},
+                {"usage", {{"prompt_tokens", 100}, {"completion_tokens", 7}}}}
+        .dump();
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+const std::vector<std::string> kScript{
+    "I look first. <script>alert(1)</script> <img src=x onerror=alert(2)>\nAction: look left",
+    "On along the hall.\nAction: go_to B", "Action: go_to C", "Here it is.\nAction: stop"};
+
+class ReplayTest : public ::testing::Test {
+ protected:
+  ReplayTest() : runs_("runs"), served_(showing(runs_.path())) {}
+  static ServerConfig showing(const fs::path& runs) {
+    ServerConfig config;
+    config.runs = runs;
+    return config;
+  }
+
+  std::shared_ptr<const tasks::EpisodeSet> episodes(const std::string& split) {
+    return std::make_shared<const tasks::EpisodeSet>(
+        dataset::Dataset(served_.root() / "data").episodes(split));
+  }
+  fs::path ask(const std::string& name, std::vector<std::string> lines = kScript,
+               const std::string& split = "val_seen") {
+    const auto set = episodes(split);
+    std::vector<std::size_t> all(set->episodes.size());
+    std::iota(all.begin(), all.end(), 0U);
+    arena::AskConfig config;
+    config.chat.model = "scripted";
+    config.answers = arena::Answers::kText;
+    config.limits.mistakes = 3;
+    arena::AnswerCache cache(served_.root() / ("cache-" + name));
+    Script script(std::move(lines));
+    fs::path folder = runs_.path() / name;
+    arena::ask(set, nullptr, all, arena::Prompt::named("text"), config, &script, cache, folder);
+    return folder;
+  }
+  json get(const std::string& path) { return served_.json("/api/v1/runs" + path); }
+  /// The status, and what the answer says is wrong.
+  std::pair<int, std::string> refused(const std::string& path) {
+    const auto answer = served_.get("/api/v1/runs" + path);
+    const json body = json::parse(answer->body, nullptr, false);
+    return {answer->status, body.contains("error") ? body["error"].value("message", "") : ""};
+  }
+  static void change(const fs::path& file, const std::string& from, const std::string& to) {
+    std::string text = read_file(file);
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    write_file_atomically(file, text.replace(at, from.size(), to));
+  }
+
+  tests::TemporaryFolder runs_;
+  testing::Served served_;
+};
+
+TEST_F(ReplayTest, ARunIsShownStepByStep) {
+  ask("a run");
+  const json runs = get("").at("runs");
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_EQ(runs[0], json::parse(R"({"run": "a run", "task": "r2r", "split": "val_seen",
+                                     "model": "scripted", "prompt": "text", "episodes": 6})"));
+  const json run = get("/a%20run");
+  ASSERT_EQ(run.at("list").size(), 6U);
+  EXPECT_EQ(run["list"][1], json::parse(R"({"episode": "1_1", "ending": "stopped", "steps": 4,
+                                            "mistakes": 0})"));
+  EXPECT_EQ(get("/a%20run?offset=5").at("list").size(), 1U);
+  EXPECT_EQ(get("/a%20run?limit=2").at("list").size(), 2U);
+
+  const json episode = get("/a%20run/episodes/1_1");
+  EXPECT_EQ(episode.at("instruction"), "Go past the <b>table</b>.");
+  EXPECT_EQ(episode.at("scan"), "row");
+  EXPECT_FALSE(episode.contains("place_problem"));
+  const json& steps = episode.at("steps");
+  ASSERT_EQ(steps.size(), 4U);
+  const std::vector<std::string> stood{"v0", "v0", "v1", "v2"};
+  for (std::size_t k = 0; k < stood.size(); ++k) {
+    EXPECT_EQ(steps[k].at("at").at("viewpoint"), stood[k]) << k;
+    const json& seen = steps[k].at("observation");
+    EXPECT_NEAR(steps[k]["at"].at("heading").get<double>(), seen.at("heading").get<double>(), 0.01);
+    EXPECT_EQ(steps[k]["at"].at("places").size(), seen.at("places").size());
+    EXPECT_EQ(steps[k].at("prompt_tokens"), 100);
+    EXPECT_EQ(steps[k].at("answer_tokens"), 7);
+  }
+  EXPECT_EQ(steps[0].at("text"), kScript[0]) << "text stays text";
+  EXPECT_EQ(steps[0].at("call"), (json{{"tool", "look"}, {"argument", "left"}}));
+  EXPECT_EQ(steps[0].at("told"), "You look left.");
+  EXPECT_EQ(steps[0].at("at").at("path"), json::array({"v0"}));
+  EXPECT_EQ(steps[1].at("at").at("path"), json::array()) << "a look walks nowhere";
+  EXPECT_EQ(steps[2].at("at").at("path"), json::array({"v1"}));
+  EXPECT_EQ(steps[2].at("at").at("places"), (json{{"A", "v0"}, {"C", "v2"}}));
+  EXPECT_EQ(episode.at("end").at("ending"), "stopped");
+  EXPECT_EQ(episode.at("end").at("at").at("viewpoint"), "v2");
+}
+
+TEST_F(ReplayTest, WhatCouldNotBeReadIsAStepToo) {
+  ask("lost", {"I do not know."});
+  const json episode = get("/lost/episodes/2_0");
+  ASSERT_EQ(episode.at("steps").size(), 3U);
+  EXPECT_TRUE(episode["steps"][1].at("call").is_null());
+  EXPECT_EQ(episode["steps"][1].at("text"), "I do not know.");
+  EXPECT_THAT(episode["steps"][1].at("told").get<std::string>(), HasSubstr("Nothing was done"));
+  EXPECT_EQ(episode["steps"][2].at("at").at("viewpoint"), "v1");
+  EXPECT_EQ(episode.at("end").at("ending"), "mistakes");
+  EXPECT_FALSE(episode.contains("place_problem"));
+}
+
+// Assistants and Python write no run.json.
+TEST_F(ReplayTest, TheSplitOfARunWithoutDescriptionIsFound) {
+  arena::Play play(episodes("val_seen"), nullptr, arena::Prompt::named("text"),
+                   {.episodes = {2}, .folder = runs_.path() / "played"});
+  play.begin();
+  play.call(arena::read_call("go_to", R"({"place": "B"})"));
+  play.call(arena::read_call("stop", {}));
+  const json run = get("").at("runs").at(0);
+  EXPECT_EQ(run.at("task"), "r2r");
+  EXPECT_EQ(run.at("split"), "val_seen");
+  EXPECT_TRUE(run.at("model").is_null());
+  const json episode = get("/played/episodes/2_0");
+  EXPECT_FALSE(episode.at("steps").at(0).contains("text"));
+  EXPECT_EQ(episode.at("end").at("at").at("viewpoint"),
+            episode["steps"][0].at("at").at("places").at("B"));
+}
+
+TEST_F(ReplayTest, RunsThatHaveAnEpisodeAreFound) {
+  ask("one");
+  ask("two");
+  fs::remove(runs_.path() / "two/transcripts/3_1.jsonl");
+  EXPECT_EQ(get("?episode=3_0").at("runs").size(), 2U);
+  ASSERT_EQ(get("?episode=3_1").at("runs").size(), 1U);
+  EXPECT_EQ(get("?episode=3_1").at("runs")[0].at("run"), "one");
+  EXPECT_TRUE(get("?episode=nobody").at("runs").empty());
+}
+
+TEST_F(ReplayTest, BrokenTranscriptsAreNamedWithTheirLine) {
+  const fs::path transcripts = ask("run") / "transcripts";
+  const std::string whole = read_file(transcripts / "1_0.jsonl");
+  write_file_atomically(transcripts / "1_0.jsonl", whole.substr(0, whole.rfind("{\"ending")));
+  change(transcripts / "1_1.jsonl", "{\"observation\"", "{observation");
+  change(transcripts / "2_0.jsonl", "\"told\":\"You", "\"tell\":\"You");
+  write_file_atomically(transcripts / "2_1.jsonl", "");
+  change(transcripts / "3_0.jsonl", "\"heading\":", "\"heading\":\"<b>\",\"was\":");
+  fs::resize_file(transcripts / "3_1.jsonl", playing::Replays::kMostBytes + 1);
+  const json list = get("/run").at("list");
+  ASSERT_EQ(list.size(), 6U);
+  EXPECT_EQ(list[0].at("problem"), "the last line is no end of an episode");
+  EXPECT_EQ(list[1].at("ending"), "stopped") << "only the end is read for the list";
+  EXPECT_TRUE(list[3].contains("problem"));
+  const std::vector<std::pair<std::string, std::string>> faults{
+      {"1_0", "transcripts/1_0.jsonl, line 6: the end is missing"},
+      {"1_1", "transcripts/1_1.jsonl, line 2: no JSON object"},
+      {"2_0", "transcripts/2_0.jsonl, line 2: told: not a text"},
+      {"2_1", "transcripts/2_1.jsonl, line 1: no JSON object"},
+      {"3_0", "transcripts/3_0.jsonl, line 2: observation.heading: not a number"},
+      {"3_1", "transcripts/3_1.jsonl: 16777217 bytes, 16777216 at most"}};
+  for (const auto& [id, says] : faults) {
+    const auto [status, message] = refused("/run/episodes/" + id);
+    EXPECT_EQ(status, 422) << id;
+    EXPECT_THAT(message, HasSubstr(says));
+    EXPECT_THAT(message, Not(HasSubstr(runs_.path().string())));
+  }
+  write_file_atomically(runs_.path() / "run/run.json", "[1");
+  EXPECT_EQ(get("").at("runs")[0].at("problem"), "run.json: no JSON object");
+}
+
+TEST_F(ReplayTest, NoNameLeadsOutOfTheRuns) {
+  const fs::path folder = ask("run");
+  write_file_atomically(served_.root() / "secret.jsonl",
+                        read_file(folder / "transcripts/1_0.jsonl"));
+  fs::create_symlink(served_.root() / "secret.jsonl", folder / "transcripts/9_0.jsonl");
+  make_folder(runs_.path() / "linked");
+  fs::create_directory_symlink(folder / "transcripts", runs_.path() / "linked/transcripts");
+  make_folder(runs_.path() / "empty");
+  EXPECT_EQ(get("").at("runs").size(), 1U) << "neither links nor folders without transcripts";
+  EXPECT_EQ(get("/run").at("episodes"), 6);
+  for (const char* path :
+       {"/..", "/.", "/%2e%2e", "/%2e%2e%2frun", "/run%2f..", "/linked", "/empty", "/Run",
+        "/run%00", "/run/episodes/9_0", "/run/episodes/..%2f..%2frun", "/run/episodes/%2e%2e",
+        "/run/episodes/1_0.jsonl", "/run/episodes/1_0%00", "/run/episodes/%252e%252e"}) {
+    const auto answer = served_.get(std::string("/api/v1/runs") + path);
+    ASSERT_TRUE(answer) << path;
+    EXPECT_TRUE(answer->status == 404 || answer->status == 400) << path << " " << answer->status;
+  }
+}
+
+TEST_F(ReplayTest, OddIdsAreFoundByWhatTheyMean) {
+  const fs::path transcripts = ask("run") / "transcripts";
+  fs::rename(transcripts / "1_0.jsonl", transcripts / "a%3ab%2f.jsonl");
+  EXPECT_EQ(get("/run").at("list")[5].at("episode"), "a:b/");
+  EXPECT_EQ(refused("/run/episodes/1_0").first, 404);
+  fs::rename(transcripts / "1_1.jsonl", transcripts / "a%3ab.jsonl");
+  const json episode = get("/run/episodes/a%3Ab");
+  EXPECT_EQ(episode.at("episode"), "a:b");
+  EXPECT_THAT(episode.at("place_problem").get<std::string>(), HasSubstr("no such episode"));
+}
+
+TEST_F(ReplayTest, NothingOfAGoalIsTold) {
+  const fs::path file = ask("hidden", kScript, "test") / "transcripts/1_0.jsonl";
+  change(file, "{\"observation\":{", "{\"goal\":\"GOAL\",\"observation\":{\"goal\":\"GOAL\",");
+  change(file, "\"result\":{", "\"goal\":\"GOAL\",\"result\":{\"predObjId\":\"GOAL\",");
+  const std::string text = served_.get("/api/v1/runs/hidden/episodes/1_0")->body;
+  const json episode = json::parse(text);
+  EXPECT_EQ(episode.at("end").at("at").at("viewpoint"), "v2");
+  EXPECT_FALSE(episode.contains("place_problem"));
+  EXPECT_THAT(text, Not(HasSubstr("GOAL")));
+  EXPECT_THAT(text, Not(HasSubstr("trajectory")));
+  EXPECT_THAT(text, Not(HasSubstr("v5")));
+  EXPECT_THAT(served_.get("/api/v1/runs/hidden")->body, Not(HasSubstr("GOAL")));
+}
+
+TEST_F(ReplayTest, AWalkThatComesOutDifferentlyIsNotShownInAWrongPlace) {
+  const fs::path file = ask("run") / "transcripts/1_0.jsonl";
+  const std::string text = read_file(file);
+  const std::size_t third = text.find("{\"observation\"", text.find("\"told\":\"You went to B"));
+  const std::size_t at = text.find("\"distance\":", third);
+  write_file_atomically(file, std::string(text).insert(at + 11, "9"));
+  const json episode = get("/run/episodes/1_0");
+  EXPECT_THAT(episode.at("place_problem").get<std::string>(), HasSubstr("step 3 comes out"));
+  EXPECT_TRUE(episode["steps"][1].contains("at"));
+  EXPECT_FALSE(episode["steps"][2].contains("at"));
+  EXPECT_FALSE(episode["end"].contains("at"));
+}
+
+TEST_F(ReplayTest, WalksInContinuousSpaceAreShownInWords) {
+  make_folder(runs_.path() / "free/transcripts");
+  write_file_atomically(runs_.path() / "free/run.json",
+                        R"({"task": "r2r-ce", "split": "val_seen"})");
+  const json seen{{"instruction", "Go."}, {"step", 0},  {"heading", 1.5},
+                  {"elevation", 0},       {"told", ""}, {"tools", json::array()}};
+  const json step{{"observation", seen},
+                  {"call", {{"tool", "move"}, {"argument", "forward,left"}}},
+                  {"told", "You did 2 of 2."}};
+  write_file_atomically(runs_.path() / "free/transcripts/12.jsonl",
+                        json{{"episode", "12"}, {"instruction", "Go."}}.dump() + "\n" +
+                            step.dump() + "\n" +
+                            R"({"ending": "stopped", "steps": 1, "mistakes": 0, "result": {}})");
+  const json episode = get("/free/episodes/12");
+  EXPECT_EQ(episode.at("steps").at(0).at("call").at("argument"), "forward,left");
+  EXPECT_FALSE(episode["steps"][0].contains("at"));
+  EXPECT_THAT(episode.at("place_problem").get<std::string>(), HasSubstr("continuous"));
+}
+
+TEST_F(ReplayTest, AFolderMayBeARunItself) {
+  const fs::path folder = ask("run");
+  const playing::Replays one(Site::open(served_.root() / "data"), folder);
+  EXPECT_EQ(one.runs("").at("runs").at(0).at("run"), "run");
+  EXPECT_EQ(one.episode("run", "1_0").at("steps").size(), 4U);
+  const playing::Replays none(Site::open(served_.root() / "data"), {});
+  EXPECT_TRUE(none.runs("").at("runs").empty());
+  EXPECT_THAT(tests::refusal<FileError>([&] { playing::Replays(nullptr, folder / "run.json"); }),
+              HasSubstr("run.json: no folder"));
+}
+
+TEST_F(ReplayTest, PagesAreToldWhetherThereAreRuns) {
+  EXPECT_EQ(served_.json("/api/v1/scans").at("runs"), true);
+  EXPECT_EQ(served_.json("/api/v1/scans/row").at("runs"), true);
+  testing::Served other;
+  EXPECT_EQ(other.json("/api/v1/scans").at("runs"), false);
+  EXPECT_EQ(other.json("/api/v1/scans/row").at("runs"), false);
+  EXPECT_TRUE(other.json("/api/v1/runs").at("runs").empty());
+}
+
+}  // namespace
+}  // namespace enfilade::service
