@@ -48,15 +48,24 @@ const siteLinks: readonly Link[] = [
 const syntheticBadge = (): HTMLElement => make('span',
   { class: 'badge synthetic', title: 'The buildings here are made by a program; they are not real ones' }, 'Model homes: SYNTHETIC');
 
+/** What the header says of a server, as answers about its scans have it. */
+export interface Served {
+  readonly synthetic: boolean;
+  /** Whether there are runs to look at: /replay. */
+  readonly runs?: boolean;
+}
+
+const runsLink: Link = ['/replay', 'Runs'];
+
+const linkTo = ([href, text]: Link): HTMLElement =>
+  make('a', { href, ...(location.pathname === href && { 'aria-current': 'page' }) }, text);
+
 /** The header, before the page's main part. Workers get no links: one page is all they came for. */
-export function addHeader(synthetic: boolean, links: readonly Link[] = siteLinks): HTMLElement {
+export function addHeader({ synthetic, runs = false }: Served, links: readonly Link[] = runs ? [...siteLinks, runsLink] : siteLinks): HTMLElement {
   const header = make('header', { class: 'site' },
     links.length > 0 ? make('a', { href: '/', class: 'name' }, 'Enfilade') : make('span', { class: 'name' }, 'Enfilade'));
   const nav = make('nav', { 'aria-label': 'Pages', class: 'site-links' });
-  for (const [href, text] of links) {
-    const here = location.pathname === href;
-    nav.append(make('a', { href, ...(here && { 'aria-current': 'page' }) }, text));
-  }
+  nav.append(...links.map(linkTo));
   if (links.length > 0) header.append(nav);
   if (synthetic) header.append(syntheticBadge());
   document.body.prepend(make('a', { href: '#main', class: 'skip' }, 'Skip to the content'), header);
@@ -65,8 +74,9 @@ export function addHeader(synthetic: boolean, links: readonly Link[] = siteLinks
 
 /** The header of a page that shows no building by itself. It is there at once; the server then says whether the data is synthetic. */
 export async function addSiteHeader(): Promise<void> {
-  const header = addHeader(false);
-  const { synthetic } = await api.call<{ synthetic: boolean }>('scans');
+  const header = addHeader({ synthetic: false });
+  const { synthetic, runs } = await api.call<Served>('scans');
+  if (runs) header.querySelector('nav')!.append(linkTo(runsLink));
   if (synthetic) header.append(syntheticBadge());
 }
 
@@ -159,7 +169,7 @@ export function run(page: () => Promise<void>, failure = 'This page cannot be sh
     const main = byId('main');
     if (main.classList.contains('wide')) main.replaceChildren(); // an empty view
     main.classList.remove('wide');
-    if (!document.querySelector('header')) addHeader(false, links);
+    if (!document.querySelector('header')) addHeader({ synthetic: false }, links);
     if (!main.querySelector('h1')) main.append(make('h1', {}, failure));
     main.append(problems(error));
   });

@@ -25,6 +25,8 @@ export interface Storey {
 export interface Scan {
   readonly scan: string;
   readonly synthetic: boolean;
+  /** Whether the server has runs to look at: /replay. */
+  readonly runs?: boolean;
   /** Whether one can walk freely in it: /roam. */
   readonly roam?: boolean;
   readonly storeys: readonly Storey[];

@@ -1,7 +1,7 @@
 /** The first page: what this is, a look into a building, four doors, and all buildings. */
 import { formatLink } from '../deep_link.ts';
 import { icon, type IconName } from '../icons.ts';
-import { addHeader, api, byId, counted, empty, make, run } from '../page.ts';
+import { addHeader, api, byId, counted, empty, make, run, type Served } from '../page.ts';
 import { loadFaces, type Look, TurningPanorama } from '../turning.ts';
 
 interface Building {
@@ -15,8 +15,7 @@ interface Building {
   /** Whether one can walk freely in it. */
   readonly roam: boolean;
 }
-interface ScanList {
-  readonly synthetic: boolean;
+interface ScanList extends Served {
   readonly scans: readonly Building[];
 }
 interface Outlook extends Look {
@@ -85,8 +84,9 @@ function heroOf(building: Building | undefined): HTMLElement {
 }
 
 run(async () => {
-  const { synthetic, scans } = await api.call<ScanList>('scans');
-  addHeader(synthetic);
+  const served = await api.call<ScanList>('scans');
+  addHeader(served);
+  const { scans } = served;
   const main = byId('main');
   const first = scans.find(({ pictures }) => pictures);
   const hero = heroOf(first);

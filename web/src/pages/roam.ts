@@ -210,7 +210,7 @@ run(async () => {
   if (!name) throw new Error('The address names no building: /roam#scan');
   main.replaceChildren(make('div', { class: 'view' }, loading()));
   const [scan, data] = await Promise.all([api.scan(name), api.call<FloorData>(`${pathOf(name)}/floor`)]);
-  addHeader(scan.synthetic);
+  addHeader(scan);
   document.title = `${name} · Enfilade`;
   const floor = new Floor(data);
   const walker = new Walker(floor, ...beginning(floor, scan, place, episode));

@@ -5,7 +5,7 @@ import { icon } from '../icons.ts';
 import { markdown } from '../markdown.ts';
 import { addHeader, byId, crumbs, empty, facts, loading, make, table, toast } from '../page.ts';
 
-addHeader(true);
+addHeader({ synthetic: true });
 const main = byId('main');
 
 const section = (name: string, ...parts: (Node | string)[]): HTMLElement =>

@@ -1,6 +1,6 @@
 /** Following an instruction as agents do, for visitors: nothing is kept. `/try?split=S&id=I`; without them any episode. */
 import { distancesFrom, lengthOf } from '../distances.ts';
-import { addHeader, api, byId, empty, make, run } from '../page.ts';
+import { addHeader, api, byId, empty, make, run, type Served } from '../page.ts';
 import { type Episode, viewpointIndex } from '../scan.ts';
 import type { Split } from '../splits.ts';
 import { keyHelp } from '../viewer/controls.ts';
@@ -72,8 +72,7 @@ run(async () => {
   const main = byId('main');
   const chosen = await choose();
   if (!chosen) {
-    const { synthetic } = await api.call<{ synthetic: boolean }>('scans');
-    addHeader(synthetic);
+    addHeader(await api.call<Served>('scans'));
     main.classList.remove('wide');
     main.append(make('h1', {}, 'Follow an instruction'), empty('No instruction to follow', 'There is none with pictures and an open goal here.', make('a', { href: '/', class: 'button' }, 'Buildings')));
     return;
@@ -84,7 +83,7 @@ run(async () => {
   const side = make('aside', { class: 'side', 'aria-label': 'Your task' });
   main.append(make('div', { class: 'view stage' }, view), side);
   const viewer = await Viewer.open(view, { scan: episode.scan, rules: agentRules, viewpoint: episode.start, heading: episode.heading, elevation: 0 });
-  addHeader(viewer.scan.synthetic);
+  addHeader(viewer.scan);
   const walk = [viewer.pose.viewpoint];
   viewer.onChange(({ viewpoint }) => { if (viewpoint !== walk.at(-1)) walk.push(viewpoint); });
   const stop = make('button', { type: 'button', class: 'main' }, 'Stop here');

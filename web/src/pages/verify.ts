@@ -157,7 +157,7 @@ run(async () => {
   const place = parseLink(location.hash);
   if (!place) throw new Error('The address names no building: /verify#scan');
   const viewer = await Viewer.open(view, { vfov: 1.3, elevation: -0.25, ...place });
-  addHeader(viewer.scan.synthetic);
+  addHeader(viewer.scan);
   const map = new MiniMap(viewer);
   void map.loadPlan(api, true);
   const panel = make('div', { class: 'panel' }, crumbs([['/', 'Buildings'], [`/view${formatLink({ scan: place.scan })}`, place.scan]], 'Verify'),

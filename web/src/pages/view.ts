@@ -2,6 +2,7 @@
 import { formatLink, parseLink } from '../deep_link.ts';
 import { addHeader, api, byId, make, run } from '../page.ts';
 import { type Episode, type Layer, type Plan, storeyOf, viewpointIndex } from '../scan.ts';
+import { linkCopier } from '../share.ts';
 import { episodesOf } from '../splits.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { Legend, MapPanel, MiniMap, storeyName, Viewer } from '../viewer/enfilade-viewer.ts';
@@ -36,16 +37,6 @@ function overlayControl(viewer: Viewer, legend: Legend): HTMLElement | undefined
   return make('label', { class: 'row' }, 'Show', select);
 }
 
-/** Puts a text on the clipboard; false where the browser lets no page do that. */
-async function copied(text: string): Promise<boolean> {
-  try {
-    await navigator.clipboard.writeText(text);
-    return true;
-  } catch {
-    return false; // no permission, or no https
-  }
-}
-
 /** To where one can walk freely, from here and looking the same way; with the path of the episode that is shown. */
 function roamLink(viewer: Viewer): HTMLElement {
   const link = make('a', { class: 'button' }, 'Walk freely');
@@ -63,22 +54,10 @@ function roamLink(viewer: Viewer): HTMLElement {
 
 /** Buttons over the picture: its link, and the whole screen. */
 function tools(view: HTMLElement, viewer: Viewer): HTMLElement {
-  const said = make('span', { role: 'status', class: 'said' });
-  const share = make('button', { type: 'button' }, 'Share');
-  share.addEventListener('click', async () => {
+  const { button: share, said } = linkCopier('Share', 'Link to this view', () => {
     const { viewpoint, heading, elevation } = viewer.pose;
     const place = { scan: viewer.scan.scan, viewpoint: viewer.scan.viewpoints[viewpoint]!.id, heading, elevation };
-    const link = location.href.replace(/#.*$/, '') + formatLink(place);
-    said.replaceChildren();
-    if (await copied(link)) {
-      said.append('Link copied');
-      setTimeout(() => said.replaceChildren(), 4000);
-      return;
-    }
-    const field = make('input', { type: 'text', readonly: '', 'aria-label': 'Link to this view' });
-    field.value = link;
-    said.append(field);
-    field.select();
+    return location.href.replace(/#.*$/, '') + formatLink(place);
   });
   const bar = make('div', { class: 'view-tools' }, said, ...(viewer.scan.roam ? [roamLink(viewer)] : []), share);
   if (document.fullscreenEnabled) {
@@ -150,7 +129,7 @@ run(async () => {
   const start = episode && !place
     ? { viewpoint: episode.start, ...(first ? { towards: first } : { heading: episode.heading }) } : {};
   const viewer = await Viewer.open(view, { ...start, ...place, scan });
-  addHeader(viewer.scan.synthetic);
+  addHeader(viewer.scan);
   document.title = `${scan} · Enfilade`;
   const map = new MiniMap(viewer);
   const mapPanel = new MapPanel(viewer, map);

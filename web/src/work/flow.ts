@@ -192,7 +192,7 @@ export function work(shows: Shows): void {
   visit(shows).catch((error: unknown) => {
     const main = byId('main');
     main.classList.remove('wide');
-    if (!document.querySelector('header')) addHeader(false, []);
+    if (!document.querySelector('header')) addHeader({ synthetic: false }, []);
     main.replaceChildren(make('div', { class: 'narrow' }, make('h1', { tabindex: '-1' }, explained(error)), troubles(error)));
     if (!isOutOfReach(error)) return;
     main.firstElementChild!.append(make('p', {}, 'This page tries again by itself. Nothing is lost.'));
@@ -205,7 +205,7 @@ async function visit(shows: Shows): Promise<void> {
   const query = new URLSearchParams(location.search);
   collectionOf(query); // before anything that takes time
   if (!canShowBuildings()) {
-    addHeader(false, []);
+    addHeader({ synthetic: false }, []);
     return main.replaceChildren(noGraphics(query));
   }
   const tabs = new Tabs(location.search);
@@ -214,7 +214,7 @@ async function visit(shows: Shows): Promise<void> {
   const { collection } = arrival;
   const show = shows[collection.kind];
   if (!show) return location.replace(`${pageOf(collection.kind)}${location.search}`);
-  addHeader(collection.synthetic, []);
+  addHeader(collection, []);
   document.title = `${collection.title} · Enfilade`;
   if (!arrival.preview) {
     const flow = new Flow(collection, arrival.api, show, arrival.visit);
