@@ -143,8 +143,16 @@ void check_names(const service::ServerConfig& config) {
   }
 }
 
+// Before anything is made for a server that then does not start.
+void check_runs(const fs::path& runs) {
+  if (runs.empty() || fs::is_directory(runs)) return;
+  throw FileError(fmt::format("{}: not a folder; --runs names one that holds runs, or a run's own",
+                              runs.string()));
+}
+
 ExitCode serve(Options options) {
   check_names(options.config);
+  check_runs(options.config.runs);
   share_heaps();  // before there are threads
   const bool first_visit = is_first_visit(options);
   if (first_visit) {
@@ -192,8 +200,7 @@ void add_serve_options(CLI::App& verb, Options& options) {
           "--runs", options.config.runs,
           "Runs of `enfilade ask`, `enfilade mcp` or Python's arena that everybody may look "
           "at: the folder that holds theirs, or one of them")
-      ->type_name("DIR")
-      ->check(CLI::ExistingDirectory);
+      ->type_name("DIR");
   verb.add_option("--host", options.config.host, "Interface to listen on")->capture_default_str();
   verb.add_option("--port", options.config.port, "0: any that is free")
       ->capture_default_str()

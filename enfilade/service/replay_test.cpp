@@ -181,9 +181,9 @@ TEST_F(ReplayTest, BrokenTranscriptsAreNamedWithTheirLine) {
   EXPECT_TRUE(list[3].contains("problem"));
   const std::vector<std::pair<std::string, std::string>> faults{
       {"1_0", "transcripts/1_0.jsonl, line 6: the end is missing"},
-      {"1_1", "transcripts/1_1.jsonl, line 2: no JSON object"},
+      {"1_1", "transcripts/1_1.jsonl, line 2: no JSON object of at most 16 levels"},
       {"2_0", "transcripts/2_0.jsonl, line 2: told: not a text"},
-      {"2_1", "transcripts/2_1.jsonl, line 1: no JSON object"},
+      {"2_1", "transcripts/2_1.jsonl, line 1: no JSON object of at most 16 levels"},
       {"3_0", "transcripts/3_0.jsonl, line 2: observation.heading: not a number"},
       {"3_1", "transcripts/3_1.jsonl: 16777217 bytes, 16777216 at most"}};
   for (const auto& [id, says] : faults) {
@@ -194,6 +194,29 @@ TEST_F(ReplayTest, BrokenTranscriptsAreNamedWithTheirLine) {
   }
   write_file_atomically(runs_.path() / "run/run.json", "[1");
   EXPECT_EQ(get("").at("runs")[0].at("problem"), "run.json: no JSON object");
+}
+
+TEST_F(ReplayTest, WhatIsDeepOrLongDoesNotEndTheServer) {
+  const fs::path folder = ask("run");
+  const std::string deep(200'000, '[');
+  const auto nest = [&](const std::string& id) {
+    const fs::path file = folder / "transcripts" / (id + ".jsonl");
+    std::string text = read_file(file);
+    text.insert(text.find("\"map\":") + 6, deep + std::string(deep.size(), ']') + ",\"was\":");
+    write_file_atomically(file, text);
+  };
+  nest("1_0");
+  write_file_atomically(folder / "transcripts/1_1.jsonl", deep);
+  std::string many = "[";
+  for (int k = 0; k < 1'000'000; ++k) many += "1,";
+  write_file_atomically(folder / "transcripts/2_0.jsonl", many);
+  EXPECT_THAT(refused("/run/episodes/1_0").second, HasSubstr("line 2: no JSON object of at most"));
+  EXPECT_THAT(refused("/run/episodes/1_1").second, HasSubstr("line 1: no JSON object of at most"));
+  EXPECT_THAT(refused("/run/episodes/2_0").second, HasSubstr("more than 1000000 values"));
+  write_file_atomically(folder / "run.json", deep);
+  EXPECT_EQ(get("").at("runs")[0].at("problem"), "run.json: no JSON object");
+  EXPECT_EQ(get("/run").at("list")[1].at("problem"), "the last line is no end of an episode");
+  EXPECT_TRUE(get("/run/episodes/3_0").contains("end"));
 }
 
 TEST_F(ReplayTest, NoNameLeadsOutOfTheRuns) {
@@ -281,7 +304,7 @@ TEST_F(ReplayTest, AFolderMayBeARunItself) {
   const playing::Replays none(Site::open(served_.root() / "data"), {});
   EXPECT_TRUE(none.runs("").at("runs").empty());
   EXPECT_THAT(tests::refusal<FileError>([&] { playing::Replays(nullptr, folder / "run.json"); }),
-              HasSubstr("run.json: no folder"));
+              HasSubstr("run.json: not a folder"));
 }
 
 TEST_F(ReplayTest, PagesAreToldWhetherThereAreRuns) {

@@ -26,10 +26,23 @@ Case subset(std::string input, std::string text, std::string says) {
              [text = std::move(text)](Files& files) { files.write("ids.txt", text); });
 }
 
+Case serve(std::string input, const std::string& runs) {
+  Case made{"Language models",
+            std::move(input),
+            "serve {} --port 0 --runs " + runs,
+            3,
+            runs + ": not a folder; --runs names one that holds runs",
+            {}};
+  made.asks = true;
+  return made;
+}
+
 }  // namespace
 
 std::vector<Case> arena_cases() {
   return {
+      serve("runs that are not there", "{}/none"),
+      serve("runs that are a file", "{}/results.json"),
       ask("nobody to ask", "", 2, "one of --endpoint URL"),
       ask("a model and a stand-in", "--endpoint http://127.0.0.1:9/v1 --model m --stand-in oracle",
           2, "one of --endpoint URL"),

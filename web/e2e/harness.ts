@@ -91,7 +91,8 @@ export async function openHome(): Promise<Home> {
   const data = join(folder, 'homes');
   makeHomes(data);
   writeAnnotations(data);
-  return serve(folder, data, join(folder, 'service.sqlite'));
+  enfilade('ask', '--data', data, '--split', 'val_seen', '--stand-in', 'oracle', '-o', join(folder, 'runs/oracle'));
+  return serve(folder, data, join(folder, 'service.sqlite'), ['--runs', join(folder, 'runs')]);
 }
 
 /** Serves a data set, and opens a browser. The folder goes when it stops. */

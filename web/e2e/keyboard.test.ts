@@ -119,7 +119,8 @@ describe.skipIf(missing)('without a mouse', () => {
     return page;
   }
 
-  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0', '/verify#home0001'])(
+  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0', '/verify#home0001',
+    '/replay', '/replay?run=oracle', '/replay?run=oracle&episode=1_0#2', '/play', '/play?split=val_seen&episode=1_0&view=marks'])(
     'every control of %s is reached, named and outlined',
     async (path) => {
       const page = await openPage(home, path);

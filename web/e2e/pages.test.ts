@@ -267,7 +267,8 @@ describe.skipIf(missing)('the pages', () => {
     await vite.close();
   });
 
-  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/review', '/view#home0001', '/verify#home0001', '/view', '/verify#nowhere', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0'])(
+  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/review', '/view#home0001', '/verify#home0001', '/view', '/verify#nowhere', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0',
+    '/replay', '/replay?run=oracle', '/replay?run=oracle&episode=1_0#2', '/play', '/play?split=val_seen&episode=1_0&view=marks'])(
     '%s keeps nobody out, at any width',
     async (path) => {
       const page = await openPage(home, path);

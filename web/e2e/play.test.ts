@@ -42,7 +42,7 @@ describe.skipIf(missing)('who walks as a model does', () => {
     await page.getByRole('button', { name: 'Stop here' }).focus();
     await page.keyboard.press('Enter');
     await page.keyboard.press('Enter');
-    await page.getByText('It stopped after 7 steps, no mistake.').waitFor();
+    await page.getByText('You stopped after 7 steps, no mistake.').waitFor();
     await inspect(page, 'play-over');
     expect(await page.getByRole('link', { name: 'See the path' }).getAttribute('href')).toBe('/view?split=val_seen&id=1_0');
     const [saved] = JSON.parse(readFileSync(await download(page.getByRole('link', { name: 'Save the result' }), join(folder, 'saved')), 'utf8')) as Result[];

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <fstream>
 #include <initializer_list>
+#include <istream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -15,6 +17,7 @@
 #include "enfilade/arena/session.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/core/file.h"
+#include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/files.h"
@@ -32,6 +35,14 @@ constexpr std::size_t kLongestName = 200;                  // characters
 constexpr std::uintmax_t kMostRunBytes = 1ULL << 20ULL;    // of run.json
 constexpr std::uintmax_t kMostEndBytes = 256ULL << 10ULL;  // of a transcript's last line
 constexpr std::string_view kSuffix = ".jsonl";
+/// Of all that is read: runs may come from anybody, and what is deep is copied by recursion.
+constexpr json::Limits kLimits{1'000'000, detail::kMostLevels};
+
+/// Discarded if it is no JSON, or beyond the limits.
+ordered_json parse(std::string_view text) {
+  if (!json::excess(text, kLimits).empty()) return {ordered_json::value_t::discarded};
+  return ordered_json::parse(text, nullptr, false);
+}
 
 bool is_folder(const fs::path& path) {
   std::error_code none;
@@ -41,6 +52,13 @@ bool is_folder(const fs::path& path) {
 bool is_file(const fs::path& path) {
   std::error_code none;
   return fs::is_regular_file(fs::symlink_status(path, none));
+}
+
+std::string first_bytes(std::istream& stream, std::uintmax_t most) {
+  std::string text(most, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
 }
 
 /// The inverse of what arena::detail::transcript_file() makes of an id.
@@ -117,7 +135,7 @@ ordered_json last_line(const fs::path& file) {
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   const std::size_t before = text.find_last_not_of('\n');
   const std::size_t begin = before == std::string::npos ? 0 : text.rfind('\n', before) + 1;
-  return ordered_json::parse(text.substr(begin), nullptr, false);
+  return parse(std::string_view(text).substr(begin));
 }
 
 constexpr std::array kEndParts{"ending", "steps", "mistakes"};
@@ -153,7 +171,16 @@ class TranscriptReader {
       throw Refusal(Reason::kInvalidInput,
                     fmt::format("{}: {} bytes, {} at most", name_, size, Replays::kMostBytes));
     }
-    text_ = read_file(path);
+    try {
+      text_ = read_file(path);
+    } catch (const FileError&) {  // what it says names folders of this machine
+      throw Refusal(Reason::kInvalidInput, fmt::format("{}: cannot be read", name_));
+    }
+    constexpr json::Limits kWhole{kLimits.values, std::numeric_limits<std::size_t>::max()};
+    const std::string excess = json::excess(text_, kWhole);
+    if (!excess.empty()) {
+      throw Refusal(Reason::kInvalidInput, fmt::format("{}: {}", name_, excess));
+    }
   }
 
   Transcript read() {
@@ -186,11 +213,11 @@ class TranscriptReader {
       refuse(fmt::format("more than {} lines", Replays::kMostLines));
     }
     const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-    ordered_json line =
-        ordered_json::parse(text_.begin() + static_cast<std::ptrdiff_t>(at_),
-                            text_.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
+    ordered_json line = parse(std::string_view(text_).substr(at_, end - at_));
     at_ = std::min(end + 1, text_.size());
-    if (!line.is_object()) refuse("no JSON object");
+    if (!line.is_object()) {
+      refuse(fmt::format("no JSON object of at most {} levels", detail::kMostLevels));
+    }
     return line;
   }
 
@@ -400,11 +427,8 @@ struct Replays::Run {
   void read_description() {
     const fs::path file = folder / "run.json";
     if (!is_file(file)) return;
-    std::error_code error;
-    const std::uintmax_t size = fs::file_size(file, error);
-    const ordered_json run = error || size > kMostRunBytes
-                                 ? ordered_json(ordered_json::value_t::discarded)
-                                 : ordered_json::parse(read_file(file), nullptr, false);
+    std::ifstream stream(file, std::ios::binary);
+    const ordered_json run = parse(first_bytes(stream, kMostRunBytes));
     if (!run.is_object()) {
       problem = "run.json: no JSON object";
       return;
@@ -419,10 +443,8 @@ struct Replays::Run {
   void find_split(const Site& site, const TranscriptFile& transcript) {
     if (task && split) return;
     std::ifstream stream(transcript.path, std::ios::binary);
-    std::string text(kMostEndBytes, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(stream.gcount()));
-    const ordered_json head = ordered_json::parse(text.substr(0, text.find('\n')), nullptr, false);
+    const std::string text = first_bytes(stream, kMostEndBytes);
+    const ordered_json head = parse(std::string_view(text).substr(0, text.find('\n')));
     const auto instruction = head.is_object() ? text_in(head, "instruction") : std::nullopt;
     if (!instruction) return;
     for (const PublicSplit& one : site.splits()) {
@@ -449,7 +471,7 @@ struct Replays::Run {
       if (different == 0) return {};
       return fmt::format(
           "walked again, step {} comes out differently from the transcript: the data set here is "
-          "another one, so from there on the places are not known",
+          "another one, or the file was changed. From there on the places are not known",
           different);
     } catch (const Error&) {  // what it says may name files of this machine
       return "the episode cannot be walked again here, so where the steps were is not known";
@@ -472,8 +494,8 @@ Replays::Replays(std::shared_ptr<const Site> site, const fs::path& folder)
   std::error_code error;
   folder_ = fs::canonical(folder, error);
   if (error || !fs::is_directory(folder_, error)) {
-    throw FileError(
-        fmt::format("{}: no folder; runs of `enfilade ask` are looked for there", folder.string()));
+    throw FileError(fmt::format("{}: not a folder; runs of `enfilade ask` are looked for there",
+                                folder.string()));
   }
 }
 

@@ -62,6 +62,7 @@ class PlayPage {
   private readonly strip = make('div', { class: 'play-strip', tabindex: '0', role: 'region', 'aria-label': 'What is seen all around' }, this.picture);
   private readonly body = make('div', { class: 'play-body' });
   private readonly said = make('div');
+  private readonly foot = make('p', { class: 'note play-foot' });
   private readonly keys = make('input', { type: 'checkbox' });
   private busy = false;
 
@@ -75,9 +76,10 @@ class PlayPage {
     main.append(
       make('div', { class: 'page-head' }, make('h1', {}, 'Follow the instruction'), make('p', { class: 'instruction' }, session.state.observation.instruction)),
       this.told, this.strip, this.body, this.said,
-      make('p', { class: 'note play-foot' }, make('label', { class: 'row' }, this.keys, 'Keys'),
+      this.foot);
+    this.foot.append(make('label', { class: 'row' }, this.keys, 'Keys'),
         make('span', {}, 'A letter goes to its place, the arrow keys look around.'),
-        make('a', { href: address(wanted, other) }, other === 'marks' ? 'With pictures' : 'Text only'), make('a', { href: '/play' }, 'Another episode')));
+        make('a', { href: address(wanted, other) }, other === 'marks' ? 'With pictures' : 'Text only'), make('a', { href: '/play' }, 'Another episode'));
     addEventListener('keydown', (event) => this.key(event));
   }
 
@@ -158,7 +160,7 @@ class PlayPage {
 
   private async showEnd(): Promise<void> {
     URL.revokeObjectURL(this.picture.src);
-    this.strip.hidden = true;
+    this.strip.hidden = this.foot.hidden = true;
     const { observation, mistakes, ending } = this.session.state;
     const { task, split, episode } = this.wanted;
     const heading = make('h2', { tabindex: '-1' }, 'The episode is over');
@@ -167,7 +169,7 @@ class PlayPage {
       PlayedSession.forget(this.wanted);
       location.reload();
     });
-    this.body.replaceChildren(heading, make('p', {}, `It ${endText({ ending: ending!, steps: observation.step, mistakes })}.`));
+    this.body.replaceChildren(heading, make('p', {}, `You ${endText({ ending: ending!, steps: observation.step, mistakes })}.`));
     const result = new Blob([await this.session.result()], { type: 'application/json' });
     this.body.append(make('p', { class: 'buttons' },
       make('a', { class: 'button main', href: URL.createObjectURL(result), download: `${episode.replace(/[^\w.-]/g, '_')}_result.json` }, 'Save the result'),

@@ -29,7 +29,8 @@ async function listRuns(main: HTMLElement): Promise<void> {
   await addSiteHeader();
   const { runs } = await api.call<{ runs: Run[] }>('runs');
   main.append(make('div', { class: 'page-head' }, make('h1', {}, 'Runs'),
-    make('p', { class: 'lead' }, 'Walks of language models, assistants and programs. Open one to see what it thought and did, step by step.')));
+    make('p', { class: 'lead' }, 'Walks of language models, assistants and programs. Open one to see what it thought and did, step by step. ',
+    make('a', { href: '/play' }, 'Walk as they do'), ', by the same words and tools.')));
   if (runs.length === 0) {
     main.append(empty('No runs', 'A server shows those that it is started with: enfilade serve DATA --runs DIR.'));
     return;
@@ -158,8 +159,12 @@ async function besideControl(shown: Replay, other: string): Promise<HTMLElement 
 async function showEpisode(main: HTMLElement, name: string, episode: string): Promise<void> {
   const other = new URLSearchParams(location.search).get('with') ?? '';
   const ask = (from: string) => api.call<Replay>(`${runPath(from)}/episodes/${encodeURIComponent(episode)}`);
-  const [served, shown, beside] = await Promise.all([api.call<Served>('scans'), ask(name), other ? ask(other) : undefined]);
-  addHeader(served);
+  addHeader(await api.call<Served>('scans'));
+  main.append(crumbs([runsPage, [address({ run: name }), name]], episode)); // also where the transcript cannot be read
+  const [shown, beside] = await Promise.all([ask(name), other ? ask(other) : undefined]);
+  if (beside && (beside.task !== shown.task || beside.split !== shown.split)) {
+    throw new Error(`${beside.run} is a run of split ${splitOf(beside)}, and ${shown.run} of ${splitOf(shown)}.`);
+  }
   document.title = `${episode} of ${shown.run} · Enfilade`;
   main.classList.add('wide', 'replay');
   const panels = [shown, ...(beside ? [beside] : [])].map((one) => new RunPanel(one));
@@ -167,7 +172,7 @@ async function showEpisode(main: HTMLElement, name: string, episode: string): Pr
   const links: HTMLElement[] = shown.task && shown.split && shown.steps[0]?.at
     ? [make('a', { class: 'button', href: `/play?${new URLSearchParams({ task: shown.task, split: shown.split, episode })}` }, 'Walk it yourself')] : [];
   const picker = await besideControl(shown, other);
-  main.append(
+  main.replaceChildren(
     make('div', { class: 'replay-head' }, crumbs([runsPage, [address({ run: shown.run }), shown.run]], episode),
       make('h1', {}, `Episode ${episode}`), make('p', { class: 'instruction' }, shown.instruction),
       page.controls(...links, ...(picker ? [picker] : []))),

@@ -65,7 +65,8 @@ function outcome(viewer: Viewer, { split, episode }: Chosen, walk: readonly numb
     make('div', { class: 'map' }, map.element),
     make('p', { class: 'note' }, 'Blue: the path that was described. Purple: your walk.'),
     make('p', { class: 'buttons' }, make('a', { href: '/try', class: 'button main' }, 'Next instruction'),
-      make('a', { href: `/view?${query}`, class: 'button' }, 'See the path')));
+      make('a', { href: `/view?${query}`, class: 'button' }, 'See the path'),
+      make('a', { href: `/play?${new URLSearchParams({ split, episode: episode.instruction_id })}`, class: 'button' }, 'Walk it as a language model does')));
 }
 
 run(async () => {
