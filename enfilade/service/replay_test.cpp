@@ -11,7 +11,9 @@
 #include "enfilade/arena/play.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/service/playing/replays.h"
+#include "enfilade/tasks/files.h"
 #include "tests/support/refusal.h"
+#include "tests/support/served_benchmarks.h"
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
@@ -50,13 +52,14 @@ class ReplayTest : public ::testing::Test {
     return config;
   }
 
-  std::shared_ptr<const tasks::EpisodeSet> episodes(const std::string& split) {
+  std::shared_ptr<const tasks::EpisodeSet> episodes(const std::string& split,
+                                                    tasks::Task task = tasks::Task::kR2r) {
     return std::make_shared<const tasks::EpisodeSet>(
-        dataset::Dataset(served_.root() / "data").episodes(split));
+        dataset::Dataset(served_.root() / "data").episodes(task, split));
   }
   fs::path ask(const std::string& name, std::vector<std::string> lines = kScript,
-               const std::string& split = "val_seen") {
-    const auto set = episodes(split);
+               const std::string& split = "val_seen", tasks::Task task = tasks::Task::kR2r) {
+    const auto set = episodes(split, task);
     std::vector<std::size_t> all(set->episodes.size());
     std::iota(all.begin(), all.end(), 0U);
     arena::AskConfig config;
@@ -136,6 +139,32 @@ TEST_F(ReplayTest, WhatCouldNotBeReadIsAStepToo) {
   EXPECT_EQ(episode["steps"][2].at("at").at("viewpoint"), "v1");
   EXPECT_EQ(episode.at("end").at("ending"), "mistakes");
   EXPECT_FALSE(episode.contains("place_problem"));
+}
+
+TEST_F(ReplayTest, AWayBackHasAllItsViewpoints) {
+  ask("back", {"Action: go_to B", "Action: go_to C", "Action: back_to A", "Action: stop"});
+  const json steps = get("/back/episodes/1_0").at("steps");
+  EXPECT_EQ(steps.at(3).at("at").at("path"), (json{"v1", "v0"}));
+  EXPECT_EQ(steps.at(3).at("at").at("viewpoint"), "v0");
+}
+
+TEST_F(ReplayTest, OtherBenchmarksAreWalkedAgainToo) {
+  testing::write_benchmarks(served_.root(), {});
+  served_.restart_with(R"({"name": "open", "split": "val_seen"})");  // else R4R's would be left out
+  for (const tasks::Task task : testing::kOtherTasks) {
+    if (task == tasks::Task::kR2rBack || task == tasks::Task::kSoon) continue;  // not walked by ask
+    const std::string name(tasks::name_of(task));
+    const bool named = task == tasks::Task::kReverie;
+    ask(name, {"Action: go_to B", named ? "Action: answer 1" : "Action: stop"}, "test", task);
+    const json run = get("/" + name);
+    EXPECT_EQ(run.at("task"), name);
+    const std::string id = run.at("list").at(0).at("episode");
+    const json episode = get("/" + name + "/episodes/" + id);
+    EXPECT_FALSE(episode.contains("place_problem")) << name << episode.value("place_problem", "");
+    EXPECT_EQ(episode.at("end").at("ending"), "stopped") << name;
+    EXPECT_EQ(episode["end"].at("at").at("viewpoint"), "v1") << name;
+    EXPECT_EQ(episode.at("steps").at(1).at("observation").contains("things"), named) << name;
+  }
 }
 
 // Assistants and Python write no run.json.
@@ -262,6 +291,35 @@ TEST_F(ReplayTest, NothingOfAGoalIsTold) {
   EXPECT_THAT(text, Not(HasSubstr("trajectory")));
   EXPECT_THAT(text, Not(HasSubstr("v5")));
   EXPECT_THAT(served_.get("/api/v1/runs/hidden")->body, Not(HasSubstr("GOAL")));
+}
+
+// Of REVERIE ids may name the object: those of a file with goals are others than the site's.
+TEST_F(ReplayTest, IdsAndTextsThatTellGoalsStayHidden) {
+  const fs::path folder = ask("hidden", kScript, "test");
+  fs::rename(folder / "transcripts/1_0.jsonl", folder / "transcripts/1_777_0.jsonl");
+  change(folder / "transcripts/1_1.jsonl", "Go past the", "GOAL Go past the");
+  const std::string list = served_.get("/api/v1/runs/hidden")->body;
+  EXPECT_THAT(list, Not(HasSubstr("777")));
+  EXPECT_EQ(json::parse(list).at("episodes"), 5);
+  EXPECT_EQ(refused("/hidden/episodes/1_777_0").first, 404);
+  EXPECT_TRUE(get("?episode=1_777_0").at("runs").empty());
+  const auto [status, message] = refused("/hidden/episodes/1_1");
+  EXPECT_EQ(status, 404);
+  EXPECT_THAT(message, Not(HasSubstr("GOAL")));
+  EXPECT_EQ(get("/hidden/episodes/2_0").at("scan"), "row");
+}
+
+// The texts of R4R tell where paths of R2R end, so a site with secret goals leaves its split out.
+TEST_F(ReplayTest, RunsOfASplitThatTheSiteLeavesOutAreNotShown) {
+  testing::write_benchmarks(served_.root(), {});
+  served_.stop();
+  served_.start();
+  ask("joined", {"Action: stop"}, "test", tasks::Task::kR4r);
+  const json run = get("/joined");
+  EXPECT_EQ(run.at("episodes"), 0);
+  EXPECT_TRUE(run.at("list").empty());
+  EXPECT_THAT(run.at("problem").get<std::string>(), HasSubstr("secret goals"));
+  EXPECT_EQ(refused("/joined/episodes/1_0").first, 404);
 }
 
 TEST_F(ReplayTest, AWalkThatComesOutDifferentlyIsNotShownInAWrongPlace) {

@@ -10,6 +10,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -99,13 +100,6 @@ std::vector<TranscriptFile> transcripts_in(const fs::path& run) {
     return std::pair(file.id.size(), std::string_view(file.id));
   });
   return found;
-}
-
-std::optional<TranscriptFile> transcript_in(const fs::path& run, std::string_view episode) {
-  for (TranscriptFile& one : transcripts_in(run)) {
-    if (one.id == episode) return std::move(one);
-  }
-  return std::nullopt;
 }
 
 /// The text that an object has under a name, if it has one.
@@ -259,8 +253,8 @@ class TranscriptReader {
     if (seen.contains("here")) check(seen, "observation.", {}, {"here"});
     Step step;
     step.shown["observation"] =
-        parts_of(seen, std::array{"instruction", "step", "heading", "elevation", "here", "places",
-                                  "things", "map", "told", "tools"});
+        parts_of(seen, std::array{"step", "heading", "elevation", "here", "places", "things", "map",
+                                  "told", "tools"});
     step.shown["call"] = nullptr;
     if (line.contains("call") && !line["call"].is_null()) {
       const ordered_json& call = line["call"];
@@ -412,6 +406,16 @@ struct Replays::Run {
   fs::path folder;
   std::optional<std::string> task = {}, split = {}, model = {}, prompt = {};
   std::string problem = {};
+  std::vector<TranscriptFile> transcripts = {};  // those that everybody may see
+
+  Run(RunFolder found, const Site& site)
+      : name(std::move(found.name)),
+        folder(std::move(found.path)),
+        transcripts(transcripts_in(folder)) {
+    read_description();
+    if (!transcripts.empty()) find_split(site, transcripts.front());
+    keep_secrets(site);
+  }
 
   ordered_json to_json() const {
     ordered_json out{{"run", name}};
@@ -420,6 +424,7 @@ struct Replays::Run {
       out[key] = *value ? ordered_json(**value) : ordered_json();
     }
     if (!problem.empty()) out["problem"] = problem;
+    out["episodes"] = transcripts.size();
     return out;
   }
 
@@ -456,13 +461,51 @@ struct Replays::Run {
     }
   }
 
+  const PublicSplit* served_split(const Site& site) const {
+    const auto found = std::ranges::find_if(site.splits(), [this](const PublicSplit& one) {
+      return one.annotations.split == split && tasks::name_of(one.annotations.task) == task;
+    });
+    return found == site.splits().end() ? nullptr : &*found;
+  }
+
+  /// Ids and texts may tell goals: REVERIE's name objects, R4R's texts are of two paths. Of a split
+  /// with hidden goals only what the site shows of it is shown, and where there are secret goals
+  /// nothing of a split that the site does not know or has left out.
+  void keep_secrets(const Site& site) {
+    if (task && agents::is_continuous(*task)) return;
+    const PublicSplit* served = served_split(site);
+    if (served == nullptr) {
+      if (std::ranges::none_of(site.phases(), &Phase::goals_secret)) return;
+      transcripts.clear();
+      problem = "not shown: this server has secret goals, and no such split to compare with";
+    } else if (served->goals_hidden) {
+      std::set<std::string, std::less<>> ids;
+      for (const tasks::PathAnnotation& path : served->annotations.paths) {
+        for (std::size_t k = 0; k < path.instructions.size(); ++k) {
+          ids.insert(tasks::instruction_id(path, k));
+        }
+      }
+      std::erase_if(transcripts, [&](const TranscriptFile& one) { return !ids.contains(one.id); });
+    }
+  }
+  /// The same of an episode's text. \throws Refusal
+  void check_text(const Site& site, std::string_view id, const std::string& instruction) const {
+    const PublicSplit* served = served_split(site);
+    if (served == nullptr || !served->goals_hidden) return;
+    const auto found = find_in(*served, id);
+    if (found && found->path->instructions[found->number] == instruction) return;
+    throw Refusal(Reason::kNotFound,
+                  "its instruction is not that of this server's split, whose goals are hidden");
+  }
+
   /// Where the steps were. \returns why that is not known of some; empty: of all it is
   std::string find_places(const std::shared_ptr<const Site>& site, std::string_view id,
                           Transcript& transcript, ordered_json& out) const {
     if (task && agents::is_continuous(*task)) {
       return "the steps of a walk in continuous space have no viewpoints";
     }
-    const auto found = find_episode(*site, id);
+    const PublicSplit* served = served_split(*site);
+    const auto found = served == nullptr ? std::nullopt : find_in(*served, id);
     if (!found) return "this server has no such episode, so where the steps were is not known";
     try {
       SecondWalk walk(site, *found);
@@ -476,15 +519,6 @@ struct Replays::Run {
     } catch (const Error&) {  // what it says may name files of this machine
       return "the episode cannot be walked again here, so where the steps were is not known";
     }
-  }
-
-  std::optional<Found> find_episode(const Site& site, std::string_view id) const {
-    if (!task || !split) return std::nullopt;
-    for (const PublicSplit& one : site.splits()) {
-      const tasks::Annotations& all = one.annotations;
-      if (all.split == *split && tasks::name_of(all.task) == *task) return find_in(one, id);
-    }
-    return std::nullopt;
   }
 };
 
@@ -501,10 +535,7 @@ Replays::Replays(std::shared_ptr<const Site> site, const fs::path& folder)
 
 Replays::Run Replays::find(std::string_view name) const {
   for (RunFolder& one : run_folders(folder_)) {
-    if (one.name != name) continue;
-    Run run{std::move(one.name), std::move(one.path)};
-    run.read_description();
-    return run;
+    if (one.name == name) return {std::move(one), *site_};
   }
   throw Refusal(Reason::kNotFound, fmt::format("there is no run {:.80?}", name));
 }
@@ -512,27 +543,20 @@ Replays::Run Replays::find(std::string_view name) const {
 ordered_json Replays::runs(std::string_view episode) const {
   ordered_json list = ordered_json::array();
   for (RunFolder& one : run_folders(folder_)) {
-    const auto transcripts = transcripts_in(one.path);
-    const auto wanted = episode.empty()
-                            ? transcripts.begin()
-                            : std::ranges::find(transcripts, episode, &TranscriptFile::id);
-    if (!episode.empty() && wanted == transcripts.end()) continue;
     if (list.size() == kMostRuns) break;
-    Run run{std::move(one.name), std::move(one.path)};
-    run.read_description();
-    if (wanted != transcripts.end()) run.find_split(*site_, *wanted);
-    list.push_back(run.to_json());
-    list.back()["episodes"] = transcripts.size();
+    const Run run(std::move(one), *site_);
+    const auto& all = run.transcripts;
+    const bool wanted =
+        episode.empty() || std::ranges::find(all, episode, &TranscriptFile::id) != all.end();
+    if (wanted) list.push_back(run.to_json());
   }
   return {{"runs", std::move(list)}};
 }
 
 ordered_json Replays::run(std::string_view name, std::size_t offset, std::size_t limit) const {
-  Run run = find(name);
-  const auto transcripts = transcripts_in(run.folder);
-  if (!transcripts.empty()) run.find_split(*site_, transcripts.front());
+  const Run run = find(name);
+  const auto& transcripts = run.transcripts;
   ordered_json out = run.to_json();
-  out["episodes"] = transcripts.size();
   ordered_json& list = out["list"] = ordered_json::array();
   for (std::size_t k = offset; k < transcripts.size() && list.size() < limit; ++k) {
     ordered_json& one = list.emplace_back(ordered_json{{"episode", transcripts[k].id}});
@@ -547,15 +571,16 @@ ordered_json Replays::run(std::string_view name, std::size_t offset, std::size_t
 }
 
 ordered_json Replays::episode(std::string_view name, std::string_view episode) const {
-  Run run = find(name);
-  const auto file = transcript_in(run.folder, episode);
-  if (!file) {
+  const Run run = find(name);
+  const auto file = std::ranges::find(run.transcripts, episode, &TranscriptFile::id);
+  if (file == run.transcripts.end()) {
     throw Refusal(Reason::kNotFound,
                   fmt::format("run {} has no episode {:.80?}", run.name, episode));
   }
   Transcript transcript = TranscriptReader(file->path).read();
-  run.find_split(*site_, *file);
+  run.check_text(*site_, file->id, transcript.instruction);
   ordered_json out = run.to_json();
+  out.erase("episodes");
   out["episode"] = file->id;
   out["instruction"] = transcript.instruction;
   out["scan"] = nullptr;

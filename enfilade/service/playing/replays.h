@@ -17,8 +17,10 @@ namespace enfilade::service::playing {
 /// may be called from any thread.
 ///
 /// Of a transcript only what the model got and gave is told; whatever else a line has stays where
-/// it is. Names that requests have are compared with those in folders, and no path is made of them;
-/// links inside a run are not followed.
+/// it is. Where goals are hidden, an episode is shown only if its id and its instruction are those
+/// of the site's split, and where a phase keeps goals secret, no run of a split that the site does
+/// not have. Names that requests have are compared with those in folders, and no path is made of
+/// them; links inside a run are not followed.
 class Replays {
  public:
   static constexpr std::size_t kMostRuns = 1000;                ///< that are listed

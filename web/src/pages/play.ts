@@ -74,7 +74,7 @@ class PlayPage {
     this.strip.hidden = true;
     const other = view === 'marks' ? 'text' : 'marks';
     main.append(
-      make('div', { class: 'page-head' }, make('h1', {}, 'Follow the instruction'), make('p', { class: 'instruction' }, session.state.observation.instruction)),
+      make('div', { class: 'page-head' }, make('h1', {}, 'Follow the instruction'), make('p', { class: 'instruction' }, session.state.observation.instruction ?? '')),
       this.told, this.strip, this.body, this.said,
       this.foot);
     this.foot.append(make('label', { class: 'row' }, this.keys, 'Keys'),

@@ -26,7 +26,8 @@ export type ListedEpisode = { readonly episode: string } & (Done | { readonly pr
 
 /** What a session tells at a step; degrees and metres. */
 export interface Observation {
-  readonly instruction: string;
+  /** Absent in replays, which say it once. */
+  readonly instruction?: string;
   readonly step: number;
   readonly heading: number;
   readonly elevation: number;
