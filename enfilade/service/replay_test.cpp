@@ -69,7 +69,8 @@ class ReplayTest : public ::testing::Test {
     arena::AnswerCache cache(served_.root() / ("cache-" + name));
     Script script(std::move(lines));
     fs::path folder = runs_.path() / name;
-    arena::ask(set, nullptr, all, arena::Prompt::named("text"), config, &script, cache, folder);
+    arena::ask(arena::GraphWorld(set), {}, all, arena::Prompt::named("text"), config, &script,
+               cache, folder);
     return folder;
   }
   json get(const std::string& path) { return served_.json("/api/v1/runs" + path); }
@@ -169,7 +170,8 @@ TEST_F(ReplayTest, OtherBenchmarksAreWalkedAgainToo) {
 
 // Assistants and Python write no run.json.
 TEST_F(ReplayTest, TheSplitOfARunWithoutDescriptionIsFound) {
-  arena::Play play(episodes("val_seen"), nullptr, arena::Prompt::named("text"),
+  arena::Play play(std::make_unique<arena::GraphWorld>(episodes("val_seen")), {},
+                   arena::Prompt::named("text"),
                    {.episodes = {2}, .folder = runs_.path() / "played"});
   play.begin();
   play.call(arena::read_call("go_to", R"({"place": "B"})"));

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "enfilade/agents/continuous_benchmark.h"
-#include "enfilade/arena/session.h"
 #include "enfilade/arena/wire.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/file.h"
 #include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/refusal.h"
@@ -356,7 +356,7 @@ class SecondWalk {
   std::size_t walk(std::vector<Step>& steps, ordered_json& end) {
     // Its end is the transcript's: no limit of another run ends it before.
     const auto most = static_cast<std::uint32_t>(steps.size() + 1);
-    const auto session = arena::start_session(*world_, episode_, {most, most});
+    const auto session = world_->start_on_graph(episode_, {most, most});
     std::size_t walked = 0;
     for (std::size_t k = 0; k < steps.size(); ++k) {
       const auto seen = ordered_json::parse(to_json(session->observation()));
