@@ -9,6 +9,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/arena_world.h"
+#include "apps/enfilade/mcp_http.h"
 #include "apps/enfilade/session_options.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
@@ -23,6 +24,7 @@ struct Options {
   std::string data, task, split = "val_unseen", subset, output = "played", words = "none";
   bool pictures = false;
   std::uint32_t steps = 0;
+  int port = -1;  // below 0: standard input and output
   arena::McpConfig config;
 };
 
@@ -36,9 +38,14 @@ void play(Options& options) {
   options.config.version = version_with_commit();
   if (options.pictures) options.config.pictures = arena::Pictures::kStrip;
   arena::McpServer server(std::move(opened.world), std::move(opened.sights), options.config);
-  fmt::print(stderr, "{} of {} are done; an assistant is waited for on standard input\n",
-             server.done(), counted(server.size(), "episode"));
-  for (std::string line; std::getline(std::cin, line);) {
+  const std::string done =
+      fmt::format("{} of {} are done", server.done(), counted(server.size(), "episode"));
+  if (options.port >= 0) {
+    serve_mcp_over_http(server, options.port, done);
+  } else {
+    fmt::print(stderr, "{}; an assistant is waited for on standard input\n", done);
+  }
+  for (std::string line; options.port < 0 && std::getline(std::cin, line);) {
     if (line.empty()) continue;
     for (const std::string& answer : server.handle(line)) std::cout << answer << '\n';
     std::cout.flush();
@@ -62,9 +69,13 @@ void add_verb(CLI::App& app, int& /*status*/) {
               "What texts say of views: none, or labels, by pictures of classes and instances",
               CLI::IsMember({"none", "labels"}));
   add_steps_option(verb, options->steps);
+  verb.add_option("--port", options->port,
+                  "Listen at http://127.0.0.1:PORT/mcp instead; 0: any free port")
+      ->check(CLI::Range(0, 65535));
   add_setting(verb, "-o,--output", options->output, "DIR",
               "Transcripts and results; episodes that have a transcript are left out");
   set_examples(verb, {"enfilade mcp --data homes --subset 10 -o played",
+                      "enfilade mcp --data homes --port 8001 -o played",
                       "enfilade mcp --pictures --task reverie --split val_unseen"});
   verb.callback([options] { play(*options); });
 }

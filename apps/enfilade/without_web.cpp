@@ -2,6 +2,7 @@
 #include <string>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/mcp_http.h"
 #include "apps/enfilade/verbs.h"
 
 namespace enfilade::apps {
@@ -18,6 +19,10 @@ void add_missing(CLI::App& app, const std::string& name, const std::string& what
 }
 
 }  // namespace
+
+void serve_mcp_over_http(arena::McpServer& /*server*/, int /*port*/, const std::string& /*done*/) {
+  throw UsageError("mcp --port: this build speaks no HTTP; without it, mcp uses standard input");
+}
 
 void add_ask(CLI::App& app, int& /*status*/) {
   add_missing(app, "ask", "Have a language model walk a split");

@@ -38,7 +38,7 @@ void check(const tasks::EpisodeSet& episodes, std::size_t episode) {
     throw ArgumentError(
         fmt::format("episode: {}; there are {}", episode, episodes.episodes.size()));
   }
-  if (episodes.task == tasks::Task::kR2rBack || episodes.task == tasks::Task::kSoon) {
+  if (episodes.task == tasks::Task::kSoon) {
     throw ArgumentError(fmt::format("{}: a session has no tool for the answer that it asks for",
                                     tasks::title_of(episodes.task)));
   }
@@ -78,6 +78,10 @@ class OneGraphSession : public GraphSession {
         return go(detail::number_of_letters(values[0]));
       case Tool::kLook:
         return look(values[0]);
+      case Tool::kTurnBack:
+        batch_.give(0, {.turning_point = location().viewpoint});
+        return tell(
+            fmt::format("You said that the way back begins at {}.", detail::letters(here())));
       case Tool::kAnswer:
         batch_.give(0, {.object = std::to_string(object_of(values[0]))});
         tell(fmt::format("You named object {} and stopped.", values[0]));
@@ -205,6 +209,9 @@ class OneGraphSession : public GraphSession {
     if (!go.allowed.empty()) seen.tools.push_back(std::move(go));
     if (!back.allowed.empty()) seen.tools.push_back(std::move(back));
     seen.tools.push_back(std::move(look));
+    if (batch_.episodes().task == tasks::Task::kR2rBack) {
+      seen.tools.push_back({Tool::kTurnBack, {}, {}});
+    }
     if (batch_.episodes().task == tasks::Task::kReverie) {
       ToolUse answer{Tool::kAnswer, "object", {}};
       for (const Thing& thing : seen.things) answer.allowed.push_back(thing.name);

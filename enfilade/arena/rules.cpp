@@ -125,7 +125,12 @@ class Oracle : public Follower {
 
   Call next() override {
     const ViewpointIndex here = session_.pose().location.viewpoint;
-    const auto goal = tasks::nearest_goal(graph_, path_, here);
+    auto goal = tasks::nearest_goal(graph_, path_, here, leg_);
+    const bool goes_back = std::holds_alternative<tasks::TurningPoint>(path_.goal);
+    if (goes_back && leg_ == tasks::Leg::kOut && goal == here) {
+      leg_ = tasks::Leg::kBack;
+      return {std::string(name_of(Tool::kTurnBack)), {}};
+    }
     if (!goal || *goal == here) return finish();
     const Observation& seen = session_.observation();
     const auto way = [&](const Place& place) {
@@ -150,6 +155,7 @@ class Oracle : public Follower {
 
   const GraphSession& session_;
   const tasks::ReferencePath& path_;
+  tasks::Leg leg_ = tasks::Leg::kOut;
   const graph::NavGraph& graph_;
 };
 

@@ -13,7 +13,7 @@ namespace enfilade::arena {
 enum class Rule : std::uint8_t {
   kFirst,   ///< always to the first place, and never stops; in continuous space forward
   kRandom,  ///< as the agent "random" of the same seed, step by step
-  kOracle,  ///< the shortest way to the goal; of REVERIE it names the object
+  kOracle,  ///< the shortest way to the goal; of REVERIE it names the object, of R2R-Back the turn
   kStop,    ///< stops at once
 };
 constexpr std::array<std::string_view, 4> names_of(Rule /*enum*/) {

@@ -67,6 +67,16 @@ TEST(Rules, TheOracleNamesTheObject) {
   EXPECT_EQ(walked.points.back().viewpoint.value, 1U);
 }
 
+TEST(Rules, TheOracleSaysWhereItTurnsBack) {
+  GraphWorld world(episodes(tasks::Task::kR2rBack));
+  const tasks::Trajectory walked = walk(world, 0, Rule::kOracle);
+  EXPECT_EQ(walked.turning_point, ViewpointIndex(4));
+  const std::vector<std::uint32_t> way = places(walked);  // by v1 or v3: both are as short
+  ASSERT_EQ(way.size(), 5U);
+  EXPECT_EQ(way[2], 4U);
+  EXPECT_EQ(way[4], 0U);
+}
+
 std::vector<std::uint8_t> actions(FreeWorld& world, std::size_t episode, Rule rule,
                                   std::uint64_t seed = 1) {
   const auto session = world.start(episode, usual_limits(world.task()));

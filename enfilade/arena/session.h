@@ -20,15 +20,16 @@ namespace enfilade::arena {
 /// What can be done. Each has one argument at most, and all values that the argument may have are
 /// listed with each observation, so that nothing has to be parsed and nobody stops by mistake.
 enum class Tool : std::uint8_t {
-  kGoTo,    ///< place: one that can be reached in one step
-  kBackTo,  ///< place: one that was visited before; along known ways
-  kLook,    ///< direction: turns without a step
-  kMove,    ///< actions, in continuous space: one to four of them, in order
-  kAnswer,  ///< object, of REVERIE: names it and stops
+  kGoTo,      ///< place: one that can be reached in one step
+  kBackTo,    ///< place: one that was visited before; along known ways
+  kLook,      ///< direction: turns without a step
+  kMove,      ///< actions, in continuous space: one to four of them, in order
+  kTurnBack,  ///< of R2R-Back: says that the way back begins here; the last time counts
+  kAnswer,    ///< object, of REVERIE: names it and stops
   kStop,
 };
-constexpr std::array<std::string_view, 6> names_of(Tool /*enum*/) {
-  return {"go_to", "back_to", "look", "move", "answer", "stop"};
+constexpr std::array<std::string_view, 7> names_of(Tool /*enum*/) {
+  return {"go_to", "back_to", "look", "move", "turn_back", "answer", "stop"};
 }
 std::string_view name_of(Tool tool) noexcept;
 

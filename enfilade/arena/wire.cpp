@@ -153,6 +153,8 @@ std::string_view purpose_of(Tool tool) noexcept {
       return "Turn where you stand, and look in that direction.";
     case Tool::kMove:
       return "Do one to four actions, one after another.";
+    case Tool::kTurnBack:
+      return "Say that you are at the end of the way there, and that the way back begins here.";
     case Tool::kAnswer:
       return "Say which of the listed objects is meant, and stop. Nothing can be done after it.";
     case Tool::kStop:

@@ -53,7 +53,7 @@ class World {
   std::optional<std::size_t> find(std::string_view id) const;
 
   /// Begins an episode. \throws ArgumentError for an episode that there is not, limits out of
-  /// range; R2R-Back and SOON, whose answers no tool can give; in continuous space LookupError for
+  /// range; SOON, whose answers no tool can give; in continuous space LookupError for
   /// a building that is not there, ActionError for a start off the floor; errors of files
   virtual std::unique_ptr<Session> start(std::size_t episode, const Limits& limits = {}) = 0;
   /// A rule's way through a session that has just begun (rules.h). \param seed of Rule::kRandom

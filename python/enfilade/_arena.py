@@ -197,7 +197,7 @@ def arena(
     >>> walk.score().means["success"]
 
     Args:
-        name: task and split, "reverie/val_unseen": r2r, r4r, rxr, r2r-last, cvdn or reverie; r2r-ce and
+        name: task and split, "reverie/val_unseen": r2r, r4r, rxr, r2r-last, r2r-back, cvdn or reverie; r2r-ce and
             rxr-ce walk freely, one to four actions a call, and show no pictures.
         data: folder of the data set; None: what ENFILADE_DATA names.
         subset: how many, spread over buildings and lengths; a file with an instruction id a line;
@@ -214,8 +214,8 @@ def arena(
         output: folder for results.json and transcripts/; episodes that have a transcript there are
             left out. None: nothing is written.
 
-    Raises ArgumentError, UnknownNameError, FileError, InvalidInput naming what is wrong. R2R-Back and
-    SOON, whose answers no tool can give, are refused at the first step.
+    Raises ArgumentError, UnknownNameError, FileError, InvalidInput naming what is wrong. SOON, whose
+    answers no tool can give, is refused at the first step.
     """
     task, slash, split = name.partition("/")
     if not (task and slash and split):

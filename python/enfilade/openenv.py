@@ -31,7 +31,7 @@ from enfilade._arena import Arena, ArenaStep
 
 __all__ = ["Walk", "WalkAction", "WalkObservation", "app", "main"]
 
-_SUCCESS = ("success", "success_rate")  # as benchmarks call it
+_SUCCESS = ("success", "success_rate", "sr")  # as benchmarks call it
 _arenas = threading.Lock()  # opening one reads the whole split
 
 
@@ -55,7 +55,7 @@ class WalkObservation(Observation):  # type: ignore[misc, unused-ignore]
 
 class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[misc, unused-ignore]
     """An environment of OpenEnv. The reward is 0 until the end, and then the benchmark's success, 0 or 1;
-    0 where the goal is hidden.
+    0 where the goal is hidden, and where its metrics have none (all of them are in the metadata).
 
     Args:
         make: opens the arena.

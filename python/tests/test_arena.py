@@ -1,9 +1,12 @@
 """The server of the Model Context Protocol, driven by the protocol's own client library."""
 
 import asyncio
+import contextlib
 import json
 import os
 import subprocess
+import urllib.error
+import urllib.request
 
 import pytest
 
@@ -78,6 +81,65 @@ def test_the_protocols_client_walks_by_the_handshake(program, homes, tmp_path):
                 await play(session, tmp_path)
 
     asyncio.run(run())
+
+
+@contextlib.contextmanager
+def over_http(program, homes, folder):
+    """The address of `enfilade mcp --port`."""
+    given = parameters(program, homes, folder)
+    command = [given.command, *given.args, "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+        said = server.stdout.readline()
+        if "http://" not in said and "no HTTP" in server.stderr.read():
+            pytest.skip("this build speaks no HTTP: no `enfilade mcp --port`")
+        try:
+            yield said.split()[-1]
+        finally:
+            server.terminate()
+            assert server.wait(20) == 0
+
+
+def test_the_protocols_client_walks_over_http(program, homes, tmp_path):
+    http = pytest.importorskip("mcp.client.streamable_http", reason="this version of mcp has no such client")
+    connect = getattr(http, "streamable_http_client", None) or http.streamablehttp_client
+
+    async def run(address):
+        async with connect(address) as streams:
+            async with mcp.ClientSession(streams[0], streams[1]) as session:
+                await session.initialize()
+                await play(session, tmp_path)
+
+    with over_http(program, homes, tmp_path) as address:
+        asyncio.run(run(address))
+
+
+@pytest.mark.skipif(not hasattr(mcp, "Client"), reason="this version of mcp knows the handshake only")
+def test_the_protocols_client_walks_over_http_without_a_handshake(program, homes, tmp_path):
+    async def run(address):
+        async with mcp.Client(address) as client:
+            assert client.protocol_version == "2026-07-28"
+            await play(client, tmp_path)
+
+    with over_http(program, homes, tmp_path) as address:
+        asyncio.run(run(address))
+
+
+def test_pages_of_other_sites_do_not_play(program, homes, tmp_path):
+    body = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": {"name": "begin"}}).encode()
+
+    def status(address, **headers):
+        request = urllib.request.Request(address, body, {"Content-Type": "application/json", **headers})
+        try:
+            with urllib.request.urlopen(request) as answer:
+                return answer.status
+        except urllib.error.HTTPError as error:
+            return error.code
+
+    with over_http(program, homes, tmp_path) as address:
+        assert status(address, Origin="https://example.org") == 403
+        assert status(address, Host="example.org:80") == 403
+        assert status(address, **{"Mcp-Session-Id": "another"}) == 404
+        assert status(address, Origin=address.rsplit("/", 1)[0]) == 200
 
 
 @pytest.mark.skipif(not hasattr(mcp, "Client"), reason="this version of mcp knows the handshake only")

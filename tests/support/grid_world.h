@@ -11,7 +11,8 @@
 
 namespace enfilade::arena::testing {
 
-/// v0 v1 v4 with the instruction "Go to the desk."; of REVERIE v1 sees the desk, object 7. Then
+/// v0 v1 v4 with the instruction "Go to the desk."; of REVERIE v1 sees the desk, object 7; of
+/// R2R-Back the way leads to v4 and back to v0. Then
 /// `more` paths of other starts, two steps long.
 inline std::shared_ptr<const tasks::EpisodeSet> episodes(tasks::Task task = tasks::Task::kR2r,
                                                          std::int64_t more = 0) {
@@ -25,6 +26,10 @@ inline std::shared_ptr<const tasks::EpisodeSet> episodes(tasks::Task task = task
     tasks::ViewedObject desk{7, "desk#oak", {15}, {{305, 225, 30, 30}}};  // east, level, the middle
     tasks::ViewedObject hidden{8, "lamp", {}, {}};
     boxes->add("grid", "v1", {hidden, desk});
+  }
+  if (task == tasks::Task::kR2rBack) {
+    path.path = {"v0", "v1", "v4", "v1", "v0"};
+    path.goal = tasks::NamedTurningPoint{"v4"};
   }
   annotations.paths.push_back(path);
   const std::vector<std::vector<std::string>> others{

@@ -253,8 +253,8 @@ class TranscriptReader {
     if (seen.contains("here")) check(seen, "observation.", {}, {"here"});
     Step step;
     step.shown["observation"] =
-        parts_of(seen, std::array{"step", "heading", "elevation", "here", "places", "things", "map",
-                                  "told", "tools"});
+        parts_of(seen, std::array{"step", "heading", "elevation", "what", "here", "places",
+                                  "things", "map", "told", "tools"});
     step.shown["call"] = nullptr;
     if (line.contains("call") && !line["call"].is_null()) {
       const ordered_json& call = line["call"];

@@ -1,0 +1,37 @@
+/// \file  The Model Context Protocol over HTTP, for assistants that reach tools by an address.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "enfilade/arena/mcp.h"
+
+namespace enfilade::arena {
+
+/// Where it listens.
+struct McpHttpConfig {
+  std::string host = "127.0.0.1";  ///< an interface of this machine
+  int port = 8001;                 ///< 0: any that is free
+};
+
+/// `POST /mcp`, "Streamable HTTP" of the revisions from 2025-03-26 on: an answer is JSON, or, where
+/// a notification comes with it, a stream of events. One assistant at a time: `initialize` gives it
+/// a session, which ends those before it (404); the revision of 2026-07-28 has none. Pages of other
+/// sites are refused (403), by `Origin` and by `Host`. It is for one's own machine: whoever reaches
+/// the port walks. Only in builds with EN_WITH_WEB.
+class McpHttp {
+ public:
+  /// Listens when this returns. \param server outlives it; nobody else calls it meanwhile
+  /// \throws ArgumentError if the port is taken or the host is no interface
+  McpHttp(McpServer& server, const McpHttpConfig& config);
+  ~McpHttp();  ///< stops
+  McpHttp(const McpHttp&) = delete;
+  McpHttp& operator=(const McpHttp&) = delete;
+
+  std::string url() const;  ///< "http://127.0.0.1:8001/mcp"
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::arena
