@@ -75,10 +75,12 @@ Json run_json(const World& world, const Prompt& prompt, const AskConfig& config,
 std::optional<Answers> answers_of_run(const fs::path& folder) {
   if (!file_exists(folder / "run.json")) return std::nullopt;
   const Json there = Json::parse(read_file(folder / "run.json"), nullptr, false);
-  if (!there.is_object() || !there.contains("answers")) return std::nullopt;
+  if (!there.is_object() || !there.contains("answers") || !there["answers"].is_string()) {
+    return std::nullopt;  // claim_folder() says what is wrong
+  }
   const auto names = names_of(Answers());
-  const auto found = std::ranges::find(names, there["answers"]);
-  if (found == names.end()) return std::nullopt;  // claim_folder() says what is wrong
+  const auto found = std::ranges::find(names, there["answers"].get<std::string>());
+  if (found == names.end()) return std::nullopt;
   return static_cast<Answers>(found - names.begin());
 }
 
