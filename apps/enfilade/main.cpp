@@ -36,9 +36,10 @@ int main(int argc, char** argv) {
         add_demo,      add_doctor,        add_evaluate,   add_export,   add_features,
         add_filmstrip, add_graph,         add_homes,      add_import,   add_import_weights,
         add_mcp,       add_pack,          add_panorama,   add_pretrain, add_r4r,
-        add_render,    add_report,        add_run,        add_sample,   add_scan_mesh,
-        add_score,     add_serve,         add_speak,      add_stats,    add_study,
-        add_submit,    add_synth,         add_table,      add_top_down, add_train}) {
+        add_ray,       add_render,        add_report,     add_run,      add_sample,
+        add_scan_mesh, add_score,         add_serve,      add_slurm,    add_speak,
+        add_stats,     add_study,         add_submit,     add_synth,    add_table,
+        add_top_down,  add_train}) {
     add(app, status);
   }
   return run_program(app, argc, argv, status);

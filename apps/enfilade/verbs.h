@@ -23,6 +23,7 @@ void add_mcp(CLI::App& app, int& status);            ///< an assistant walks, ov
 void add_pack(CLI::App& app, int& status);           ///< packs a data set's pictures into stores
 void add_panorama(CLI::App& app, int& status);       ///< a viewpoint's panorama as one picture
 void add_pretrain(CLI::App& app, int& status);       ///< trains a small encoder on model homes
+void add_ray(CLI::App& app, int& status);            ///< a data job as tasks of Ray
 void add_render(CLI::App& app, int& status);         ///< what an agent sees
 void add_report(CLI::App& app, int& status);         ///< an HTML page about a run
 void add_run(CLI::App& app, int& status);            ///< runs an agent that does not learn
@@ -31,6 +32,7 @@ void add_sample(CLI::App& app, int& status);         ///< new paths from graphs 
 void add_scan_mesh(CLI::App& app, int& status);      ///< makes a scan from a mesh
 void add_score(CLI::App& app, int& status);          ///< scores a results file
 void add_serve(CLI::App& app, int& status);          ///< serves pages and evaluation over HTTP
+void add_slurm(CLI::App& app, int& status);          ///< a data job as an array of Slurm
 void add_speak(CLI::App& app, int& status);          ///< instructions by a trained speaker
 void add_stats(CLI::App& app, int& status);          ///< statistics of a data set
 void add_study(CLI::App& app, int& status);          ///< success by number of homes

@@ -12,14 +12,25 @@ Case line(std::string input, std::string command, int exit_code, std::string say
 std::vector<Case> command_line_cases() {
   return {
       line("no verb", "", 2, "A subcommand is required"),
-      line("a verb that is none", "fly", 2,
-           "\"fly\" is none of its verbs: ask, contact-sheet, continuous, convert, dataset, demo, "
-           "doctor, evaluate, "
-           "export, features, filmstrip, graph, homes, import, import-weights, mcp, pack, panorama, "
-           "pretrain, r4r, "
-           "render, report, run, sample, scan-mesh, score, serve, speak, stats, study, submit, "
-           "synth, "
-           "table, top-down, train"),
+      line(
+          "a verb that is none", "fly", 2,
+          "\"fly\" is none of its verbs: ask, contact-sheet, continuous, convert, dataset, demo, "
+          "doctor, evaluate, "
+          "export, features, filmstrip, graph, homes, import, import-weights, mcp, pack, panorama, "
+          "pretrain, r4r, ray, "
+          "render, report, run, sample, scan-mesh, score, serve, slurm, speak, stats, study, "
+          "submit, "
+          "synth, "
+          "table, top-down, train"),
+      line("a job without a verb", "slurm -o {}/job", 2, "a verb is needed"),
+      line("a job of a verb that cannot be cut", "slurm -o {}/job score x.json", 2,
+           "\"score\": features and homes can be cut into shares"),
+      line("a job that is cut already", "ray -o {}/job homes -o {}/h --shard 1/2", 2,
+           "--shard: it is set for each share here"),
+      line("a job of commands that are not there", "slurm -o {}/job --commands {}/none.txt", 3,
+           "none.txt"),
+      line("a job of features without a file", "slurm -o {}/job features --weights random", 2,
+           "features: -o FILE is needed"),
       line("an option that is none", "stats --data {} --colour", 2, "--colour"),
       line("an option without its value", "run --agent", 2, "--agent"),
       line("a number that is none", "run --data {} --batch many", 2,

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/cluster/job.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/features/feature_set.h"
@@ -28,15 +29,6 @@ struct Options {
   bool float16 = false;
   neural::FeatureJob job;
 };
-
-// Shards of one job are given one name; each writes a file of its own.
-fs::path shard_file(const fs::path& file, const Shard& shard) {
-  if (shard.count == 1) return file;
-  fs::path own = file;
-  own.replace_filename(fmt::format("{}.{}-of-{}{}", file.stem().string(), shard.index + 1,
-                                   shard.count, file.extension().string()));
-  return own;
-}
 
 std::shared_ptr<const scan::PanoramaSet> panoramas_of(const Options& o) {
   const dataset::DatasetConfig config{

@@ -1,0 +1,138 @@
+"""Data jobs on a Ray cluster; `enfilade ray` runs this (needs `pip install ray`).
+
+    python -m enfilade.cluster JOB --address auto
+
+JOB is a folder that `enfilade ray` or `enfilade slurm` has made. Each share is a task; one whose worker is
+killed is begun again, on any machine, and what is done is marked in JOB/done and not done twice. All
+machines see the same files.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any, Optional, Sequence
+
+__all__ = ["main", "run_job"]
+
+_LOOK = 3.0  # seconds between looks at what is done
+_PR_SET_PDEATHSIG = 1
+
+
+class ShareFailed(Exception):
+    """A share ended with an error of its own, which another attempt would not change."""
+
+
+def _die_with_parent() -> None:
+    """If the worker is killed, what it has started must not go on beside the next attempt."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _run_share(plan: dict[str, Any], job: str, number: int) -> int:
+    """Runs a share, from 1, unless it is done. Returns how often it was run here: 0 or 1."""
+    done, log = Path(job, "done", str(number)), Path(job, "logs", f"{number}.log")
+    if done.exists():
+        return 0
+    command = [plan["program"], *plan["shares"][number - 1]]
+    with open(log, "ab") as output:
+        ended = subprocess.run(
+            command, cwd=plan["cwd"], stdout=output, stderr=subprocess.STDOUT, preexec_fn=_die_with_parent
+        )
+    if ended.returncode < 0:
+        raise RuntimeError(f"killed by signal {-ended.returncode}")
+    if ended.returncode > 0:
+        raise ShareFailed(f"ended with {ended.returncode}: {log}")
+    done.touch()
+    return 1
+
+
+def run_job(
+    job: str, *, cpus: int = 1, attempts: int = 5, address: Optional[str] = None, progress: bool = True
+) -> list[str]:
+    """Runs the shares of a job, then what collects them.
+
+    Args:
+        job: its folder, on a file system that all machines of the cluster see.
+        cpus: processors that a share takes of its machine.
+        attempts: times that a share is begun whose worker was killed.
+        address: of a running cluster; None: the one that Ray finds, or one on this machine alone.
+
+    Returns a sentence for each share that could not be done; empty: the job is done. Raises FileError
+    for a folder that is no job.
+    """
+    import ray  # type: ignore[import-not-found, unused-ignore]
+
+    folder = Path(job).absolute()
+    plan = json.loads((folder / "plan.json").read_text())
+    if not ray.is_initialized():
+        ray.init(address=address, log_to_driver=False, include_dashboard=False, configure_logging=False)
+    if __name__ != "__main__":  # workers get what they run by value: they need not have this package
+        ray.cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    # Lost workers are begun again by Ray; errors of a share's own are not, but for signals.
+    task = ray.remote(num_cpus=cpus, max_retries=attempts - 1, retry_exceptions=[RuntimeError])(_run_share)
+    open_tasks = {
+        task.remote(plan, str(folder), number): number
+        for number in range(1, len(plan["shares"]) + 1)
+        if not (folder / "done" / str(number)).exists()
+    }
+    total, failed = len(plan["shares"]), []
+    while open_tasks:
+        ready, _ = ray.wait(list(open_tasks), num_returns=1, timeout=_LOOK)
+        for one in ready:
+            number = open_tasks.pop(one)
+            try:
+                ray.get(one)
+            except ray.exceptions.RayError as error:
+                failed.append(f"share {number}: {_reason_of(error)}")
+        if progress and sys.stderr.isatty():
+            ahead = total - len(open_tasks) - len(failed)
+            print(f"\r{ahead} of {total} shares are done", end="" if open_tasks else "\n", file=sys.stderr)
+    if failed or not plan["collect"]:
+        return failed
+    collected = subprocess.run([plan["program"], *plan["collect"]], cwd=plan["cwd"])
+    return [] if collected.returncode == 0 else [f"collecting the shares ended with {collected.returncode}"]
+
+
+def _reason_of(error: BaseException) -> str:
+    cause = getattr(error, "cause", None)
+    return str(cause if cause is not None else error).strip().splitlines()[-1]
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """python -m enfilade.cluster; 0: all is done, 1: some shares could not be done, 2: it cannot begin."""
+    parser = argparse.ArgumentParser(
+        prog="python -m enfilade.cluster", description="Run a data job on a Ray cluster."
+    )
+    parser.add_argument("job", help="the folder that `enfilade ray` has made")
+    parser.add_argument("--cpus", type=int, default=1, help="processors a share (default: 1)")
+    parser.add_argument("--attempts", type=int, default=5, help="times that a share is begun (default: 5)")
+    parser.add_argument("--address", help="of a running cluster (default: one on this machine alone)")
+    given = parser.parse_args(arguments)
+    if not os.path.exists(os.path.join(given.job, "plan.json")):
+        print(f"{given.job}: no plan.json; `enfilade ray` makes one", file=sys.stderr)
+        return 2
+    try:
+        import ray  # noqa: F401  # type: ignore[import-not-found, unused-ignore]
+    except ImportError:
+        print(f"ray: the package is not installed for {sys.executable}: pip install ray", file=sys.stderr)
+        return 2
+    begin = time.monotonic()
+    failed = run_job(given.job, cpus=given.cpus, attempts=given.attempts, address=given.address)
+    for one in failed:
+        print(one, file=sys.stderr)
+    if failed:
+        print(f"{len(failed)} shares are not done; the same command does them again", file=sys.stderr)
+        return 1
+    print(f"all shares are done, {time.monotonic() - begin:.1f} s")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
