@@ -18,6 +18,7 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/arena/stand_in.h"
 #include "enfilade/arena/subsets.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/score.h"
 
@@ -39,15 +40,11 @@ struct Options {
   arena::AskConfig ask;
 };
 
-template <class Enum>
+template <NamedEnum Enum>
 Enum named(const std::string& text, const char* option) {
-  const auto names = names_of(Enum());
-  const auto found = std::ranges::find(names, text);
-  if (found == names.end()) {
-    throw UsageError(
-        fmt::format("{} {}: one of {} is expected", option, text, fmt::join(names, ", ")));
-  }
-  return static_cast<Enum>(found - names.begin());
+  if (const auto value = find_enum<Enum>(text)) return *value;
+  throw UsageError(
+      fmt::format("{} {}: one of {} is expected", option, text, fmt::join(names_of(Enum()), ", ")));
 }
 
 void print_report(const arena::AskReport& report, const Options& options) {
@@ -165,8 +162,8 @@ ExitCode ask(Options& options) {
       arena::ask(world, opened.sights, which, prompt, options.ask, endpoint.get(), cache, folder,
                  progress_bar(options.ask.chat.model + ", " + options.split));
   fmt::print("{} with the prompt {}, answers as {}, on {} {}{}\n", options.ask.chat.model,
-             prompt.name(), names_of(report.answers).at(std::size_t(report.answers)), opened.title,
-             options.split, data->synthetic() ? ", SYNTHETIC" : "");
+             prompt.name(), enum_name(report.answers), opened.title, options.split,
+             data->synthetic() ? ", SYNTHETIC" : "");
   print_report(report, options);
   for (const std::string& one : report.given_up) fmt::print(stderr, "{}\n", one);
   if (report.done > 0 && !world.goals_hidden()) {

@@ -17,6 +17,7 @@
 #include "enfilade/arena/detail/transcript.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/core/check.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/folder_lock.h"
@@ -58,7 +59,7 @@ Json run_json(const World& world, const Prompt& prompt, const AskConfig& config,
            {"model", config.chat.model},
            {"prompt", prompt.name()},
            {"prompt_hash", AnswerCache::key_of(prompt.text())},
-           {"answers", names_of(answers).at(std::size_t(answers))},
+           {"answers", enum_name(answers)},
            {"temperature", config.chat.temperature},
            {"seed", nullptr},
            {"most_tokens", nullptr},
@@ -78,10 +79,7 @@ std::optional<Answers> answers_of_run(const fs::path& folder) {
   if (!there.is_object() || !there.contains("answers") || !there["answers"].is_string()) {
     return std::nullopt;  // claim_folder() says what is wrong
   }
-  const auto names = names_of(Answers());
-  const auto found = std::ranges::find(names, there["answers"].get<std::string>());
-  if (found == names.end()) return std::nullopt;
-  return static_cast<Answers>(found - names.begin());
+  return find_enum<Answers>(there["answers"].get<std::string>());
 }
 
 /// Writes run.json, or checks that the folder's is the same.
@@ -95,11 +93,12 @@ void claim_folder(const fs::path& folder, const Json& run) {
     write_file_atomically(file, run.dump(1) + "\n");
     return;
   }
-  const Json there = Json::parse(read_file(file), nullptr, false);
+  Json there = Json::parse(read_file(file), nullptr, false);
   if (!there.is_object()) {
     throw InvalidInput(
         {{Severity::kError, file.string(), "$", "not-a-run", "no JSON object; is it a run?"}});
   }
+  there.emplace("words", "none");  // of runs that were made before there were any
   for (const auto& [name, value] : run.items()) {
     if (there.contains(name) && there[name] == value) continue;
     throw InvalidInput(
@@ -313,12 +312,10 @@ class Run {
   }
 
   void sum_up(const std::vector<std::size_t>& which) {
-    const auto endings = names_of(Ending());
     for (const Json& end : detail::write_results(folder_, world_, which)) {
       ++report_.done;
       report_.mistakes += end["mistakes"].get<std::size_t>();
-      const auto ending = std::ranges::find(endings, end["ending"].get<std::string>());
-      ++report_.endings[static_cast<Ending>(ending - endings.begin())];
+      ++report_.endings[find_enum<Ending>(end["ending"].get<std::string>()).value()];
     }
     std::set<std::string> counted;
     for (const std::size_t episode : which) {

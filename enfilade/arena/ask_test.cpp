@@ -16,6 +16,7 @@
 #include "enfilade/agents/run.h"
 #include "enfilade/arena/rules.h"
 #include "enfilade/arena/stand_in.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/tasks/results.h"
@@ -83,7 +84,7 @@ TEST_F(Ask, TheOracleReachesEveryGoalInEveryFormOfAnswers) {
   const StandIn stand_in(world(), {});
   for (const Answers answers : {Answers::kTools, Answers::kJson, Answers::kText}) {
     config_.answers = answers;
-    const std::string name(names_of(answers).at(std::size_t(answers)));
+    const std::string name(enum_name(answers));
     const AskReport report = run(stand_in, name);
     EXPECT_EQ(report.done, which_.size());
     EXPECT_EQ(report.mistakes, 0U);

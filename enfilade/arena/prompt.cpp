@@ -14,6 +14,7 @@
 #include "enfilade/arena/detail/names.h"
 #include "enfilade/arena/detail/prompt_files.h"
 #include "enfilade/arena/detail/texts.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 
@@ -52,13 +53,13 @@ struct Parts {
 
 template <class Enum>
 Enum read_name(std::string_view value, const std::string& file, std::size_t line) {
-  const auto names = names_of(Enum());
-  const auto found = std::ranges::find(names, value);
-  if (found == names.end()) {
-    refuse(file, line, "bad-value",
-           fmt::format("{:?}, not one of {}", value.substr(0, 40), fmt::join(names, ", ")));
+  const auto found = find_enum<Enum>(value);
+  if (!found) {
+    refuse(
+        file, line, "bad-value",
+        fmt::format("{:?}, not one of {}", value.substr(0, 40), fmt::join(names_of(Enum()), ", ")));
   }
-  return static_cast<Enum>(found - names.begin());
+  return *found;
 }
 
 void read_head(std::string_view line, const std::string& file, std::size_t number, Parts& parts) {

@@ -10,6 +10,7 @@
 
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/random.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/geometry/camera.h"
@@ -162,10 +163,9 @@ class Oracle : public Follower {
 }  // namespace
 
 Rule rule_named(std::string_view name) {
-  const auto names = names_of(Rule());
-  const auto found = std::ranges::find(names, name);
-  if (found != names.end()) return static_cast<Rule>(found - names.begin());
-  throw LookupError(fmt::format("no rule {:?}; there are {}", name, fmt::join(names, ", ")));
+  if (const auto rule = find_enum<Rule>(name)) return *rule;
+  throw LookupError(
+      fmt::format("no rule {:?}; there are {}", name, fmt::join(names_of(Rule()), ", ")));
 }
 
 std::unique_ptr<Follower> GraphWorld::follow(Rule rule, const Session& session,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "enfilade/arena/detail/texts.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::arena {
@@ -57,10 +58,8 @@ std::string read_values(const ToolUse& use, std::string_view argument,
 
 }  // namespace
 
-std::string_view name_of(Tool tool) noexcept { return names_of(tool).at(std::size_t(tool)); }
-std::string_view name_of(Ending ending) noexcept {
-  return names_of(ending).at(std::size_t(ending));
-}
+std::string_view name_of(Tool tool) noexcept { return enum_name(tool); }
+std::string_view name_of(Ending ending) noexcept { return enum_name(ending); }
 
 void validate(const Limits& limits) {
   if (limits.steps == 0) throw ArgumentError("limits.steps: 0, at least 1");

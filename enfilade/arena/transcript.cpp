@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "enfilade/arena/wire.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 
@@ -43,11 +44,10 @@ Json end_of_transcript(const std::filesystem::path& file) {
   const std::size_t before = text.find_last_not_of('\n');
   const std::size_t begin = before == std::string::npos ? 0 : text.rfind('\n', before) + 1;
   Json end = Json::parse(text.substr(begin), nullptr, false);
-  const auto endings = names_of(Ending());
   const bool whole = end.is_object() && end.contains("result") && end.contains("mistakes") &&
                      end["mistakes"].is_number_unsigned() && end.contains("ending") &&
                      end["ending"].is_string() &&
-                     std::ranges::find(endings, end["ending"].get<std::string>()) != endings.end();
+                     find_enum<Ending>(end["ending"].get<std::string>()).has_value();
   if (!whole) {
     throw InvalidInput({{Severity::kError, file.string(), "the last line", "no-end",
                          "no end of an episode; remove the file, and it is walked again"}});

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/public_scorer.h"
@@ -30,7 +30,7 @@ constexpr int kTeamsOfAnAddress = 5;
 constexpr double kLeastStep = 0.001;
 constexpr double kMostStep = 0.5;
 
-bool is_scores(std::string_view text) { return detail::find_named<Scores>(text).has_value(); }
+bool is_scores(std::string_view text) { return find_enum<Scores>(text).has_value(); }
 constexpr std::size_t kLongestRules = 20'000;
 bool is_rules(std::string_view text) { return detail::is_prose(text, kLongestRules); }
 bool is_any(std::string_view /*text*/) { return true; }
@@ -46,7 +46,7 @@ std::string nonempty(const detail::Fields& fields, std::string_view name, json::
 Scores read_scores(const detail::Fields& fields, bool secret, json::Faults& faults) {
   const Scores otherwise = secret ? Scores::kAfterEnd : Scores::kPublic;
   if (!fields.has("scores")) return otherwise;
-  const auto scores = detail::find_named<Scores>(fields.text(
+  const auto scores = find_enum<Scores>(fields.text(
       "scores", is_scores, R"("public", "after-end", "ladder" or "hidden")", "bad-scores"));
   if (secret && scores == Scores::kPublic) {
     faults.error(

@@ -17,6 +17,7 @@
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/arena/play.h"
 #include "enfilade/arena/subsets.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/continuous_measures.h"
@@ -30,10 +31,7 @@ using namespace nb::literals;
 
 std::optional<arena::Answers> answers_named(const std::string& name) {
   if (name.empty()) return std::nullopt;
-  const auto names = names_of(arena::Answers());
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    if (names[k] == name) return static_cast<arena::Answers>(k);
-  }
+  if (const auto answers = find_enum<arena::Answers>(name)) return answers;
   throw ArgumentError("answers '" + name + "': one of tools, json, text");
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/service/detail/json_list.h"
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::collecting {
@@ -18,7 +18,7 @@ using nlohmann::ordered_json;
 /// \param code of Prolific
 ordered_json completion_json(const Platform& platform, const Visit& visit,
                              const std::string& code) {
-  ordered_json out{{"kind", detail::name_of(platform.kind)}};
+  ordered_json out{{"kind", enum_name(platform.kind)}};
   if (platform.kind == PlatformKind::kMturk) {
     out["action"] = visit.submit_to + "/mturk/externalSubmit";
     // MTurk refuses a form that has nothing but the assignment.
@@ -67,9 +67,9 @@ void add_conditions(ordered_json& out, const Collection& collection) {
 ordered_json collection_json(const Collection& collection, bool synthetic) {
   ordered_json out{{"collection", collection.name},
                    {"title", collection.title},
-                   {"kind", detail::name_of(collection.kind)},
-                   {"state", detail::name_of(collection.state())},
-                   {"platform", {{"kind", detail::name_of(collection.platform.kind)}}},
+                   {"kind", enum_name(collection.kind)},
+                   {"state", enum_name(collection.state())},
+                   {"platform", {{"kind", enum_name(collection.platform.kind)}}},
                    {"consent", collection.consent},
                    {"instructions", collection.instructions},
                    {"synthetic", synthetic}};
@@ -112,7 +112,7 @@ ordered_json questions_json(store::Database& db, const Collection& collection) {
 }
 
 ordered_json platform_json(const Platform& platform) {
-  ordered_json out{{"kind", detail::name_of(platform.kind)}};
+  ordered_json out{{"kind", enum_name(platform.kind)}};
   if (platform.kind == PlatformKind::kMturk) out["origins"] = platform.origins;
   if (platform.kind == PlatformKind::kProlific) {
     out["completion_code"] = platform.completion_code;
@@ -185,8 +185,7 @@ ordered_json visit_json(const Collection& collection, const VisitState& state) {
 }
 
 ordered_json item_json(const Item& item, Kind kind) {
-  ordered_json out{
-      {"kind", detail::name_of(kind)}, {"scan", item.scan}, {"heading", item.heading.value}};
+  ordered_json out{{"kind", enum_name(kind)}, {"scan", item.scan}, {"heading", item.heading.value}};
   if (shows_path(kind)) {
     out["path"] = item.path;
   } else {
@@ -200,7 +199,7 @@ ordered_json item_json(const Item& item, Kind kind) {
 
 ordered_json task_json(const Task& task) {
   ordered_json out{{"task", task.id},
-                   {"state", detail::name_of(task.state)},
+                   {"state", enum_name(task.state)},
                    {"expires", detail::iso_time(task.expires)}};
   if (task.item.practice) out["practice"] = true;
   out.update(item_json(task.item, task.kind));
@@ -250,8 +249,8 @@ ordered_json work_summary_json(const WorkSummary& work, SummaryBy by) {
 
 ordered_json work_json(const Task& task, bool secrets) {
   ordered_json out{{"task", task.id},
-                   {"kind", detail::name_of(task.kind)},
-                   {"state", detail::name_of(task.state)},
+                   {"kind", enum_name(task.kind)},
+                   {"state", enum_name(task.state)},
                    {"worker", task.worker},
                    {"split", task.item.split},
                    {"path_id", task.item.path_id},
@@ -301,9 +300,8 @@ void add_content(ordered_json& out, store::Database& db, const Task& task) {
 }
 
 ordered_json event_json(const Event& event) {
-  ordered_json out{{"when", detail::iso_time(event.at)},
-                   {"who", event.who},
-                   {"what", detail::name_of(event.what)}};
+  ordered_json out{
+      {"when", detail::iso_time(event.at)}, {"who", event.who}, {"what", enum_name(event.what)}};
   if (event.what == EventKind::kEdited) out["before"] = event.before;
   if (!event.reason.empty()) out["reason"] = event.reason;
   return out;

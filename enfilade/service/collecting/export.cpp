@@ -349,7 +349,7 @@ std::string tasks_json(store::Database& db, const ExportedSplit& exported) {
   std::vector<ordered_json> entries;
   for (const Task& task : submitted_of(db, exported)) {
     ordered_json one{{"task", task.id},
-                     {"state", detail::name_of(task.state)},
+                     {"state", enum_name(task.state)},
                      {"path_id", task.item.path_id},
                      {"number", task.item.number},
                      {"worker", task.worker}};

@@ -80,12 +80,10 @@ std::int64_t random_seed() {
   return std::stol(detail::new_secret("").substr(0, kDigits), nullptr, 16);
 }
 
-bool is_state(std::string_view text) {
-  return detail::find_named<CollectionState>(text).has_value();
-}
+bool is_state(std::string_view text) { return find_enum<CollectionState>(text).has_value(); }
 /// \param name of a CollectionState, or what isn't one
 void set_state(Collection& collection, std::string_view name, std::int64_t now) {
-  const auto state = detail::find_named<CollectionState>(name);
+  const auto state = find_enum<CollectionState>(name);
   if (!state) return;
   collection.open = state == CollectionState::kOpen;
   if (state != CollectionState::kArchived) {
@@ -191,12 +189,10 @@ class Reader {
   /// One of the enumeration's names; the first value if it is none of them.
   template <class Enum>
   static Enum one_of(const Fields& fields, std::string_view name) {
-    const auto known = [](std::string_view text) {
-      return detail::find_named<Enum>(text).has_value();
-    };
+    const auto known = [](std::string_view text) { return find_enum<Enum>(text).has_value(); };
     const std::string text =
         fields.text(name, known, fmt::format("{}", fmt::join(names_of(Enum{}), " or ")));
-    return detail::find_named<Enum>(text).value_or(Enum{});
+    return find_enum<Enum>(text).value_or(Enum{});
   }
 
   Platform read_platform(Element element, const Path& path) {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/shown_metrics.h"
 #include "enfilade/tasks/files.h"
@@ -163,7 +163,7 @@ ordered_json submission_json(const Submission& submission, const View& view, boo
                    {"team", submission.team_name},
                    {"phase", submission.phase},
                    {"method", submission.method},
-                   {"state", nothing && waits ? "received" : detail::name_of(submission.state)},
+                   {"state", nothing && waits ? "received" : enum_name(submission.state)},
                    {"created", detail::iso_time(submission.created)}};
   if (!submission.links.paper.empty()) one["paper"] = submission.links.paper;
   if (!submission.links.code.empty()) one["code"] = submission.links.code;

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/service/detail/addresses.h"
 #include "enfilade/service/detail/json_list.h"
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/headers.h"
 #include "enfilade/service/http/routes.h"
@@ -15,7 +15,7 @@ namespace {
 using nlohmann::ordered_json;
 
 ordered_json principal_json(const accounts::Principal& principal) {
-  return {{"role", detail::name_of(principal.role)}, {"name", principal.name}};
+  return {{"role", enum_name(principal.role)}, {"name", principal.name}};
 }
 
 void set_cookie(Response& response, std::string_view secret, std::int64_t seconds,

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/service/detail/json_list.h"
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/leaderboard.h"
 #include "enfilade/service/http/routes.h"
@@ -94,7 +94,7 @@ ordered_json phase_json(Context& context, const Phase& phase, bool organiser) {
       {"scorer", phase.scorer},
       {"episodes", count_episodes(context.site->secret_episodes(phase))},
       {"goals_secret", phase.goals_secret()},
-      {"scores", detail::name_of(phase.scores)},
+      {"scores", enum_name(phase.scores)},
       {"primary", phase.primary},
       {"columns", evaluation::columns_json(phase)},
       {"ends", phase.ends ? ordered_json(detail::iso_time(*phase.ends)) : ordered_json(nullptr)},

@@ -1,8 +1,8 @@
 // For administrators: health, metrics, the API's description.
 #include <nlohmann/json.hpp>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/service/collecting/tasks.h"
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/http/description.h"
 #include "enfilade/service/http/routes.h"
 
@@ -26,7 +26,7 @@ std::string_view explanation(store::Trouble trouble) {
 
 Response health(Context& context, const Request& /*request*/) {
   if (const auto trouble = context.health.trouble()) {
-    return error_response(503, detail::name_of(*trouble), explanation(*trouble));
+    return error_response(503, enum_name(*trouble), explanation(*trouble));
   }
   return json_response({{"status", "ok"}});
 }

@@ -2,10 +2,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/service/collecting/collection_json.h"
 #include "enfilade/service/collecting/submitted_work.h"
 #include "enfilade/service/detail/json_list.h"
-#include "enfilade/service/detail/names.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/routes.h"
 
@@ -33,7 +33,7 @@ std::optional<TaskState> state_of(const Request& request) {
   const std::string text = request.text("state");
   if (text.empty()) return TaskState::kSubmitted;
   if (text == "all") return std::nullopt;
-  const auto state = detail::find_named<TaskState>(text);
+  const auto state = find_enum<TaskState>(text);
   if (!state || *state < TaskState::kSubmitted) {
     throw HttpError(400, "state: not submitted, accepted, rejected or all");
   }
@@ -68,7 +68,7 @@ Response summarise(Context& context, const Request& request) {
 
 Response review(Context& context, const Request& request) {
   const ordered_json body = parse_object(request.body);
-  const auto verdict = detail::find_named<TaskState>(text_field(body, "verdict"));
+  const auto verdict = find_enum<TaskState>(text_field(body, "verdict"));
   const std::string reason = text_field(body, "reason", Presence::kOptional);
   const std::string instruction = text_field(body, "instruction", Presence::kOptional);
   const bool needs_reason = verdict == TaskState::kRejected;

@@ -126,7 +126,7 @@ Response next_task(Context& context, const Request& request) {
   state.finished =
       !lease.task && (lease.why == NoTask::kFinished || lease.why == NoTask::kNoneLeft);
   ordered_json out = collecting::visit_json(collection, state);
-  if (!lease.task) out["why"] = detail::name_of(lease.why);
+  if (!lease.task) out["why"] = enum_name(lease.why);
   return json_response(out);
 }
 

@@ -17,6 +17,7 @@
 #include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/arena/world.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 #include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/refusal.h"
@@ -114,9 +115,8 @@ bool is_count(const ordered_json& object, const char* name) {
 }
 
 bool is_ending(const ordered_json& line) {
-  const auto names = names_of(arena::Ending());
   const auto ending = line.is_object() ? text_in(line, "ending") : std::nullopt;
-  return ending && std::ranges::find(names, *ending) != names.end() && is_count(line, "steps") &&
+  return ending && find_enum<arena::Ending>(*ending) && is_count(line, "steps") &&
          is_count(line, "mistakes");
 }
 

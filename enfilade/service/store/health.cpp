@@ -35,7 +35,7 @@ std::optional<Trouble> Health::trouble() {
   const std::optional<Trouble> trouble =
       fault ? std::optional(fault->trouble) : std::optional<Trouble>();
   if (report_ && trouble != seen_) {
-    report_(fault ? fmt::format("{}: {}", detail::name_of(fault->trouble), fault->details) : "");
+    report_(fault ? fmt::format("{}: {}", enum_name(fault->trouble), fault->details) : "");
   }
   seen_ = trouble;
   looked_ = std::chrono::steady_clock::now();

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/service/detail/names.h"
 
 namespace enfilade::service::store {
 
@@ -31,8 +31,8 @@ void bind(SQLite::Statement& statement, int k, const T& value) {
     statement.bind(k, static_cast<std::int64_t>(value));
   } else if constexpr (std::floating_point<T>) {
     statement.bind(k, static_cast<double>(value));
-  } else if constexpr (detail::Named<T>) {
-    statement.bind(k, std::string(detail::name_of(value)));
+  } else if constexpr (NamedEnum<T>) {
+    statement.bind(k, std::string(enum_name(value)));
   } else if constexpr (std::same_as<T, std::vector<std::string>>) {
     statement.bind(k, join_lines(value));
   } else if constexpr (std::same_as<T, Blob>) {
@@ -69,8 +69,8 @@ class Row {
       value = static_cast<T>(next().getInt64());
     } else if constexpr (std::floating_point<T>) {
       value = next().getDouble();
-    } else if constexpr (detail::Named<T>) {
-      const auto found = detail::find_named<T>(next().getString());
+    } else if constexpr (NamedEnum<T>) {
+      const auto found = find_enum<T>(next().getString());
       if (!found) throw Error("the database has a name that this program does not know");
       value = *found;
     } else if constexpr (std::same_as<T, std::vector<std::string>>) {

@@ -91,7 +91,7 @@ std::vector<std::string> way_shown(std::vector<std::string> way) {
 }
 
 ordered_json turn_json(const Turn& turn) {
-  ordered_json out{{"turn", turn.id}, {"role", detail::name_of(turn.role)}};
+  ordered_json out{{"turn", turn.id}, {"role", enum_name(turn.role)}};
   if (!turn.text.empty()) out["text"] = turn.text;
   out["viewpoint"] = turn.viewpoint;
   out["heading"] = turn.heading;
@@ -302,9 +302,9 @@ ordered_json dialogue_json(store::Database& db, const Visit& visit, std::int64_t
     const Turn here = here_of(place.task.item, turns);
     const bool oracle = place.role == Role::kOracle;
     ordered_json out{
-        {"role", detail::name_of(place.role)},
+        {"role", enum_name(place.role)},
         {"partner", is_live(db, oracle ? place.dialogue.navigator : place.dialogue.oracle)},
-        {"turn", detail::name_of(turn_of(turns))},
+        {"turn", enum_name(turn_of(turns))},
         {"turns", ordered_json::array()},
         {"here",
          {{"viewpoint", here.viewpoint}, {"heading", here.heading}, {"elevation", here.elevation}}},

@@ -1,4 +1,4 @@
-/// \file  Enumerations whose values have names, as the database and the API write them.
+/// \file  Enumerations whose values have names, as files, options and messages write them.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -6,25 +6,26 @@
 #include <string_view>
 #include <type_traits>
 
-namespace enfilade::service::detail {
+namespace enfilade {
 
 /// An enumeration with a function names_of(Enum) beside it: an array of the names of all values, in
 /// their order.
 template <class Enum>
-concept Named = std::is_enum_v<Enum> && requires(Enum value) { names_of(value).front(); };
+concept NamedEnum = std::is_enum_v<Enum> && requires(Enum value) { names_of(value).front(); };
 
-template <Named Enum>
-constexpr std::string_view name_of(Enum value) {
+/// \pre the value is one of the enumeration's
+template <NamedEnum Enum>
+constexpr std::string_view enum_name(Enum value) {
   return names_of(value)[static_cast<std::size_t>(value)];
 }
 
 /// The value of that name; none if no value has it.
-template <Named Enum>
-std::optional<Enum> find_named(std::string_view name) {
+template <NamedEnum Enum>
+std::optional<Enum> find_enum(std::string_view name) {
   const auto names = names_of(Enum{});
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) return std::nullopt;
   return static_cast<Enum>(found - names.begin());
 }
 
-}  // namespace enfilade::service::detail
+}  // namespace enfilade
