@@ -1,5 +1,5 @@
 /** A person walks an episode as a model does: by keys, with pictures, over a reload. */
-import { readFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
@@ -13,6 +13,16 @@ const begun = (page: Page) => page.locator('.play-places li').first().waitFor();
 const stepsAre = (page: Page, steps: number) => page.locator('dl.facts div', { hasText: 'Steps' }).getByText(String(steps), { exact: true }).waitFor();
 const placeNames = (page: Page) => page.locator('.play-places button').allTextContents();
 
+/** An episode of R2R-Back, beside those of R2R: to the end of the first path, and back. */
+function writeBack(data: string): void {
+  const [first] = JSON.parse(readFileSync(join(data, 'r2r/R2R_val_seen.json'), 'utf8')) as { path: string[] }[];
+  const { path } = first!;
+  mkdirSync(join(data, 'r2r-back'), { recursive: true });
+  writeFileSync(join(data, 'r2r-back/R2R_val_seen.json'), JSON.stringify([{
+    ...first, path: [...path, ...path.slice(0, -1).reverse()], midstop: path.at(-1), instructions: ['Go there and come back.'],
+  }]));
+}
+
 describe.skipIf(missing)('who walks as a model does', () => {
   let home: Home;
   let folder: string;
@@ -23,6 +33,7 @@ describe.skipIf(missing)('who walks as a model does', () => {
     const data = join(folder, 'homes');
     makeHomes(data);
     writeAnnotations(data);
+    writeBack(data);
     enfilade('ask', '--data', data, '--split', 'val_seen', '--stand-in', 'first', '--steps', '6', '-o', join(folder, 'first'));
     first = JSON.parse(readFileSync(join(folder, 'first/results.json'), 'utf8')) as Result[];
     home = await serve(folder, data, join(folder, 'service.sqlite'));
@@ -47,6 +58,21 @@ describe.skipIf(missing)('who walks as a model does', () => {
     expect(await page.getByRole('link', { name: 'See the path' }).getAttribute('href')).toBe('/view?split=val_seen&id=1_0');
     const [saved] = JSON.parse(readFileSync(await download(page.getByRole('link', { name: 'Save the result' }), join(folder, 'saved')), 'utf8')) as Result[];
     expect(saved).toEqual(first.find(({ instr_id }) => instr_id === '1_0'));
+    await page.close();
+  });
+
+  it('says where the way back begins', async () => {
+    const page = await openPage(home, '/play?task=r2r-back&split=val_seen&episode=1_0&view=text');
+    await begun(page);
+    await page.keyboard.press((await placeNames(page))[0]!.toLowerCase());
+    await stepsAre(page, 1);
+    await page.getByRole('button', { name: 'The way back begins here' }).press('Enter');
+    await page.getByText(/^You said that the way back begins at [A-Z]+\.$/).waitFor();
+    await page.getByRole('button', { name: 'Stop here' }).press('Enter');
+    await page.keyboard.press('Enter');
+    const saved = readFileSync(await download(page.getByRole('link', { name: 'Save the result' }), join(folder, 'saved-back')), 'utf8');
+    const [{ midstop, trajectory }] = JSON.parse(saved) as [Result & { midstop: string }];
+    expect(midstop).toBe(trajectory.at(-1)![0]);
     await page.close();
   });
 

@@ -11,8 +11,8 @@ import './play.css';
 
 type View = 'text' | 'marks';
 
-/** Their answers no tool can give. */
-const unplayable = ['r2r-back', 'soon'];
+/** Its answer no tool can give. */
+const unplayable = ['soon'];
 const pictureSize = 384; // pixels: a quarter of the width
 
 const address = ({ task, split, episode }: Wanted, view: View): string =>
@@ -119,12 +119,13 @@ class PlayPage {
     const place = places.map((one) => make('li', {}, button(one.name, 'go_to', one.name, `Go to ${one.name}: ${placeText(one)}`),
       make('span', {}, placeText(one), one.what ? `; there: ${one.what}` : ''),
       ...(one.visited ? [make('span', { class: 'badge' }, 'visited')] : one.seen_before ? [make('span', { class: 'badge' }, 'seen before')] : [])));
-    const stop = tools.some(({ tool }) => tool === 'stop');
+    const [stop, turnBack] = ['stop', 'turn_back'].map((name) => tools.some(({ tool }) => tool === name));
     return [
       ...(place.length > 0 ? [make('h2', {}, 'Places that you can go to'), make('ul', { class: 'play-places' }, ...place)] : []),
       ...tools.filter(({ tool, allowed }) => tool !== 'go_to' && tool !== 'stop' && allowed).map(group),
       ...(map.length > 1 ? [make('details', {}, make('summary', {}, 'The map so far'), make('ul', {}, ...map.map(({ name, leads_to }) =>
         make('li', {}, make('b', {}, name), ` leads to ${leads_to.join(', ')}`))))] : []),
+      ...(turnBack ? [make('p', {}, button('The way back begins here', 'turn_back', ''))] : []),
       ...(stop ? [make('p', {}, twice('Stop here', 'Stop for good?', this.said, () => this.call('stop', '')))] : [])];
   }
 
