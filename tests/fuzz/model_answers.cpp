@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "enfilade/arena/chat.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/check.h"
 #include "tests/support/grid_world.h"
 
