@@ -12,13 +12,14 @@ from __future__ import annotations
 import argparse
 import ctypes
 import json
-import os
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 from typing import Any, Optional, Sequence
+
+from enfilade._errors import FileError
 
 __all__ = ["main", "run_job"]
 
@@ -35,11 +36,11 @@ def _die_with_parent() -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def _run_share(plan: dict[str, Any], job: str, number: int) -> int:
-    """Runs a share, from 1, unless it is done. Returns how often it was run here: 0 or 1."""
+def _run_share(plan: dict[str, Any], job: str, number: int) -> None:
+    """Runs a share, from 1, unless it is done."""
     done, log = Path(job, "done", str(number)), Path(job, "logs", f"{number}.log")
     if done.exists():
-        return 0
+        return
     command = [plan["program"], *plan["shares"][number - 1]]
     with open(log, "ab") as output:
         ended = subprocess.run(
@@ -50,7 +51,6 @@ def _run_share(plan: dict[str, Any], job: str, number: int) -> int:
     if ended.returncode > 0:
         raise ShareFailed(f"ended with {ended.returncode}: {log}")
     done.touch()
-    return 1
 
 
 def run_job(
@@ -70,6 +70,8 @@ def run_job(
     import ray  # type: ignore[import-not-found, unused-ignore]
 
     folder = Path(job).absolute()
+    if not (folder / "plan.json").exists():
+        raise FileError(f"{folder}: no plan.json; `enfilade ray` makes one")
     plan = json.loads((folder / "plan.json").read_text())
     if not ray.is_initialized():
         ray.init(address=address, log_to_driver=False, include_dashboard=False, configure_logging=False)
@@ -115,16 +117,17 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--attempts", type=int, default=5, help="times that a share is begun (default: 5)")
     parser.add_argument("--address", help="of a running cluster (default: one on this machine alone)")
     given = parser.parse_args(arguments)
-    if not os.path.exists(os.path.join(given.job, "plan.json")):
-        print(f"{given.job}: no plan.json; `enfilade ray` makes one", file=sys.stderr)
-        return 2
     try:
         import ray  # noqa: F401  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
         print(f"ray: the package is not installed for {sys.executable}: pip install ray", file=sys.stderr)
         return 2
     begin = time.monotonic()
-    failed = run_job(given.job, cpus=given.cpus, attempts=given.attempts, address=given.address)
+    try:
+        failed = run_job(given.job, cpus=given.cpus, attempts=given.attempts, address=given.address)
+    except FileError as error:
+        print(error, file=sys.stderr)
+        return 2
     for one in failed:
         print(one, file=sys.stderr)
     if failed:

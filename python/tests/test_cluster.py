@@ -52,14 +52,6 @@ print("1234;here")
 
 
 @pytest.fixture(scope="module")
-def program():
-    found = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
-    if not found:
-        pytest.skip("neither ENFILADE_COMMAND nor ENFILADE_PROGRAM is set: no `enfilade slurm`")
-    return found
-
-
-@pytest.fixture(scope="module")
 def whole(program, tmp_path_factory):
     """What one machine makes."""
     folder = tmp_path_factory.mktemp("whole") / "homes"

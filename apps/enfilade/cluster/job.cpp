@@ -26,6 +26,18 @@ std::optional<std::string> value_of(const Words& words, char letter, std::string
   return std::nullopt;
 }
 
+bool has_open_quote(std::string_view line) {
+  char open = 0;
+  for (const char c : line) {
+    if (c == open) {
+      open = 0;
+    } else if (open == 0 && (c == '"' || c == '\'' || c == '`')) {
+      open = c;
+    }
+  }
+  return open != 0;
+}
+
 Words merging(const Words& words, std::size_t shards) {
   const auto output = value_of(words, 'o', "output");
   if (!output) throw UsageError("features: -o FILE is needed");
@@ -102,7 +114,7 @@ ClusterJob job_of_commands(const fs::path& file) {
     ++number;
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos || line[first] == '#') continue;
-    if (std::ranges::count(line, '"') % 2 != 0) refuse("open-quote", "a quote without an end");
+    if (has_open_quote(line)) refuse("open-quote", "a quote without an end");
     Words words = CLI::detail::split_up(line);
     std::erase_if(words, [](const std::string& word) { return word.empty(); });
     for (std::string& word : words) CLI::detail::remove_quotes(word);
@@ -114,23 +126,35 @@ ClusterJob job_of_commands(const fs::path& file) {
   return job;
 }
 
-ClusterJob job_of(const Words& words, std::size_t shards, const fs::path& commands) {
-  if (commands.empty()) return job_of_verb(words, shards);
-  if (!words.empty()) throw UsageError(fmt::format("--commands, {}: one of them", words.front()));
-  return job_of_commands(commands);
+void add_job_options(CLI::App& verb, JobOptions& options) {
+  verb.prefix_command();
+  add_whole_number(verb, "--shards", options.shards, "How many shares");
+  add_value(verb, "--commands", options.commands, "FILE",
+            "In place of a verb: a command a line, each a share, such as evaluate, pack or export");
+  add_setting(verb, "-o,--output", options.folder, "DIR",
+              "For scripts, logs and what is done; on a file system that all machines see");
+  add_whole_number(verb, "--cpus", options.cpus, "Processors a share");
 }
 
-void claim_job_folder(const fs::path& folder, const ClusterJob& job) {
-  make_folder(folder / "done");
-  make_folder(folder / "logs");
-  const fs::path file = folder / "plan.json";
-  const std::string plan = job.to_json();
+ClaimedJob claim_job(const CLI::App& verb, const JobOptions& options) {
+  const Words words = verb.remaining();
+  if (!options.commands.empty() && !words.empty()) {
+    throw UsageError(fmt::format("--commands, {}: one of them", words.front()));
+  }
+  ClaimedJob claimed{options.commands.empty() ? job_of_verb(words, options.shards)
+                                              : job_of_commands(options.commands),
+                     fs::absolute(options.folder).lexically_normal()};
+  make_folder(claimed.folder / "done");
+  make_folder(claimed.folder / "logs");
+  const fs::path file = claimed.folder / "plan.json";
+  const std::string plan = claimed.job.to_json();
   if (file_exists(file) && read_file(file) != plan) {
     throw UsageError(
         fmt::format("{}: holds another job; give another folder, or repeat that job's command",
-                    folder.string()));
+                    claimed.folder.string()));
   }
   write_file_atomically(file, plan);
+  return claimed;
 }
 
 }  // namespace enfilade::apps

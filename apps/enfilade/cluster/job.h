@@ -1,5 +1,6 @@
 /// \file  Data jobs that many machines share: cut into shares here, run by an engine that exists.
 #pragma once
+#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -29,17 +30,26 @@ ClusterJob job_of_verb(const Words& words, std::size_t shards);
 /// those with # are left out. \throws FileError; InvalidInput for none, or for quotes without end
 ClusterJob job_of_commands(const std::filesystem::path& file);
 
-/// The one or the other, as the options of engines' verbs say it. \param commands empty: none
-/// \throws UsageError for both; as these
-ClusterJob job_of(const Words& words, std::size_t shards, const std::filesystem::path& commands);
+/// What the verbs of all engines ask for.
+struct JobOptions {
+  std::size_t shards = 16, cpus = 1;
+  std::string folder = "job", commands;
+};
+/// Adds them to a verb, whose other words are those of the verb that is cut.
+void add_job_options(CLI::App& verb, JobOptions& options);
+/// A job in its folder: FOLDER/plan.json says what it is, and FOLDER/done has a file for each share
+/// that is done, so that a job which is begun again does the others only.
+struct ClaimedJob {
+  ClusterJob job;
+  std::filesystem::path folder;  ///< absolute
+};
+/// Makes the folder. \pre the verb was parsed
+/// \throws UsageError for a verb and commands at once, or a folder of another job; FileError; as
+/// job_of_verb(), job_of_commands()
+ClaimedJob claim_job(const CLI::App& verb, const JobOptions& options);
 
 /// Where one share of a file's content goes: "features.safetensors" ->
 /// "features.3-of-16.safetensors".
 std::filesystem::path shard_file(const std::filesystem::path& file, const Shard& shard);
-
-/// Writes FOLDER/plan.json, and makes FOLDER/done, in which there is a file for each share that is
-/// done: a job that is begun again does the others only.
-/// \throws UsageError for a folder of another job; FileError
-void claim_job_folder(const std::filesystem::path& folder, const ClusterJob& job);
 
 }  // namespace enfilade::apps

@@ -14,21 +14,17 @@ namespace enfilade::apps {
 namespace ray_verb {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Options {
-  std::size_t shards = 16, cpus = 1, attempts = 5;
-  std::string folder = "job", commands, address, python = "python3";
-  Words words;
+  JobOptions job;
+  std::size_t attempts = 5;
+  std::string address, python = "python3";
 };
 
-void run(const Options& options) {
-  const ClusterJob job = job_of(options.words, options.shards, options.commands);
-  const fs::path folder = fs::absolute(options.folder).lexically_normal();
-  claim_job_folder(folder, job);
+void run(const CLI::App& verb, const Options& options) {
+  const std::filesystem::path folder = claim_job(verb, options.job).folder;
   std::vector<std::string> words{options.python,     "-m",
                                  "enfilade.cluster", folder.string(),
-                                 "--cpus",           std::to_string(options.cpus),
+                                 "--cpus",           std::to_string(options.job.cpus),
                                  "--attempts",       std::to_string(options.attempts)};
   if (!options.address.empty()) words.insert(words.end(), {"--address", options.address});
   std::vector<char*> arguments;
@@ -43,13 +39,7 @@ void run(const Options& options) {
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("ray", "Cut a data job into shares, as tasks of Ray");
   const auto options = std::make_shared<Options>();
-  verb.prefix_command();
-  add_whole_number(verb, "--shards", options->shards, "How many shares");
-  add_value(verb, "--commands", options->commands, "FILE",
-            "In place of a verb: a command a line, each a share, such as evaluate, pack or export");
-  add_setting(verb, "-o,--output", options->folder, "DIR",
-              "For logs and what is done; on a file system that all machines see");
-  add_whole_number(verb, "--cpus", options->cpus, "Processors a share");
+  add_job_options(verb, options->job);
   add_whole_number(verb, "--attempts", options->attempts, "Times that a share is begun");
   add_value(verb, "--address", options->address, "ADDRESS",
             "Of a running cluster: auto, or HOST:PORT (default: one on this machine alone)");
@@ -59,10 +49,7 @@ void add_verb(CLI::App& app, int& /*status*/) {
                       "enfilade ray --address auto --cpus 8 features --data homes --weights "
                       "resnet152.pth -o features.safetensors",
                       "enfilade ray --commands evaluations.txt -o evaluations"});
-  verb.callback([options, &verb] {
-    options->words = verb.remaining();
-    run(*options);
-  });
+  verb.callback([options, &verb] { run(verb, *options); });
 }
 
 }  // namespace

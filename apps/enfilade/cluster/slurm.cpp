@@ -18,11 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::size_t shards = 16, cpus = 1;
-  std::string folder = "job", commands;
+  JobOptions job;
   std::vector<std::string> sbatch;
   bool submit = false;
-  Words words;
 };
 
 std::string quoted(const std::string& word) {
@@ -37,21 +35,30 @@ std::string line_of(const Words& words) {
   return line;
 }
 
-std::string head_of(const Options& options, const std::string& name, const fs::path& log) {
+/// As a path in an option of sbatch, which fills in what follows a %.
+std::string escaped(const fs::path& path) {
+  std::string text;
+  for (const char c : path.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
+  return text;
+}
+
+/// \param log in logs/ of the job's folder, with the patterns of sbatch
+std::string head_of(const Options& options, const std::string& name, const fs::path& folder,
+                    const std::string& log) {
   std::string head = fmt::format(
       "#!/bin/bash\n"
       "#SBATCH --job-name=enfilade-{}\n"
       "#SBATCH --cpus-per-task={}\n"
-      "#SBATCH --output=\"{}\"\n"
+      "#SBATCH --output=\"{}/logs/{}\"\n"
       "#SBATCH --requeue\n",
-      name, options.cpus, log.string());
+      name, options.job.cpus, escaped(folder), log);
   for (const std::string& one : options.sbatch) head += "#SBATCH " + one + "\n";
   return head;
 }
 
 /// An array with a task a share; one that is done already ends at once.
 std::string share_script(const Options& options, const ClusterJob& job, const fs::path& folder) {
-  std::string script = head_of(options, job.shares.front().front(), folder / "logs/%a.log");
+  std::string script = head_of(options, job.shares.front().front(), folder, "%a.log");
   script += fmt::format(
       "#SBATCH --array=1-{}\n"
       "# Made by `enfilade slurm`. Submitted again, it does what is not done.\n"
@@ -69,7 +76,7 @@ std::string share_script(const Options& options, const ClusterJob& job, const fs
 }
 
 std::string collect_script(const Options& options, const ClusterJob& job, const fs::path& folder) {
-  return head_of(options, "collect", folder / "logs/collect.log") +
+  return head_of(options, "collect", folder, "collect.log") +
          fmt::format(
              "# Made by `enfilade slurm`: once all shares are done.\n"
              "set -eu\n"
@@ -101,10 +108,8 @@ std::string submit(const std::string& words) {
   return said.substr(0, said.find(';'));
 }
 
-void run(const Options& options) {
-  const ClusterJob job = job_of(options.words, options.shards, options.commands);
-  const fs::path folder = fs::absolute(options.folder).lexically_normal();
-  claim_job_folder(folder, job);
+void run(const CLI::App& verb, const Options& options) {
+  const auto [job, folder] = claim_job(verb, options.job);
   const fs::path shares = folder / "shares.sbatch", collect = folder / "collect.sbatch";
   write_file_atomically(shares, share_script(options, job, folder));
   if (!job.collect.empty()) write_file_atomically(collect, collect_script(options, job, folder));
@@ -129,13 +134,7 @@ void run(const Options& options) {
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("slurm", "Cut a data job into shares, as an array of Slurm");
   const auto options = std::make_shared<Options>();
-  verb.prefix_command();
-  add_whole_number(verb, "--shards", options->shards, "How many shares");
-  add_value(verb, "--commands", options->commands, "FILE",
-            "In place of a verb: a command a line, each a share, such as evaluate, pack or export");
-  add_setting(verb, "-o,--output", options->folder, "DIR",
-              "For scripts, logs and what is done; on a file system that all machines see");
-  add_whole_number(verb, "--cpus", options->cpus, "Processors a share");
+  add_job_options(verb, options->job);
   add_value(verb, "--sbatch", options->sbatch, "OPTION",
             "A line of options for sbatch, any number of times: --sbatch=--time=2:00:00")
       ->allow_extra_args(false);
@@ -145,10 +144,7 @@ void add_verb(CLI::App& app, int& /*status*/) {
                 "enfilade slurm --shards 32 --cpus 8 --sbatch=--partition=cpu --submit features "
                 "--data homes --weights resnet152.pth -o features.safetensors",
                 "enfilade slurm --commands evaluations.txt -o evaluations"});
-  verb.callback([options, &verb] {
-    options->words = verb.remaining();
-    run(*options);
-  });
+  verb.callback([options, &verb] { run(verb, *options); });
 }
 
 }  // namespace
