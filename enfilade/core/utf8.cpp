@@ -21,6 +21,13 @@ std::size_t utf8_length(std::string_view text) {
   return code < least || code > 0x10ffff || surrogate ? 0 : length;
 }
 
+std::string_view utf8_prefix(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return text;
+  // The byte behind the end must begin a character.
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xc0U) == 0x80) --most;
+  return text.substr(0, most);
+}
+
 void append_utf8(std::uint32_t code, std::string& text) {
   const auto append = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
   if (code < 0x80) {

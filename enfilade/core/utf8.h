@@ -12,6 +12,10 @@ namespace enfilade {
 /// (Unicode 15, table 3-7).
 std::size_t utf8_length(std::string_view text);
 
+/// The longest beginning of a text of at most so many bytes that does not end within a character.
+/// \pre the text is well-formed; of another one it may be a few bytes shorter
+std::string_view utf8_prefix(std::string_view text, std::size_t most);
+
 /// Appends the character of a code point to a text. \pre code is at most 0x10ffff, and no surrogate
 void append_utf8(std::uint32_t code, std::string& text);
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace enfilade {
 namespace {
 
@@ -33,6 +35,14 @@ TEST(AppendUtf8, IsUndoneByTheLengths) {
   std::string text;
   for (const std::uint32_t code : {0x41U, 0x7ffU, 0xffffU, 0x10ffffU}) append_utf8(code, text);
   EXPECT_EQ(text, "A\xDF\xBF\xEF\xBF\xBF\xF4\x8F\xBF\xBF");
+}
+
+TEST(Utf8, PrefixesEndBetweenCharacters) {
+  const std::string_view text = "a\u00e9\u20ac";  // of 1, 2 and 3 bytes
+  constexpr std::array<std::size_t, 8> kLengths{0, 1, 1, 3, 3, 3, 6, 6};
+  for (std::size_t most = 0; most < kLengths.size(); ++most) {
+    EXPECT_EQ(utf8_prefix(text, most).size(), kLengths[most]) << most;
+  }
 }
 
 }  // namespace
