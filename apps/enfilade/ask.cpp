@@ -114,6 +114,10 @@ ExitCode ask(Options& options) {
   if (options.ask.chat.model.empty() && !options.list) {
     throw UsageError("ask: --model NAME is needed, as the server calls it");
   }
+  const bool captioner_named = !options.captioner.empty() || !options.captioner_model.empty();
+  if (captioner_named && options.words != "captions") {
+    throw UsageError("--captioner, --captioner-model: nobody asks for captions; --words captions");
+  }
   const auto data = std::make_shared<const dataset::Dataset>(open_data(options.data));
   if (options.list) {
     const OpenedWorld opened = open_world(data, options.task, options.split);

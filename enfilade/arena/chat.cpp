@@ -19,6 +19,19 @@ constexpr std::string_view kOneCall = "Nothing was done: one call at a time.";
 
 Json text_part(std::string text) { return {{"type", "text"}, {"text", std::move(text)}}; }
 
+Json image_part(std::string_view key) {
+  return {{"type", "image_url"}, {"image_url", {{"url", std::string(kScheme).append(key)}}}};
+}
+
+Json request_of(const ChatConfig& config, Json messages) {
+  Json request{{"model", config.model},
+               {"messages", std::move(messages)},
+               {"temperature", config.temperature}};
+  if (config.seed) request["seed"] = *config.seed;
+  if (config.most_tokens) request["max_tokens"] = *config.most_tokens;
+  return request;
+}
+
 /// The message without its pictures.
 Json without_pictures(const Json& message) {
   if (!message["content"].is_array()) return message;
@@ -112,8 +125,7 @@ struct Chat::Impl {
       if (!pictures[k].caption.empty()) {
         content.push_back(text_part(fmt::format("Picture {}:", pictures[k].caption)));
       }
-      content.push_back(
-          {{"type", "image_url"}, {"image_url", {{"url", picture_address(keys[k])}}}});
+      content.push_back(image_part(keys[k]));
     }
     return message;
   }
@@ -155,11 +167,7 @@ std::string Chat::ask(const Observation& seen, const std::vector<PictureOrder>& 
                    {"content", chat.prompt.start(seen, chat.answers, chat.limits)}};
   }
   chat.user = chat.user_message(seen);
-  Json request{{"model", chat.config.model},
-               {"messages", chat.messages()},
-               {"temperature", chat.config.temperature}};
-  if (chat.config.seed) request["seed"] = *chat.config.seed;
-  if (chat.config.most_tokens) request["max_tokens"] = *chat.config.most_tokens;
+  Json request = request_of(chat.config, chat.messages());
   if (chat.answers == Answers::kTools) {
     Json& tools = request["tools"] = Json::array();
     for (const Json& one : Json::parse(functions_json(seen))) {
@@ -226,7 +234,11 @@ const PictureOrder* Chat::find_picture(std::string_view key) const {
   return found == impl_->seen.end() ? nullptr : &found->second;
 }
 
-std::string picture_address(std::string_view key) { return std::string(kScheme).append(key); }
+std::string picture_request(const ChatConfig& config, std::string question, std::string_view key) {
+  Json content = Json::array({text_part(std::move(question)), image_part(key)});
+  Json user{{"role", "user"}, {"content", std::move(content)}};
+  return request_of(config, Json::array({std::move(user)})).dump();
+}
 
 std::string with_pictures(std::string_view request,
                           const std::function<std::string(std::string_view key)>& picture) {

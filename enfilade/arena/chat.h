@@ -65,9 +65,10 @@ class Chat {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What a request has in place of a picture: "enfilade-picture:<key>".
-std::string picture_address(std::string_view key);
-/// The same request with the pictures in it, as data URLs. \param picture  the bytes of a JPEG by
+/// A request with one question about one picture, whose address is "enfilade-picture:<key>" as in
+/// those of Chat.
+std::string picture_request(const ChatConfig& config, std::string question, std::string_view key);
+/// A request with its pictures in it, as data URLs. \param picture  the bytes of a JPEG by
 /// its key
 std::string with_pictures(std::string_view request,
                           const std::function<std::string(std::string_view key)>& picture);

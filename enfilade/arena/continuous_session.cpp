@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <span>
 #include <utility>
 
+#include "enfilade/arena/detail/moves.h"
 #include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
 
@@ -12,15 +12,7 @@ namespace {
 
 using continuous::Action;
 
-struct Move {
-  std::string_view name;
-  Action action;
-};
-/// R2R-CE has the first three, RxR-CE all.
-constexpr std::array kMoves{Move{"forward", Action::kForward}, Move{"left", Action::kLeft},
-                            Move{"right", Action::kRight}, Move{"up", Action::kLookUp},
-                            Move{"down", Action::kLookDown}};
-constexpr std::size_t kMovesWithoutLooks = 3;
+constexpr std::size_t kMovesWithoutLooks = 3;  // of R2R-CE; RxR-CE has all
 
 continuous::SimulatorConfig one_walker(continuous::SimulatorConfig config) {
   config.batch_size = 1;
@@ -59,9 +51,9 @@ class OneContinuousSession : public ContinuousSession {
   Standpoint standpoint() const override {
     const continuous::Pose now = pose();
     const Vec3d eye = to_double(now.position) + Vec3d{0, 0, eye_height_};
-    const std::string scan(episode_of().scan());
-    return {fmt::format("{}/{:.6f}/{:.6f}/{:.6f}", scan, eye.x, eye.y, eye.z), FreeEye{scan, eye},
-            now.heading, now.elevation};
+    return {std::string(episode_of().scan()),
+            fmt::format("{:.6f}/{:.6f}/{:.6f}", eye.x, eye.y, eye.z), eye, now.heading,
+            now.elevation};
   }
 
  protected:
@@ -76,7 +68,7 @@ class OneContinuousSession : public ContinuousSession {
     std::size_t done = 0;
     for (const std::string& name : values) {
       const Vec3f before = simulator_.state().position[0];
-      step(std::ranges::find(kMoves, name, &Move::name)->action);
+      step(std::ranges::find(detail::kMoves, name, &detail::Move::name)->action);
       metres += length(simulator_.state().position[0] - before);
       collisions += simulator_.state().collided[0];
       ++done;
@@ -97,8 +89,9 @@ class OneContinuousSession : public ContinuousSession {
     if (words_ != nullptr) seen.what = words_->of(standpoint());
     if (!seen.tools.empty()) return;
     ToolUse move{Tool::kMove, "actions", {}, true};
-    const std::size_t count = looks_ ? kMoves.size() : kMovesWithoutLooks;
-    for (const Move& one : std::span(kMoves).first(count)) move.allowed.emplace_back(one.name);
+    const std::size_t count = looks_ ? detail::kMoves.size() : kMovesWithoutLooks;
+    for (const detail::Move& one : std::span(detail::kMoves).first(count))
+      move.allowed.emplace_back(one.name);
     seen.tools.push_back(std::move(move));
     seen.tools.push_back({Tool::kStop, {}, {}});
   }

@@ -66,8 +66,7 @@ class OneGraphSession : public GraphSession {
   std::string episode_id() const override { return batch_.episode(0).instruction_id; }
   Standpoint standpoint() const override {
     const graph::NavGraph& graph = batch_.graph(0);
-    return {fmt::format("{}/{}", graph.scan(), graph.id(location().viewpoint)), location(),
-            heading_, elevation_};
+    return {graph.scan(), graph.id(location().viewpoint), location(), heading_, elevation_};
   }
 
  protected:

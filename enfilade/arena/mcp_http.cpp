@@ -94,8 +94,12 @@ struct McpHttp::Impl {
 
   void end(const httplib::Request& request, httplib::Response& response) {
     const std::scoped_lock lock(mutex);
+    if (is_foreign(request)) {
+      response.status = 403;
+      return;
+    }
     const bool known = !session.empty() && request.get_header_value(kSessionHeader) == session;
-    if (known && !is_foreign(request)) session.clear();
+    if (known) session.clear();
     response.status = known ? 204 : 404;
   }
 };

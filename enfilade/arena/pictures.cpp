@@ -55,8 +55,9 @@ draw::Mark mark_of(const NamedDirection& mark, std::span<const Gaze> gazes, doub
 }  // namespace
 
 std::string PictureOrder::key() const {
-  std::string key = fmt::format("{}/{}/{:.4f}/{:.4f}/{}", strip ? "strip" : "view", from.place,
-                                to_degrees(from.heading), to_degrees(from.elevation), size);
+  std::string key =
+      fmt::format("{}/{}/{}/{:.4f}/{:.4f}/{}", strip ? "strip" : "view", from.scan, from.place,
+                  to_degrees(from.heading), to_degrees(from.elevation), size);
   for (const NamedDirection& mark : marks) {
     key += fmt::format("/{}:{:.4f}:{:.4f}", mark.name, to_degrees(mark.heading),
                        to_degrees(mark.elevation));
@@ -88,7 +89,7 @@ std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictur
     }
     return orders;
   }
-  if (std::holds_alternative<FreeEye>(here.eye)) {
+  if (std::holds_alternative<Vec3d>(here.eye)) {
     orders.push_back({"ahead", here, false, size, {}});
     return orders;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 #include "enfilade/arena/detail/transcript.h"
@@ -182,6 +183,14 @@ std::size_t Play::done() const noexcept {
 }
 std::size_t Play::size() const noexcept { return impl_->config.episodes.size(); }
 const std::vector<std::size_t>& Play::episodes() const noexcept { return impl_->config.episodes; }
+
+std::string Play::result(std::size_t episode) const {
+  const auto found = impl_->walked_here.find(episode);
+  if (found == impl_->walked_here.end()) {
+    throw ArgumentError(fmt::format("episode: {} has not been walked here", episode));
+  }
+  return impl_->world->results(std::span(&found->second, 1));
+}
 
 std::string Play::results() const {
   if (impl_->config.folder.empty()) {

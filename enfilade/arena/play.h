@@ -84,6 +84,8 @@ class Play {
   const std::vector<std::size_t>& episodes() const noexcept;  ///< PlayConfig::episodes
   /// Of all that are done, as the benchmark's results files have them. \throws FileError
   std::string results() const;
+  /// The same of one that this object has walked. \throws ArgumentError if it has not
+  std::string result(std::size_t episode) const;
 
  private:
   struct Impl;

@@ -90,6 +90,9 @@ TEST_F(PlayTest, AnEpisodeIsWalkedAnewAndTheLastWalkCounts) {
   const json results = json::parse(walked->results());
   ASSERT_EQ(results.size(), 1U);
   EXPECT_EQ(results[0].at("trajectory").size(), 2U);
+  EXPECT_EQ(walked->result(1), walked->results());
+  EXPECT_THAT([&] { walked->result(0); },
+              ::testing::ThrowsMessage<ArgumentError>(HasSubstr("has not been walked")));
   EXPECT_THAT([&] { walked->begin_at(2); },
               ::testing::ThrowsMessage<ArgumentError>(HasSubstr("episode: 2 is not one of")));
 }

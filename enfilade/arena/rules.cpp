@@ -10,6 +10,7 @@
 
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/random.h"
+#include "enfilade/arena/detail/moves.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
@@ -53,18 +54,17 @@ class RecordedActions : public Follower {
 
   Call next() override {
     std::vector<std::string_view> names;
-    while (names.size() < kMostMoves && at_ < actions_.size() && actions_[at_] != kStopping) {
-      names.push_back(kNames.at(actions_[at_++]));
+    for (; names.size() < kMostMoves && at_ < actions_.size(); ++at_) {
+      const auto move = std::ranges::find(
+          detail::kMoves, static_cast<continuous::Action>(actions_[at_]), &detail::Move::action);
+      if (move == detail::kMoves.end()) break;  // it stops
+      names.push_back(move->name);
     }
     if (names.empty()) return stop();
     return {std::string(name_of(Tool::kMove)), fmt::format("{}", fmt::join(names, ","))};
   }
 
  private:
-  static constexpr std::uint8_t kStopping = tasks::ContinuousWalk::kStop;
-  static constexpr std::array<std::string_view, 6> kNames{"stop",  "forward", "left",
-                                                          "right", "up",      "down"};
-
   std::vector<std::uint8_t> actions_;
   std::size_t at_ = 0;
 };

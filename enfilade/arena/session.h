@@ -112,18 +112,14 @@ std::string_view name_of(Ending ending) noexcept;
 /// What was walked, as results files have it.
 using Walked = std::variant<tasks::Trajectory, tasks::ContinuousResult>;
 
-/// An eye in continuous space.
-struct FreeEye {
-  std::string scan;
-  Vec3d point;  ///< metres, world frame
-};
-
 /// Where somebody stands and looks, for those who draw what is seen from there.
 struct Standpoint {
-  /// Names the place, equally on all machines that have the same data set: "SCAN/VIEWPOINT", or
-  /// "SCAN/x/y/z" of the eye in metres.
+  std::string scan;
+  /// Names the place in it, equally on all machines that have the same data set: a viewpoint's id,
+  /// or "x/y/z" of the eye in metres.
   std::string place;
-  std::variant<graph::Location, FreeEye> eye;
+  /// On graphs the location; in continuous space the eye, metres, world frame.
+  std::variant<graph::Location, Vec3d> eye;
   Radians heading, elevation;
 };
 

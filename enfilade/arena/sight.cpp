@@ -12,7 +12,7 @@ constexpr std::size_t kMostScenes = 4;  // that are kept, up to 60 MB each
 }  // namespace
 
 Camera camera_for(const Standpoint& from, std::uint32_t size) {
-  const bool free = std::holds_alternative<FreeEye>(from.eye);
+  const bool free = std::holds_alternative<Vec3d>(from.eye);
   return {size, size, free ? degrees(90) : degrees(60)};
 }
 
@@ -39,10 +39,10 @@ continuous::Eyes& Sight::eyes_in(const std::string& scan) {
 
 void Sight::render(const Camera& camera, const Standpoint& from, std::span<const Gaze> gazes,
                    const render::Outputs& outputs) {
-  if (const auto* eye = std::get_if<FreeEye>(&from.eye)) {
+  if (const auto* eye = std::get_if<Vec3d>(&from.eye)) {
     std::vector<continuous::MeshView> views;
-    for (const Gaze& gaze : gazes) views.push_back({0, eye->point, gaze.heading, gaze.elevation});
-    eyes_in(eye->scan).render(camera, views, outputs);
+    for (const Gaze& gaze : gazes) views.push_back({0, *eye, gaze.heading, gaze.elevation});
+    eyes_in(from.scan).render(camera, views, outputs);
     return;
   }
   if (!renderer_) throw ArgumentError("pictures: there are no panoramas to draw them from");

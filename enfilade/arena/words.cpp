@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <thread>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "enfilade/arena/detail/sight.h"
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/utf8.h"
 #include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::arena {
@@ -91,7 +91,7 @@ class CaptionWords : public Words {
   std::string of(const Standpoint& from) override {
     const PictureOrder order{{}, from, false, config_.picture_size, {}};
     const std::string key = order.key();
-    const std::string request = request_for(key);
+    const std::string request = picture_request(config_.chat, config_.question, key);
     const KeptAnswer kept = cache_.get(request, [&] {
       if (endpoint_ == nullptr) {
         throw detail::GivenUp(
@@ -111,18 +111,6 @@ class CaptionWords : public Words {
   }
 
  private:
-  std::string request_for(const std::string& key) const {
-    nlohmann::ordered_json request{{"model", config_.chat.model},
-                                   {"messages", {{{"role", "user"}}}},
-                                   {"temperature", config_.chat.temperature}};
-    if (config_.chat.seed) request["seed"] = *config_.chat.seed;
-    if (config_.chat.most_tokens) request["max_tokens"] = *config_.chat.most_tokens;
-    request["messages"][0]["content"] = {
-        {{"type", "text"}, {"text", config_.question}},
-        {{"type", "image_url"}, {"image_url", {{"url", picture_address(key)}}}}};
-    return request.dump();
-  }
-
   static std::string one_line(std::string_view text) {
     constexpr std::size_t kMost = 300;
     std::string line;
@@ -134,15 +122,7 @@ class CaptionWords : public Words {
         line += ' ';
       }
     }
-    if (line.size() > kMost) {
-      line.resize(kMost);
-      // Not in the middle of a character of UTF-8.
-      while (!line.empty() && (static_cast<unsigned char>(line.back()) & 0xC0U) == 0x80U) {
-        line.pop_back();
-      }
-      if (!line.empty() && static_cast<unsigned char>(line.back()) >= 0xC0U) line.pop_back();
-    }
-    return line;
+    return std::string(utf8_prefix(line, kMost));
   }
 
   Painter painter_;

@@ -88,8 +88,8 @@ TEST_F(WordsTest, LabelsAreCountedAndTheLargestComesFirst) {
   const auto words = label_words({.data = data})();
   std::map<std::string, int> said;
   for (const double heading : {0.0, 90.0, 180.0, 270.0}) {
-    ++said[words->of({"row/v1", graph::Location{ScanIndex(0), ViewpointIndex(1)}, degrees(heading),
-                      degrees(10)})];
+    ++said[words->of({"row", "v1", graph::Location{ScanIndex(0), ViewpointIndex(1)},
+                      degrees(heading), degrees(10)})];
   }
   // A little above the horizon the bed takes more than half of the view; one side is bare.
   EXPECT_EQ(said["bed, chair (2)"], 3) << ::testing::PrintToString(said);
@@ -116,7 +116,7 @@ TEST_F(WordsTest, CaptionsAreAskedForOnceAndKept) {
   AnswerCache cache(folder_.path() / "cache");
   const CaptionConfig config{.chat = {.model = "m"}, .picture_size = 64, .first_wait = 0.001};
   const auto words = caption_words({.data = data}, config, &captioner, cache)();
-  const Standpoint from{"row/v1", graph::Location{ScanIndex(0), ViewpointIndex(1)}, degrees(90),
+  const Standpoint from{"row", "v1", graph::Location{ScanIndex(0), ViewpointIndex(1)}, degrees(90),
                         Radians(0)};
   EXPECT_EQ(words->of(from), "A bed, <b>two</b> chairs.");
   ASSERT_EQ(captioner.bodies.size(), 2U) << "once more after 503";
@@ -149,7 +149,7 @@ TEST_F(WordsTest, EachPlaceHasThoseOfItsDirection) {
     const Place& place = session->observation().places[k];
     EXPECT_EQ(place.what, "view " + std::to_string(k + 1));
     EXPECT_NEAR(wrap_difference(asked_[k].heading - degrees(90) - place.turn).value, 0, 1e-9);
-    EXPECT_EQ(asked_[k].place, "row/v1");
+    EXPECT_EQ(asked_[k].place, "v1");
   }
   session->call({"look", "left"});
   EXPECT_EQ(asked_.size(), 2U) << "the same directions, although one looks elsewhere";
@@ -170,7 +170,7 @@ TEST(FreeWords, SayWhatIsAhead) {
 
 TEST(FreeWords, LabelsNameWhatTheMeshHas) {
   // A room whose walls have no class: nothing to name.
-  const Standpoint from{"room/1/1/1", FreeEye{"room", {1, 1, 1.25}}, degrees(90), Radians(0)};
+  const Standpoint from{"room", "1/1/1", Vec3d{1, 1, 1.25}, degrees(90), Radians(0)};
   const auto words = label_words({.data = nullptr, .scene_of = [](const std::string&) {
                                     return continuous::Scene::photographed(testing::room_tracer());
                                   }})();

@@ -61,8 +61,8 @@ const std::string& GraphWorld::words_of(const Standpoint& from) {
   static const std::string kNone;
   if (!words_source_) return kNone;
   if (!words_) words_ = words_source_();
-  const std::string key = fmt::format("{}/{:.4f}/{:.4f}", from.place, to_degrees(from.heading),
-                                      to_degrees(from.elevation));
+  const std::string key = fmt::format("{}/{}/{:.4f}/{:.4f}", from.scan, from.place,
+                                      to_degrees(from.heading), to_degrees(from.elevation));
   const auto [at, is_new] = known_words_.try_emplace(key);
   if (is_new) at->second = words_->of(from);
   return at->second;
@@ -107,6 +107,12 @@ FreeWorld::FreeWorld(agents::ContinuousWorld world, const agents::ContinuousBenc
   index_ids();
 }
 
+FreeWorld::FreeWorld(const FreeWorld& other)
+    : World(other),
+      world_(other.world_),
+      benchmark_(other.benchmark_),
+      words_source_(other.words_source_) {}
+
 std::unique_ptr<FreeWorld> FreeWorld::open(const agents::ContinuousBenchmark& benchmark,
                                            const std::filesystem::path& data,
                                            const std::string& split, WordsSource words) {
@@ -121,7 +127,7 @@ std::unique_ptr<FreeWorld> FreeWorld::open(const agents::ContinuousBenchmark& be
 }
 
 std::unique_ptr<World> FreeWorld::another() const {
-  return std::make_unique<FreeWorld>(world_, *benchmark_, words_source_);
+  return std::unique_ptr<World>(new FreeWorld(*this));
 }
 std::string_view FreeWorld::task() const noexcept { return benchmark_->name; }
 const std::string& FreeWorld::split() const noexcept { return world_.episodes->split; }

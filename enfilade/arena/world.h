@@ -142,6 +142,8 @@ class FreeWorld : public World {
   std::string results(std::span<const std::string> entries) const override;
 
  private:
+  FreeWorld(const FreeWorld& other);
+
   agents::ContinuousWorld world_;
   const agents::ContinuousBenchmark* benchmark_;
   WordsSource words_source_;

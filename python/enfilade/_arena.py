@@ -88,7 +88,7 @@ class ArenaStep:
         self._expect_open()
         if isinstance(answer, str):
             return self._done(self._core.answer(answer))
-        elif isinstance(answer, Mapping):
+        if isinstance(answer, Mapping):
             name, given = answer.get("name"), answer.get("arguments")
             if not isinstance(name, str):
                 raise ArgumentError('act: a dict {"name": ..., "arguments": {...}} has a name, a str')
@@ -99,9 +99,7 @@ class ArenaStep:
     def call(self, tool: str, argument: str = "") -> bool:
         """The same of one tool and its value: "go_to", "B"; of `move` several, with commas between."""
         self._expect_open()
-        names = [one["argument"] for one in self.observation["tools"] if one["tool"] == tool and "argument" in one]
-        given = {names[0] if names else "value": argument} if argument else {}
-        return self._done(self._core.call(tool, json.dumps(given)))
+        return self._done(self._core.use(tool, argument))
 
     def _done(self, outcome: tuple[bool, Optional[str], str]) -> bool:
         self.carried_out, self.ending, self.told = outcome
@@ -159,20 +157,22 @@ class Arena(Iterator[ArenaStep]):
 
     def results_text(self) -> str:
         """A results file of all episodes that are done, as the benchmark has it."""
-        return self._core.results()
+        return self._core.results(None)
 
-    def results(self) -> Any:
-        """The same as objects: a list of entries; of r2r-ce a dict of poses by episode."""
-        text = self._core.results()
+    def results(self, episode: Optional[str] = None) -> Any:
+        """The same as objects: a list of entries; of r2r-ce a dict of poses by episode. With an id of
+        that episode alone, which was walked by this object."""
+        text = self._core.results(episode)
         if self.episodes.task == "rxr-ce":
             return [json.loads(line) for line in text.splitlines()]
         return json.loads(text)
 
-    def score(self) -> Score:
-        """Of the episodes that are done. Raises as Episodes.score(), also if the goals are hidden."""
+    def score(self, episode: Optional[str] = None) -> Score:
+        """Of the episodes that are done, or of one that was walked by this object. Raises as
+        Episodes.score(), also if the goals are hidden."""
         if isinstance(self.episodes, Episodes):
-            return self.episodes.score(self.results(), part=True)
-        means, by_id = self._core.free_score()
+            return self.episodes.score(self.results(episode), part=True)
+        means, by_id = self._core.free_score(episode)
         return Score(means, by_id, [], self.episodes.task, "vln-ce")
 
 
@@ -197,8 +197,8 @@ def arena(
     >>> walk.score().means["success"]
 
     Args:
-        name: task and split, "reverie/val_unseen": r2r, r4r, rxr, r2r-last, r2r-back, cvdn or reverie; r2r-ce and
-            rxr-ce walk freely, one to four actions a call, and show no pictures.
+        name: task and split, "reverie/val_unseen": r2r, r4r, rxr, r2r-last, r2r-back, cvdn or
+            reverie; r2r-ce and rxr-ce walk freely, one to four actions a call, and show no pictures.
         data: folder of the data set; None: what ENFILADE_DATA names.
         subset: how many, spread over buildings and lengths; a file with an instruction id a line;
             "all"; None: 100, or as many as there are.

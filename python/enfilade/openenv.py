@@ -38,7 +38,7 @@ _arenas = threading.Lock()  # opening one reads the whole split
 class WalkAction(Action):  # type: ignore[misc, unused-ignore]
     """A call of a tool, or a model's words (docs/arena.md)."""
 
-    tool: str = Field("", description="go_to, back_to, look, answer, move or stop")
+    tool: str = Field("", description="go_to, back_to, look, move, turn_back, answer or stop")
     argument: str = Field("", description="The tool's value: B; of move several, with commas between")
     answer: str = Field("", description="Instead of a tool: a model's words, read as the prompt asks for")
 
@@ -112,7 +112,7 @@ class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[mis
 
     def _metrics(self, episode: str) -> dict[str, float]:
         try:
-            return self._arena.score().episodes[episode]
+            return self._arena.score(episode).episodes[episode]
         except enfilade.ArgumentError:  # the goal is hidden
             return {}
 
@@ -137,7 +137,9 @@ def app(name: str, *, sessions: int = 16, **options: Any) -> Any:
 
 def main(arguments: Optional[list[str]] = None) -> None:
     """python -m enfilade.openenv"""
-    parser = argparse.ArgumentParser(prog="python -m enfilade.openenv", description="Serve the arena to OpenEnv's clients.")
+    parser = argparse.ArgumentParser(
+        prog="python -m enfilade.openenv", description="Serve the arena to OpenEnv's clients."
+    )
     parser.add_argument("name", help="task and split: r2r/val_unseen")
     parser.add_argument("--data", help="folder of the data set (default: what ENFILADE_DATA names)")
     parser.add_argument("--subset", default="all", help="how many episodes, or a file of ids (default: all)")

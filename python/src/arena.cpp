@@ -62,9 +62,7 @@ class ArenaPlay {
   void begin_at(const std::string& episode) {
     const Busy busy(busy_);
     const nb::gil_scoped_release unlocked;
-    const auto found = world_->find(episode);
-    if (!found) throw LookupError("episode '" + episode + "': the split has no such id");
-    play_->begin_at(*found);
+    play_->begin_at(index_of(episode));
   }
   std::vector<std::string> ids() const {
     std::vector<std::string> ids;
@@ -92,14 +90,13 @@ class ArenaPlay {
   // (scan, viewpoint or None, eye or None, heading, elevation)
   nb::tuple standpoint() {
     const auto here = with_session([&] { return play_->session()->standpoint(); });
-    const std::string scan = here.place.substr(0, here.place.find('/'));
     nb::object viewpoint = nb::none(), eye = nb::none();
-    if (const auto* free = std::get_if<arena::FreeEye>(&here.eye)) {
-      eye = nb::make_tuple(free->point.x, free->point.y, free->point.z);
+    if (const auto* point = std::get_if<Vec3d>(&here.eye)) {
+      eye = nb::make_tuple(point->x, point->y, point->z);
     } else {
-      viewpoint = nb::cast(here.place.substr(scan.size() + 1));
+      viewpoint = nb::cast(here.place);
     }
-    return nb::make_tuple(scan, viewpoint, eye, here.heading.value, here.elevation.value);
+    return nb::make_tuple(here.scan, viewpoint, eye, here.heading.value, here.elevation.value);
   }
   nb::list draw() {
     const std::vector<std::string> drawn = with_session([&] { return play_->draw(); });
@@ -116,16 +113,24 @@ class ArenaPlay {
     return told(with_session([&] { return play_->call(arena::read_call(tool, arguments)); }));
   }
 
-  std::string results() const { return play_->results(); }
+  nb::tuple use(const std::string& tool, const std::string& argument) {
+    const arena::Reading reading{arena::Call{tool, argument}, {}, {}};
+    return told(with_session([&] { return play_->call(reading); }));
+  }
+
+  // Of one episode, or of all that are done.
+  std::string results(const std::optional<std::string>& episode) const {
+    return episode ? play_->result(index_of(*episode)) : play_->results();
+  }
   // Of walks in continuous space: ({measure: (mean, low, high)}, {episode: {measure: value}})
-  nb::tuple free_score() const {
+  nb::tuple free_score(const std::optional<std::string>& episode) const {
     const auto& free = dynamic_cast<const arena::FreeWorld&>(*world_);
     const auto& [episodes, experts, buildings] = free.world();
     std::vector<tasks::ContinuousResult> walks;
     std::vector<tasks::ContinuousScore> scores;
     {
       const nb::gil_scoped_release unlocked;
-      walks = tasks::parse_continuous_results(play_->results(), "results", *episodes,
+      walks = tasks::parse_continuous_results(results(episode), "results", *episodes,
                                               tasks::Coverage::kPart);
       scores = agents::score_continuous_walks(walks, *episodes, *buildings, *experts);
     }
@@ -148,6 +153,11 @@ class ArenaPlay {
   std::size_t size() const { return play_->size(); }
 
  private:
+  std::size_t index_of(const std::string& episode) const {
+    const auto found = world_->find(episode);
+    if (!found) throw LookupError("episode '" + episode + "': the split has no such id");
+    return *found;
+  }
   template <class Work>
   std::invoke_result_t<const Work&> with_session(const Work& work) {
     const Busy busy(busy_);
@@ -222,8 +232,9 @@ void bind_arena(nb::module_& m) {
       .def("standpoint", &ArenaPlay::standpoint,
            nb::sig("def standpoint(self) -> tuple[str, str | None, tuple[float, float, float] | "
                    "None, float, float]"))
-      .def("free_score", &ArenaPlay::free_score,
-           nb::sig("def free_score(self) -> tuple[dict[str, tuple[float, float, float]], "
+      .def("free_score", &ArenaPlay::free_score, "episode"_a.none(),
+           nb::sig("def free_score(self, episode: str | None) -> tuple[dict[str, tuple[float, "
+                   "float, float]], "
                    "dict[str, dict[str, float]]]"))
       .def("begin", &ArenaPlay::begin)
       .def("begin_at", &ArenaPlay::begin_at, "episode"_a)
@@ -239,7 +250,9 @@ void bind_arena(nb::module_& m) {
            nb::sig("def answer(self, text: str) -> tuple[bool, str | None, str]"))
       .def("call", &ArenaPlay::call, "tool"_a, "arguments"_a,
            nb::sig("def call(self, tool: str, arguments: str) -> tuple[bool, str | None, str]"))
-      .def("results", &ArenaPlay::results)
+      .def("use", &ArenaPlay::use, "tool"_a, "argument"_a,
+           nb::sig("def use(self, tool: str, argument: str) -> tuple[bool, str | None, str]"))
+      .def("results", &ArenaPlay::results, "episode"_a.none())
       .def_prop_ro("done", &ArenaPlay::done)
       .def("__len__", &ArenaPlay::size);
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import functools
 import os
+import subprocess
 from pathlib import Path
 from typing import Any, Callable
 
@@ -21,6 +22,24 @@ def data() -> Path:
     if not folder:
         pytest.skip("ENFILADE_DATA is not set: no real navigation graphs")
     return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def program() -> str:
+    """The program `enfilade`."""
+    found = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
+    if not found:
+        pytest.skip("neither ENFILADE_COMMAND nor ENFILADE_PROGRAM is set: no program `enfilade`")
+    return found
+
+
+@pytest.fixture(scope="session")
+def web_program(program: str) -> str:
+    """The same of a build that speaks HTTP."""
+    helped = subprocess.run([program, "ask", "--help"], capture_output=True, text=True)
+    if "speaks no HTTP" in helped.stderr:
+        pytest.skip("this build speaks no HTTP")
+    return program
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import json
-import os
 import subprocess
 import urllib.error
 import urllib.request
@@ -12,14 +11,6 @@ import pytest
 
 mcp = pytest.importorskip("mcp", reason="the package mcp is not installed (Python 3.10 or newer)")
 from mcp.client.stdio import StdioServerParameters, stdio_client  # noqa: E402
-
-
-@pytest.fixture(scope="module")
-def program():
-    found = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
-    if not found:
-        pytest.skip("neither ENFILADE_COMMAND nor ENFILADE_PROGRAM is set: no `enfilade mcp`")
-    return found
 
 
 @pytest.fixture(scope="module")

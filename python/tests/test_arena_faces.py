@@ -3,7 +3,6 @@ Homes are SYNTHETIC."""
 
 import contextlib
 import json
-import os
 import re
 import subprocess
 import urllib.request
@@ -16,17 +15,6 @@ TASKS = ("r2r", "r2r-back", "reverie", "r2r-ce")
 EPISODES = "4"
 
 
-@pytest.fixture(scope="module")
-def program():
-    found = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
-    if not found:
-        pytest.skip("neither ENFILADE_COMMAND nor ENFILADE_PROGRAM is set: no program")
-    helped = subprocess.run([found, "ask", "--help"], capture_output=True, text=True)
-    if "speaks no HTTP" in helped.stderr:
-        pytest.skip("this build speaks no HTTP: no `enfilade ask`")
-    return found
-
-
 def run(program, *arguments):
     done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
@@ -34,19 +22,19 @@ def run(program, *arguments):
 
 
 @pytest.fixture(scope="module")
-def homes(program, tmp_path_factory):
+def homes(web_program, tmp_path_factory):
     folder = tmp_path_factory.mktemp("faces") / "homes"
-    run(program, "homes", "-o", folder, "--preset", "graphs", "--homes", 3, "--paths", 6, "--tasks", "reverie,r2r-back")
-    run(program, "continuous", folder)
+    run(web_program, "homes", "-o", folder, "--preset", "graphs", "--homes", 3, "--paths", 6, "--tasks", "reverie,r2r-back")
+    run(web_program, "continuous", folder)
     return folder
 
 
 @pytest.fixture(scope="module", params=TASKS)
-def asked(request, program, homes, tmp_path_factory):
+def asked(request, web_program, homes, tmp_path_factory):
     """A task, and the run of the stand-in's oracle over some episodes."""
     folder = tmp_path_factory.mktemp("asked") / request.param
     said = run(
-        program, "ask", "--data", homes, "--task", request.param, "--stand-in", "oracle",
+        web_program, "ask", "--data", homes, "--task", request.param, "--stand-in", "oracle",
         "--subset", EPISODES, "-o", folder,
     )  # fmt: skip
     success = re.search(r"^(SR \(%\)|success_rate|sr)\s+([0-9.]+)", said, re.M)
@@ -84,11 +72,11 @@ def test_python_walks_the_same(asked, homes):
     assert set(score.episodes) == set(read_calls(folder))
 
 
-def test_mcp_walks_the_same(asked, program, homes, tmp_path):
+def test_mcp_walks_the_same(asked, web_program, homes, tmp_path):
     task, folder = asked
-    ids = run(program, "ask", "--data", homes, "--task", task, "--subset", EPISODES, "--list").split()
+    ids = run(web_program, "ask", "--data", homes, "--task", task, "--subset", EPISODES, "--list").split()
     calls = read_calls(folder)
-    command = [program, "mcp", "--data", str(homes), "--task", task, "--subset", EPISODES, "-o", str(tmp_path)]
+    command = [web_program, "mcp", "--data", str(homes), "--task", task, "--subset", EPISODES, "-o", str(tmp_path)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
 
         def use(name, arguments):
@@ -131,10 +119,10 @@ def request(address, body=None, key=""):
         return json.loads(answer.read())
 
 
-def test_http_walks_the_same(asked, program, homes, tmp_path):
+def test_http_walks_the_same(asked, web_program, homes, tmp_path):
     task, folder = asked
     entries = []
-    with serving(program, homes, tmp_path) as server:
+    with serving(web_program, homes, tmp_path) as server:
         for episode, calls in read_calls(folder).items():
             begun = request(
                 f"{server}/api/v1/sessions", {"task": task, "split": "val_unseen", "episode": episode}
@@ -152,7 +140,7 @@ def test_http_walks_the_same(asked, program, homes, tmp_path):
         assert by_id == {json.dumps(one, sort_keys=True) for one in results_of(folder)}
 
 
-def test_a_run_replays_on_another_machine(asked, program, homes, tmp_path):
+def test_a_run_replays_on_another_machine(asked, web_program, homes, tmp_path):
     """Nobody is asked: the cache alone, copied elsewhere, gives the same bytes."""
     task, folder = asked
     cache = tmp_path / "cache"
@@ -163,7 +151,7 @@ def test_a_run_replays_on_another_machine(asked, program, homes, tmp_path):
             copied.parent.mkdir(parents=True, exist_ok=True)
             copied.write_bytes(file.read_bytes())
     run(
-        program, "ask", "--data", homes, "--task", task, "--replay", "--model", "stand-in-oracle",
+        web_program, "ask", "--data", homes, "--task", task, "--replay", "--model", "stand-in-oracle",
         "--subset", EPISODES, "--cache", cache, "-o", tmp_path / "again",
     )  # fmt: skip
 
