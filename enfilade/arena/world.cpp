@@ -119,8 +119,6 @@ std::unique_ptr<FreeWorld> FreeWorld::open(const agents::ContinuousBenchmark& be
   agents::ContinuousWorld world;
   world.episodes = std::make_shared<const tasks::ContinuousEpisodes>(
       agents::load_continuous_split(benchmark, data, split));
-  world.experts =
-      std::make_shared<const tasks::ExpertWalks>(agents::load_experts_of(benchmark, data, split));
   world.buildings =
       std::make_shared<const continuous::Buildings>(data / benchmark.navigation_folder());
   return std::make_unique<FreeWorld>(std::move(world), benchmark, std::move(words));

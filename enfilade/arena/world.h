@@ -119,8 +119,8 @@ class FreeWorld : public World {
   /// \throws ArgumentError for a world without episodes or buildings
   FreeWorld(agents::ContinuousWorld world, const agents::ContinuousBenchmark& benchmark,
             WordsSource words = {});
-  /// Of a split in a folder of data, with the experts' walks where it has them.
-  /// \throws as agents::load_continuous_split(), load_experts_of(), Buildings
+  /// Of a split in a folder of data, without the experts' walks, which no session needs.
+  /// \throws as agents::load_continuous_split(), Buildings
   static std::unique_ptr<FreeWorld> open(const agents::ContinuousBenchmark& benchmark,
                                          const std::filesystem::path& data,
                                          const std::string& split, WordsSource words = {});

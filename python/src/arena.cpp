@@ -44,8 +44,8 @@ class ArenaPlay {
  public:
   ArenaPlay(std::unique_ptr<arena::World> world, arena::Sights sights, const std::string& subset,
             const std::string& prompt, arena::PlayConfig config, std::uint32_t steps,
-            std::uint32_t mistakes)
-      : world_(world->another()) {
+            std::uint32_t mistakes, std::filesystem::path data = {})
+      : world_(world->another()), data_(std::move(data)) {
     config.episodes = arena::subset_named(*world, subset);
     config.limits = arena::usual_limits(world->task());
     config.limits.mistakes = mistakes;
@@ -123,16 +123,21 @@ class ArenaPlay {
     return episode ? play_->result(index_of(*episode)) : play_->results();
   }
   // Of walks in continuous space: ({measure: (mean, low, high)}, {episode: {measure: value}})
-  nb::tuple free_score(const std::optional<std::string>& episode) const {
+  nb::tuple free_score(const std::optional<std::string>& episode) {
+    const Busy busy(busy_);
     const auto& free = dynamic_cast<const arena::FreeWorld&>(*world_);
-    const auto& [episodes, experts, buildings] = free.world();
+    const auto& episodes = free.world().episodes;
     std::vector<tasks::ContinuousResult> walks;
     std::vector<tasks::ContinuousScore> scores;
     {
       const nb::gil_scoped_release unlocked;
       walks = tasks::parse_continuous_results(results(episode), "results", *episodes,
                                               tasks::Coverage::kPart);
-      scores = agents::score_continuous_walks(walks, *episodes, *buildings, *experts);
+      if (!experts_) {
+        const auto& benchmark = agents::continuous_benchmark(free.task());
+        experts_ = agents::load_experts_of(benchmark, data_, free.split());
+      }
+      scores = agents::score_continuous_walks(walks, *episodes, *free.world().buildings, *experts_);
     }
     const tasks::ContinuousMeasures measured = tasks::measure(scores, walks, *episodes);
     nb::dict means, by_id;
@@ -174,7 +179,9 @@ class ArenaPlay {
     return nb::make_tuple(outcome.carried_out, ending, outcome.told);
   }
 
-  std::unique_ptr<arena::World> world_;  // for scores
+  std::unique_ptr<arena::World> world_;        // for scores
+  std::filesystem::path data_;                 // of continuous space
+  std::optional<tasks::ExpertWalks> experts_;  // read when scores are first asked for
   std::unique_ptr<arena::Play> play_;
   std::atomic_flag busy_;
 };
@@ -218,7 +225,7 @@ std::unique_ptr<ArenaPlay> open_free_play(const std::filesystem::path& data,
   const auto& benchmark = agents::continuous_benchmark(task);
   auto world = arena::FreeWorld::open(benchmark, data, split);
   return std::make_unique<ArenaPlay>(std::move(world), arena::Sights(), subset, prompt,
-                                     std::move(config), steps, mistakes);
+                                     std::move(config), steps, mistakes, data);
 }
 
 }  // namespace
