@@ -37,5 +37,16 @@ if(Torch_FOUND AND NOT TARGET Torch::Torch)
   target_link_libraries(Torch::Torch INTERFACE
     "-Wl,--push-state,--no-as-needed,${Torch_LIBRARY},--pop-state"
     ${Torch_CPU_LIBRARY} ${Torch_C10_LIBRARY})
+  # Processes that train together, where libtorch has them and Gloo's headers are there (Debian:
+  # libgloo-dev). Those of a PyTorch need the same ones: no more than names is taken from them.
+  find_path(Gloo_INCLUDE_DIR gloo/context.h HINTS ${Torch_PYTHON_DIR}/include)
+  mark_as_advanced(Gloo_INCLUDE_DIR)
+  if(Gloo_INCLUDE_DIR AND EXISTS
+      ${Torch_INCLUDE_DIR}/torch/csrc/distributed/c10d/ProcessGroupGloo.hpp)
+    target_compile_definitions(Torch::Torch INTERFACE USE_DISTRIBUTED USE_C10D_GLOO EN_WITH_C10D)
+    if(NOT Gloo_INCLUDE_DIR IN_LIST CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES)
+      target_include_directories(Torch::Torch INTERFACE ${Gloo_INCLUDE_DIR})
+    endif()
+  endif()
 endif()
 mark_as_advanced(Torch_INCLUDE_DIR Torch_LIBRARY Torch_CPU_LIBRARY Torch_C10_LIBRARY)

@@ -117,6 +117,8 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& status) {
     return kInput;
   } catch (const FileError& error) {
     return fail(kInput, app, error.what());
+  } catch (const CutShort& error) {
+    return fail(kAgain, app, error.what());
   } catch (const Error& error) {  // a name or value from the command line
     return fail(kUsage, app, error.what());
   } catch (const std::bad_alloc&) {

@@ -173,6 +173,8 @@ void examine_networks(Report& report) {
   report.add("products", judge_blas(*torch));
   const bool cuda = torch->cuda == "works";
   report.add("cuda", cuda, torch->cuda);
+  report.add("several processes", torch->connects, torch->processes,
+             torch->connects ? "" : "to train in more than one: docs/scale.md");
 }
 
 // What is written where, and how much the demo, the largest of the verbs' usual jobs, writes there.

@@ -38,6 +38,13 @@ class FileError : public Error {
   using Error::Error;
 };
 
+/// Work that something outside cut short, as the end of another process, and that can be begun
+/// again as it is.
+class CutShort : public Error {
+ public:
+  using Error::Error;
+};
+
 /// How bad a finding is.
 enum class Severity {
   kNote,     ///< information; nothing is wrong

@@ -64,10 +64,11 @@ class DecisionRecorder {
   std::size_t steps(std::size_t episode) const;  ///< recorded so far. \pre episode < episodes
   /// An episode with the names of its viewpoints. \pre `episodes` are those that were walked
   EpisodeDecisions episode(std::size_t episode, const tasks::EpisodeSet& episodes) const;
+  static constexpr std::size_t kShown = 60;  ///< count for shown_episodes(), as files have them
   /// Writes the file of shown_episodes(). \pre as in episode(); a trajectory an episode
   /// \throws FileError
   void write(const std::filesystem::path& file, const tasks::EpisodeSet& episodes,
-             const std::vector<tasks::Trajectory>& trajectories, std::size_t count = 60) const;
+             const std::vector<tasks::Trajectory>& trajectories, std::size_t count = kShown) const;
 
  private:
   struct Episode {

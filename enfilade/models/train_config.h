@@ -130,6 +130,10 @@ struct TrainConfig {
   std::optional<std::string> initial_weights = {};
   std::size_t iterations = 20'000;  ///< of seq2seq-ce they follow: see fix_updates()
   std::size_t batch_size = 100;
+  /// Parts that a batch is computed in, one after the other or by several processes; their
+  /// gradients are added in an order that does not depend on how many. No value: all at once. 0: a
+  /// part a process, added as they come, so that results depend on the number of processes.
+  std::optional<std::size_t> parts = {};
   /// Actions of an episode; of agents that choose among viewpoints, choices.
   std::size_t max_steps = 20;
   AfterEnd after_end = AfterEnd::kWalksOn;  ///< of seq2seq

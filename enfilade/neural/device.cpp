@@ -2,6 +2,7 @@
 
 #include <ATen/ATen.h>
 #include <ATen/Parallel.h>
+#include <ATen/Version.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,12 +10,14 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/neural/detail/torch_device.h"
 #include "enfilade/neural/network.h"
+#include "enfilade/neural/ranks.h"
 
 namespace enfilade::neural {
 namespace {
@@ -45,6 +48,15 @@ double product_speed() {
   return best;
 }
 
+// The kind of processor that OpenBLAS takes this one for; empty: another BLAS.
+std::string blas_kind() {
+  void* const symbol = dlsym(RTLD_DEFAULT, "openblas_get_corename");
+  if (symbol == nullptr) return {};
+  char* (*name)() = nullptr;
+  std::memcpy(&name, &symbol, sizeof name);
+  return name();
+}
+
 std::string cuda_state() {
   try {
     detail::open_device("cuda");
@@ -55,6 +67,18 @@ std::string cuda_state() {
 }
 
 }  // namespace
+
+TorchKind torch_kind() {
+  constexpr std::string_view kName = "CPU capability usage: ";
+  const std::string build = at::show_config();
+  std::string instructions = "unknown";
+  if (const std::size_t at = build.find(kName); at != std::string::npos) {
+    instructions = build.substr(at + kName.size());
+    instructions = instructions.substr(0, instructions.find_first_of(" \n"));
+  }
+  if (const std::string blas = blas_kind(); !blas.empty()) instructions += ", OpenBLAS " + blas;
+  return {TORCH_VERSION, instructions};
+}
 
 std::string_view to_string(Precision value) noexcept {
   return kPrecisions[static_cast<std::size_t>(value)];
@@ -75,6 +99,9 @@ TorchReport examine_torch() {
   report.blas = blas_library();
   report.product_speed = product_speed();
   report.cuda = cuda_state();
+  const RanksReport ranks = examine_ranks();
+  report.connects = ranks.works;
+  report.processes = ranks.text;
   return report;
 }
 

@@ -6,6 +6,8 @@
 
 namespace enfilade::neural {
 
+class Ranks;  // ranks.h
+
 /// The numbers that a card's products are made of in training. Weights, sums, norms and losses are
 /// float32 always; evaluation and the CPU have float32 alone.
 enum class Precision : std::uint8_t {
@@ -20,7 +22,15 @@ Precision parse_precision(std::string_view name);      ///< \throws ArgumentErro
 struct Computing {
   std::string device = "cpu";  ///< "cpu", "cuda" (the first card) or "cuda:1"
   Precision precision = Precision::kFloat32;
+  Ranks* ranks = nullptr;  ///< processes that train together; null: this one alone
 };
+
+/// What decides the bits of libtorch's results on a CPU, beside its BLAS.
+struct TorchKind {
+  std::string version;       ///< of libtorch, "1.13.1"
+  std::string instructions;  ///< that it uses here: "AVX2", "AVX512", "default"
+};
+TorchKind torch_kind();
 
 /// Below this speed training takes too long: an optimised BLAS is ten times as fast on any machine
 /// of today, the reference BLAS is slower on all.
@@ -34,7 +44,9 @@ struct TorchReport {
   /// GFLOP/s of a product of the sequence-to-sequence agent's size, (100, 2592) x (2592, 2048): the
   /// best of a few.
   double product_speed = 0;
-  std::string cuda;  ///< "works", or why it does not, in libtorch's words
+  std::string cuda;       ///< "works", or why it does not, in libtorch's words
+  bool connects = false;  ///< whether processes can train together
+  std::string processes;  ///< by what, or what is missing
 };
 /// Takes a few tenths of a second, or several seconds with the reference BLAS. Leaves libtorch with
 /// one thread per core.

@@ -7,6 +7,7 @@
 #include "enfilade/models/attention.h"
 #include "enfilade/models/decision_recorder.h"
 #include "enfilade/neural/detail/batches.h"
+#include "enfilade/neural/detail/split_walk.h"
 
 namespace enfilade::neural {
 namespace {
@@ -14,13 +15,15 @@ namespace {
 constexpr auto kEnd = static_cast<std::int32_t>(SixAction::kStop);
 
 // Calls body(environment, instructions, index of the batch's first episode) for each batch of a
-// split, in its order; the last batch may be smaller.
+// split, as share_batches(); the last batch may be smaller.
 template <class Body>
-void for_each_batch(const PreparedSplit& split, R2rEnvironmentConfig config, const Body& body) {
+std::vector<std::string> share_batches(Ranks* ranks, const PreparedSplit& split,
+                                       R2rEnvironmentConfig config, const Body& body) {
+  Ranks alone;
   std::optional<R2rEnvironment> environment;
   std::vector<std::uint32_t> tokens;
-  detail::for_each_batch(
-      split.episodes.episodes.size(), config.batch_size,
+  return detail::share_batches(
+      ranks != nullptr ? *ranks : alone, split.episodes.episodes.size(), config.batch_size,
       [&](std::span<const std::size_t> episodes) {
         config.batch_size = episodes.size();
         tokens.resize(config.batch_size * split.instructions.max_words());
@@ -29,7 +32,7 @@ void for_each_batch(const PreparedSplit& split, R2rEnvironmentConfig config, con
           environment.emplace(split.episodes, split.view_features(), config);
         }
         environment->start(episodes);
-        body(*environment, InstructionBatch{tokens, config.batch_size}, episodes.front());
+        return body(*environment, InstructionBatch{tokens, config.batch_size}, episodes.front());
       });
 }
 
@@ -68,19 +71,20 @@ PreparedSplit prepare(tasks::EpisodeSet episodes, const tasks::Vocabulary& vocab
 GreedyWalk walk_greedily(Network& network, const PreparedSplit& split, const WalkOptions& options,
                          const Progress& progress) {
   const std::size_t total = split.episodes.episodes.size();
-  GreedyWalk walk;
-  walk.trajectories.reserve(total);
-  walk.traces.resize(total);
+  const std::size_t processes =
+      options.ranks != nullptr ? static_cast<std::size_t>(options.ranks->size()) : 1;
+  std::size_t walked = 0;
   const auto words_of = [&](const StepRecord& step, std::size_t episode) {
     if (!network.config().inputs.language) return std::size_t{0};
     return std::min(step.words, models::word_count(split.instructions.row(episode)));
   };
-  for_each_batch(
-      split, {options.batch_size, options.max_steps, models::AfterEnd::kStays},
+  const auto batches = share_batches(
+      options.ranks, split, {options.batch_size, options.max_steps, models::AfterEnd::kStays},
       [&](R2rEnvironment& environment, const InstructionBatch& instructions, std::size_t first) {
+        std::vector<AttentionTrace> traces(instructions.size);
         const auto observe = [&](const StepRecord& step) {
           for (std::size_t i = 0; i < step.actions.size(); ++i) {
-            AttentionTrace& trace = walk.traces[first + i];
+            AttentionTrace& trace = traces[i];
             if (!trace.actions.empty() && trace.actions.back() == kEnd) continue;
             trace.actions.push_back(step.actions[i]);
             const auto row = step.attention.subspan(i * step.words, words_of(step, first + i));
@@ -89,26 +93,47 @@ GreedyWalk walk_greedily(Network& network, const PreparedSplit& split, const Wal
         };
         network.rollout(instructions, environment, {models::Feedback::kArgmax, options.max_steps},
                         observe);
-        const auto walked = environment.trajectories();
-        walk.trajectories.insert(walk.trajectories.end(), walked.begin(), walked.end());
-        if (progress) progress(walk.trajectories.size(), total);
+        walked += instructions.size;
+        if (progress) progress(std::min(total, walked * processes), total);
+        detail::Packer packer;
+        packer.add(detail::packed_trajectories(environment.trajectories()));
+        for (const AttentionTrace& trace : traces) {
+          packer.add(trace.actions);
+          packer.add(trace.attention);
+        }
+        return packer.take();
       });
+  GreedyWalk walk;
+  for (const std::string& batch : batches) {
+    detail::Unpacker unpacker(batch);
+    const auto trajectories = unpacker.get<std::string>();
+    for (tasks::Trajectory& one : detail::unpacked_trajectories({&trajectories, 1})) {
+      walk.trajectories.push_back(std::move(one));
+    }
+    while (!unpacker.done()) {
+      AttentionTrace& trace = walk.traces.emplace_back();
+      unpacker.read(trace.actions);
+      unpacker.read(trace.attention);
+    }
+  }
   return walk;
 }
 
 double compute_loss(Network& network, const PreparedSplit& split, const LossOptions& options) {
-  RolloutOptions rollout = options.rollout;
-  rollout.max_steps = options.walk.max_steps;
   double sum = 0;
-  for_each_batch(
-      split, {options.walk.batch_size, options.walk.max_steps, options.after_end, options.forward},
-      [&](R2rEnvironment& environment, const InstructionBatch& instructions, std::size_t) {
-        sum += network.rollout(instructions, environment, rollout).loss *
-               static_cast<double>(instructions.size);
-        ++rollout.stream;
+  const auto losses = share_batches(
+      options.walk.ranks, split,
+      {options.walk.batch_size, options.walk.max_steps, options.after_end, options.forward},
+      [&](R2rEnvironment& environment, const InstructionBatch& instructions, std::size_t first) {
+        RolloutOptions rollout = options.rollout;
+        rollout.max_steps = options.walk.max_steps;
+        rollout.stream += first / options.walk.batch_size;
+        return detail::packed(network.rollout(instructions, environment, rollout).loss *
+                              static_cast<double>(instructions.size));
       });
+  for (const std::string& one : losses) sum += detail::unpacked<double>(one);
   const std::size_t total = split.episodes.episodes.size();
-  return sum / static_cast<double>(total * rollout.max_steps);
+  return sum / static_cast<double>(total * options.walk.max_steps);
 }
 
 void write_walk(const std::filesystem::path& results, const std::filesystem::path& attention,

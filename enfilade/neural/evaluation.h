@@ -9,6 +9,7 @@
 #include "enfilade/models/instructions.h"
 #include "enfilade/neural/network.h"
 #include "enfilade/neural/r2r_environment.h"
+#include "enfilade/neural/ranks.h"
 #include "enfilade/neural/view_features.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/results.h"
@@ -46,6 +47,7 @@ struct GreedyWalk {
 struct WalkOptions {
   std::size_t batch_size = 100;  ///< episodes at once
   std::size_t max_steps = 20;    ///< actions of an episode
+  Ranks* ranks = nullptr;        ///< processes that do batches in turn; all have all results
 };
 
 /// Walks all episodes, with the most likely action at every step and no dropout, to `end` or

@@ -125,6 +125,8 @@ struct Network::Impl : seq2seq::Seq2Seq {
   }
 };
 
+seq2seq::Seq2Seq& seq2seq::implementation_of(Network& network) { return network.implementation(); }
+
 Network::Network(const models::NetworkConfig& config, std::uint64_t seed,
                  const std::string& device) {
   const c10::InferenceMode guard;
@@ -145,9 +147,11 @@ RolloutResult Network::rollout(const InstructionBatch& instructions, Environment
 
 RolloutResult Network::rollout_with_gradients(const InstructionBatch& instructions,
                                               Environment& environment,
-                                              const RolloutOptions& options) {
+                                              const RolloutOptions& options,
+                                              const std::function<void()>& decoder_done) {
   const c10::InferenceMode guard;
-  return impl_->rollout(instructions, environment, options, seq2seq::WithGradients::kYes);
+  return impl_->rollout(instructions, environment, options, seq2seq::WithGradients::kYes, {},
+                        decoder_done);
 }
 
 void Network::begin(const InstructionBatch& instructions, std::size_t max_steps) {

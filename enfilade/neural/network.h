@@ -71,8 +71,10 @@ class Network {
   RolloutResult rollout(const InstructionBatch& instructions, Environment& environment,
                         const RolloutOptions& options, const StepObserver& observer = {});
   /// The same with gradients, which replace the previous ones. Sampling an action has no gradient.
+  /// \param decoder_done called when the gradients of the decoder are complete, and only those
   RolloutResult rollout_with_gradients(const InstructionBatch& instructions,
-                                       Environment& environment, const RolloutOptions& options);
+                                       Environment& environment, const RolloutOptions& options,
+                                       const std::function<void()>& decoder_done = {});
   /// Begins a greedy rollout whose agents the caller moves: n instructions, then at most max_steps
   /// calls of act(), each of which gives the n most likely actions. No other rollout may come
   /// between. \throws ArgumentError for sizes that do not fit
@@ -103,8 +105,10 @@ class Network {
   /// \throws as load_weights()
   void load_training_state(const features::TensorFile& file);
 
- private:
   struct Impl;
+  Impl& implementation() noexcept { return *impl_; }  ///< of the library itself
+
+ private:
   std::unique_ptr<Impl> impl_;
 };
 

@@ -12,9 +12,10 @@ void Seq2SeqAgent::enter(const tasks::EpisodeSet& episodes, const features::Feat
 
 std::vector<tasks::Trajectory> Seq2SeqAgent::walk(const SplitWalk& options,
                                                   const Progress& progress) {
-  GreedyWalk walk = walk_greedily(model_.network, *split_,
-                                  {options.batch_size, model_.config.training.max_steps}, progress);
-  if (!options.results.empty()) {
+  GreedyWalk walk = walk_greedily(
+      model_.network, *split_,
+      {options.batch_size, model_.config.training.max_steps, options.ranks}, progress);
+  if (!options.results.empty() && (options.ranks == nullptr || options.ranks->is_first())) {
     write_walk(options.results, options.attention, walk, *split_, model_.vocabulary);
   }
   return std::move(walk.trajectories);

@@ -54,7 +54,7 @@ models::SpeakerRecord Speaker::score(const tasks::EpisodeSet& episodes,
                                      const Progress& progress) {
   panoramic::SpeakerSplit split = impl_->split(episodes, features);
   models::SpeakerRecord record =
-      panoramic::score_speaker(impl_->network, split, batch_size, progress);
+      panoramic::score_speaker(impl_->network, split, batch_size, nullptr, progress);
   record.iteration = iteration();
   return record;
 }

@@ -11,6 +11,7 @@
 #include "enfilade/features/feature_set.h"
 #include "enfilade/features/object_set.h"
 #include "enfilade/models/model_directory.h"
+#include "enfilade/neural/ranks.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/results.h"
 
@@ -22,6 +23,9 @@ struct SplitWalk {
   std::filesystem::path results = {};  ///< a results file to write; empty: none
   /// What the agent attended to and how it chose, episode by episode, to write; empty: none.
   std::filesystem::path attention = {};
+  /// Processes that walk batches in turn; all have all trajectories then, and rank 0 writes the
+  /// files. Null: this one alone.
+  Ranks* ranks = nullptr;
 };
 
 /// Chooses what is most likely, without dropout. As an Agent it walks in the simulator's

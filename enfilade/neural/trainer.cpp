@@ -4,6 +4,9 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <chrono>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -19,6 +22,8 @@
 #include "enfilade/neural/model.h"
 #include "enfilade/neural/panoramic/panoramic_learner.h"
 #include "enfilade/neural/panoramic/speaker_learner.h"
+#include "enfilade/neural/ranks.h"
+#include "enfilade/neural/seq2seq/seq2seq_learner.h"
 #include "enfilade/neural/seq2seq_ce/learner.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
@@ -161,7 +166,7 @@ std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
   using models::AgentKind;
   const tasks::Vocabulary* const vocabulary = words.vocabulary();
   if (config.agent == AgentKind::kSeq2Seq) {
-    return detail::make_seq2seq_learner(config, *vocabulary, device_name);
+    return seq2seq::make_learner(config, *vocabulary, device_name);
   }
   const c10::Device device = detail::open_agents_device(device_name);
   if (config.agent == AgentKind::kDuet) {
@@ -205,25 +210,27 @@ class Training {
         origin_(open_origin(config, from)),
         words_(words_of(config, data, origin_)),
         model_{completed(config, data, words_, origin_), data.fingerprint},
-        lock_((make_folder(directory), files_.lock())),
+        ranks_(computing.ranks != nullptr ? *computing.ranks : alone_),
+        lock_(lock()),
         learner_(make_learner(model_.training, words_, computing.device, files_, listener)) {}
 
   bool run() {
+    ranks_.agree(facts_of(model_));
     if (fs::exists(files_.config())) {
       check_same_model(files_, model_, words_);
       load_checkpoint();
-      if (iteration_ >= config().iterations) return finish();
-    } else {
-      save_words();
-      if (data_.continuous && config().network.inputs.vision) save_encoder();
     }
     if (iteration_ == 0 && origin_) learner_->begin_with(origin_->state.file);
-    // After the vocabulary, so that there is no config.json without one. Always written, as the
-    // iterations may have changed.
-    write_file_atomically(files_.config(), to_json(model_));
-    learner_->prepare(data_);
-    models::TrainingLog log(files_.log(), iteration_);
-    log.start(to_json(model_), iteration_);
+    // Nobody has written yet: all have seen the same, or say so.
+    agree_on_state();
+    if (iteration_ >= config().iterations) return finish();
+    learner_->prepare(data_, ranks_);
+    std::optional<models::TrainingLog> log;
+    if (ranks_.is_first()) {
+      save_model();
+      log.emplace(files_.log(), iteration_);
+      log->start(to_json(model_), iteration_);
+    }
     begin_ = Clock::now();
     begun_at_ = iteration_;
     while (iteration_ < config().iterations) {
@@ -235,6 +242,52 @@ class Training {
 
  private:
   const models::TrainConfig& config() const { return model_.training; }
+  // One process writes; the others would wait for each other's lock.
+  std::optional<FolderLock> lock() const {
+    if (!ranks_.is_first()) return std::nullopt;
+    make_folder(files_.folder);
+    return std::optional<FolderLock>(std::in_place, files_.lock());
+  }
+
+  // By field, so that what differs is named.
+  static RankFacts facts_of(const models::ModelConfig& model) {
+    RankFacts facts;
+    const nlohmann::json fields = nlohmann::json::parse(to_json(model)).flatten();
+    for (const auto& [path, value] : fields.items()) {
+      facts[path] = value.dump();
+    }
+    return facts;
+  }
+
+  void agree_on_state() {
+    if (ranks_.alone()) return;
+    ranks_.agree({{fmt::format("{}: iteration of the checkpoint", files_.folder.string()),
+                   std::to_string(iteration_)},
+                  {"weights", hash_of_weights()}});
+  }
+
+  // Processes that computed otherwise would drift apart.
+  std::string hash_of_weights() const {
+    std::size_t hash = 0;
+    const Network::State state = learner_->weights();
+    for (const features::NamedArray& array : state.arrays) {
+      const std::string_view bytes(reinterpret_cast<const char*>(array.bytes.data()),
+                                   array.bytes.size());
+      hash = 31 * hash + std::hash<std::string_view>{}(bytes);
+    }
+    return fmt::format("{:016x}", hash);
+  }
+
+  void save_model() const {
+    if (!fs::exists(files_.config())) {
+      save_words();
+      if (data_.continuous && config().network.inputs.vision) save_encoder();
+    }
+    // After the vocabulary, so that there is no config.json without one. Always written, as the
+    // iterations may have changed.
+    write_file_atomically(files_.config(), to_json(model_));
+  }
+
   void save_words() const {
     if (words_.vocabulary() != nullptr) return words_.vocabulary()->save(files_.vocabulary());
     write_file_atomically(files_.text(config().text), read_file(origin_->text()));
@@ -269,6 +322,7 @@ class Training {
 
   // The process may have been killed between the last checkpoint and its weights.
   bool finish() {
+    if (!ranks_.is_first()) return false;
     if (!fs::exists(files_.weights()) ||
         models::open_state(files_.weights()).iteration != iteration_) {
       models::write_state(files_.weights(), learner_->weights().arrays, iteration_);
@@ -292,13 +346,16 @@ class Training {
     ++stretch_length_;
   }
 
-  void write_logs(models::TrainingLog& log) {
+  // \param log of rank 0
+  void write_logs(std::optional<models::TrainingLog>& log) {
     const bool checkpoint = is_last() || iteration_ % config().checkpoint_every == 0;
-    if (checkpoint || iteration_ % kLogEvery == 0) write_stretch(log);
+    if (log && (checkpoint || iteration_ % kLogEvery == 0)) write_stretch(*log);
     tell();
     if (is_due(config().evaluate_every)) evaluate(log);
+    if (!checkpoint) return;
+    agree_on_state();
     // After the log's lines of this iteration: a continued training cuts off what follows them.
-    if (checkpoint) {
+    if (log) {
       write_checkpoint(files_, learner_->training_state().arrays, learner_->weights().arrays,
                        iteration_);
     }
@@ -320,14 +377,15 @@ class Training {
                          data_seconds_ / training_seconds_});
   }
 
-  void evaluate(models::TrainingLog& log) {
+  void evaluate(std::optional<models::TrainingLog>& log) {
     const std::size_t splits =
         data_.continuous ? data_.continuous->validation.size() : data_.validation.size();
     for (std::size_t k = 0; k < splits; ++k) {
       detail::Evaluated evaluated = learner_->evaluate(k, iteration_, files_);
+      if (!log) continue;
       if (auto* const speaker = std::get_if<models::SpeakerRecord>(&evaluated)) {
         speaker->iteration = iteration_;
-        log.add(*speaker);
+        log->add(*speaker);
         if (listener_.speaker) listener_.speaker(*speaker);
       } else {
         auto* const free = std::get_if<models::EvaluationRecord>(&evaluated);
@@ -335,7 +393,7 @@ class Training {
         const models::EvaluationRecord record =
             free != nullptr ? *free
                             : record_of(std::get<detail::Walked>(evaluated), data_.validation[k]);
-        log.add(record);
+        log->add(record);
         if (listener_.evaluation) listener_.evaluation(record);
       }
     }
@@ -362,7 +420,9 @@ class Training {
   std::optional<Origin> origin_;
   models::InstructionWords words_;
   models::ModelConfig model_;
-  FolderLock lock_;
+  Ranks alone_;
+  Ranks& ranks_;
+  std::optional<FolderLock> lock_;  // of rank 0
   std::unique_ptr<detail::Learner> learner_;
   std::uint64_t iteration_ = 0;  // done
   std::uint64_t begun_at_ = 0;
@@ -423,7 +483,14 @@ bool train(const models::TrainConfig& config, const TrainingData& data, const fs
   if (none) {
     throw ArgumentError(fmt::format("split {}: no episode to train on", data.training.split));
   }
-  return Training(config, data, directory, computing, listener, from).run();
+  try {
+    return Training(config, data, directory, computing, listener, from).run();
+  } catch (const LostRank&) {
+    throw;
+  } catch (const std::exception& error) {
+    if (computing.ranks != nullptr) computing.ranks->tell_failure(error.what());
+    throw;
+  }
 }
 
 }  // namespace enfilade::neural

@@ -64,13 +64,20 @@ struct TrainingListener {
 /// Trains to config.iterations, from the checkpoint in `directory` if there is one, and leaves a
 /// model directory there. On the CPU the same config and data give the same weights to the
 /// bit, on a card but for the order of some sums; also if training was killed and continued any
-/// number of times. Returns false if there was nothing to do. \param from the directory of another
-/// model of duet with the same sizes: training begins with its weights and reads its words. To be
-/// given again to go on. \throws ArgumentError for a config or computing that is not possible, or
+/// number of times. Returns false if there was nothing to do.
+///
+/// Where several processes train together (Computing::ranks, with TrainConfig::parts), all call
+/// this with the same arguments and see the same `directory`. Rank 0 writes, and alone calls
+/// `listener`. With the same parts and threads a process any number of them gives the same bits,
+/// also where training is continued by another number. A process that ends or differs ends all.
+///
+/// \param from the directory of another model of duet with the same sizes: training begins with its
+/// weights and reads its words. To be given again to go on.
+/// \throws ArgumentError for a config or computing that is not possible, or
 /// not that of the model in `directory`, or data that is not what it was trained on, or sizes that
 /// are not those of `from` (each says what differs); FileError if another process trains there, or
 /// a file cannot be written: then the last checkpoint is whole; InvalidInput for a broken
-/// checkpoint, naming the one before it; Error for a loss that is not finite
+/// checkpoint, naming the one before it; Error for a loss that is not finite; LostRank
 bool train(const models::TrainConfig& config, const TrainingData& data,
            const std::filesystem::path& directory, const Computing& computing = {},
            const TrainingListener& listener = {},

@@ -6,9 +6,11 @@
 #include <unistd.h>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <thread>
@@ -20,16 +22,20 @@ namespace enfilade::tests {
 class Process {
  public:
   /// \param words program and arguments \param output where what it prints goes, from its start
+  /// \param environment variables that it has beside ours \param errors where its errors go
   explicit Process(std::vector<std::string> words,
-                   const std::filesystem::path& output = "/dev/null") {
+                   const std::filesystem::path& output = "/dev/null",
+                   const std::map<std::string, std::string>& environment = {},
+                   const std::filesystem::path& errors = "/dev/null") {
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     pid_ = fork();
     if (pid_ != 0) return;
-    const int nowhere = open("/dev/null", O_RDWR);
-    for (const int stream : {STDIN_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
+    dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+    dup2(open(errors.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDERR_FILENO);
     dup2(open(output.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDOUT_FILENO);
+    for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
     execv(argv[0], argv.data());
     _exit(127);
   }

@@ -13,10 +13,12 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/learning/rank_options.h"
 #include "apps/enfilade/learning/training_options.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/network.h"
+#include "enfilade/neural/ranks.h"
 #include "enfilade/neural/trainer.h"
 
 namespace enfilade::apps {
@@ -32,6 +34,8 @@ struct Options {
   TrainingOptions training;
   std::vector<std::string> splits{"train"}, validation{"val_seen", "val_unseen"};
   std::optional<std::size_t> buildings;
+  RankOptions ranks;
+  bool all_reduce = false;
 };
 
 std::string duration(double seconds) {
@@ -177,17 +181,34 @@ neural::TrainingData load_data(const Options& options, const models::TrainConfig
   return neural::load_training_data(root, config, features);
 }
 
+// The parts of a batch, where nobody has said how many.
+std::optional<std::size_t> parts_of(const Options& options, const neural::Ranks& ranks,
+                                    bool launched) {
+  if (options.all_reduce) return 0;
+  const fs::path config = models::ModelFiles{options.output}.config();
+  if (fs::exists(config)) return models::load_model_config(config).training.parts;
+  if (!launched) return std::nullopt;
+  return neural::usual_parts(ranks.size());
+}
+
 void run(const Options& options) {
   keep_freed_memory();
   models::TrainConfig config = config_of(options);
-  neural::set_threads(options.threads);
+  const std::optional<neural::RankPlace> place = neural::find_place();
+  neural::Ranks ranks = join_ranks(place, options.ranks, options.threads);
+  if (!config.parts) config.parts = parts_of(options, ranks, place.has_value());
   const neural::TrainingData data = load_data(options, config);
   if (data.continuous) fix_updates(config, data.continuous->training.episodes.size());
   Reporter reporter(fs::path(options.output).filename().string(), options.output);
   std::optional<fs::path> from;
   if (!options.from.empty()) from = options.from;
-  const neural::Computing computing{options.device, neural::parse_precision(options.precision)};
-  if (!neural::train(config, data, options.output, computing, reporter.listener(), from)) {
+  const neural::Computing computing{options.device, neural::parse_precision(options.precision),
+                                    &ranks};
+  const neural::TrainingListener listener =
+      ranks.is_first() ? reporter.listener() : neural::TrainingListener();
+  const bool trained = neural::train(config, data, options.output, computing, listener, from);
+  if (!ranks.is_first()) return;
+  if (!trained) {
     fmt::print("{}: complete, {} iterations\n", options.output, config.iterations);
     return;
   }
@@ -232,7 +253,15 @@ void add_verb(CLI::App& app, int& /*status*/) {
   add_setting(verb, "--precision", options->precision, "",
               "Of a card's products: float32, tf32 or bfloat16 (not of seq2seq)")
       ->check(CLI::IsMember({"float32", "tf32", "bfloat16"}));
-  add_threads_option(verb, options->threads);
+  add_threads_option(verb, options->threads,
+                     "0: all cores; of several processes each its share of them");
+  auto* const all_reduce =
+      verb.add_flag("--all-reduce", options->all_reduce,
+                    "In several processes: each computes its share of a batch at once, and "
+                    "gradients are added as "
+                    "they come. Faster; the weights then depend on the number of processes");
+  all_reduce->excludes(verb.get_option("--parts"));
+  add_rank_options(verb, options->ranks);
   set_examples(
       verb,
       {"enfilade train --data DIR --features resnet.safetensors -o student",
@@ -244,6 +273,8 @@ void add_verb(CLI::App& app, int& /*status*/) {
        "enfilade train --task r2r-ce --recipe small --data homes --weights encoder.safetensors "
        "-o ce",
        "enfilade train --agent speaker --features vit.safetensors -o speaker",
+       "torchrun --no-python --nproc-per-node 4 enfilade train --features f.hdf5 -o student",
+       "srun --ntasks 8 enfilade train --agent duet --features vit.hdf5 -o duet",
        "enfilade train --splits train,val_seen,val_unseen --features f.hdf5 -o submission"});
   verb.callback([options] { run(*options); });
 }

@@ -160,6 +160,13 @@ void TrainingOptions::add_updates(CLI::App& verb) {
         [](TrainConfig& config) -> std::size_t& { return config.iterations; });
   whole(verb, "--batch", "Episodes an iteration", {},
         [](TrainConfig& config) -> std::size_t& { return config.batch_size; });
+  change<std::uint64_t>(
+      verb, "--parts",
+      "Parts that a batch is computed in, so that several processes share them and get the weights "
+      "of one (default: those of the model in -o, if there is one; else 8 where a launcher started "
+      "the process, and the batch at once where none did)",
+      {}, [](TrainConfig& config, std::uint64_t parts) { config.parts = parts; })
+      ->check(whole_number(1));
   whole(verb, "--max-steps", "Actions an episode, or choices of a viewpoint",
         {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSeq2SeqCe},
         [](TrainConfig& config) -> std::size_t& { return config.max_steps; });

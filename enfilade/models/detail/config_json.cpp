@@ -128,6 +128,7 @@ void for_fields(ConstOrNot<TrainConfig> auto& config, const auto& visit) {
   if (!free) visit("feedback", config.feedback);
   visit("iterations", config.iterations);
   visit("batch_size", config.batch_size);
+  visit("parts", config.parts);
   visit("max_steps", config.max_steps);
   if (config.agent == AgentKind::kSeq2Seq) {
     visit("after_end", config.after_end);

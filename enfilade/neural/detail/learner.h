@@ -11,6 +11,7 @@
 #include "enfilade/models/training_log.h"
 #include "enfilade/neural/detail/weights.h"
 #include "enfilade/neural/network.h"
+#include "enfilade/neural/ranks.h"
 #include "enfilade/neural/trainer.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/tokenizer.h"
@@ -38,12 +39,14 @@ using Evaluated = std::variant<Walked, models::SpeakerRecord, models::Evaluation
 class Learner {
  public:
   virtual ~Learner() = default;
-  /// Encodes instructions and looks up features. Called once, before what follows it here.
-  virtual void prepare(const TrainingData& data) = 0;
+  /// Encodes instructions and looks up features. Called once, before what follows it here, with
+  /// the weights in place. \param ranks those that train together; outlive *this
+  /// \throws ArgumentError if they cannot share the parts of a batch
+  virtual void prepare(const TrainingData& data, Ranks& ranks) = 0;
   /// One update of the weights. \param iteration updates before it
   virtual Update update(std::uint64_t iteration) = 0;
-  /// What the agent does with validation split `split` after so many iterations, also written below
-  /// `files`; no effect on the weights. \pre split < TrainingData::validation.size()
+  /// What the agent does with validation split `split` after so many iterations, written by rank 0
+  /// below `files`; no effect on the weights. \pre split < TrainingData::validation.size()
   virtual Evaluated evaluate(std::size_t split, std::uint64_t iteration,
                              const models::ModelFiles& files) = 0;
 
@@ -56,11 +59,6 @@ class Learner {
   /// \throws InvalidInput naming every missing, surplus and wrong-shaped array
   virtual void load_training_state(const features::TensorFile& file) = 0;
 };
-
-/// The learner of the sequence-to-sequence agent. \param config outlives it \throws as Network
-std::unique_ptr<Learner> make_seq2seq_learner(const models::TrainConfig& config,
-                                              const tasks::Vocabulary& vocabulary,
-                                              const std::string& device);
 
 /// Copies for a file.
 Network::State as_state(const Weights& weights);

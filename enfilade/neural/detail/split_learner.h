@@ -12,6 +12,7 @@
 #include "enfilade/neural/detail/episode_order.h"
 #include "enfilade/neural/detail/learner.h"
 #include "enfilade/neural/detail/optimizer.h"
+#include "enfilade/neural/detail/parted_learning.h"
 #include "enfilade/neural/trained_agent.h"
 
 namespace enfilade::neural::detail {
@@ -31,7 +32,8 @@ class SplitLearner : public Learner {
         network_(std::move(network)),
         optimizer_(optimizer_of(config, std::move(parts))) {}
 
-  void prepare(const TrainingData& data) override {
+  void prepare(const TrainingData& data, Ranks& ranks) override {
+    ranks_ = &ranks;
     const features::FeatureSet* const features =
         config_.network.inputs.vision ? &*data.features : nullptr;
     training_.emplace(data.training, words_, config_, features);
@@ -41,6 +43,7 @@ class SplitLearner : public Learner {
       }
     }
     order_.emplace(data.training.episodes.size(), config_.batch_size, config_.seed);
+    learning_.emplace(ranks, config_.parts.value_or(1), network_.weights(), optimizer_);
   }
 
   neural::Network::State weights() const override { return as_state(network_.weights()); }
@@ -55,22 +58,19 @@ class SplitLearner : public Learner {
   const models::TrainConfig& config() const noexcept { return config_; }
   const models::InstructionWords& words() const noexcept { return words_; }
   Network& network() noexcept { return network_; }
-  Optimizer& optimizer() noexcept { return optimizer_; }
   Split& training() { return *training_; }
   Split& validation(std::size_t split) { return *validation_.at(split); }
-  /// The training episodes of an iteration.
-  std::span<const std::size_t> batch(std::uint64_t iteration) { return order_->batch(iteration); }
-  /// Follows a loss back and updates the weights. \return its value \throws Error if it is not
-  /// finite
-  double learn(const at::Tensor& loss) {
-    const double value = follow_back(loss);
-    optimizer_.update(network_.weights());
-    return value;
+  /// Those that train together.
+  Ranks& ranks() noexcept { return *ranks_; }
+  /// One update of the weights, by the losses of the parts of an iteration's batch. \return the
+  /// loss \throws as PartedLearning::learn()
+  double learn(std::uint64_t iteration, const LossOf& loss_of) {
+    return learning_->learn(order_->batch(iteration), iteration, loss_of);
   }
   /// How a validation split is walked, and what is written of it.
   SplitWalk walk_of(std::size_t split, const models::ModelFiles& files) {
     const std::string& name = validation(split).episodes().split;
-    return {config_.batch_size, files.results(name), files.attention(name)};
+    return {config_.batch_size, files.results(name), files.attention(name), ranks_};
   }
 
  private:
@@ -81,6 +81,8 @@ class SplitLearner : public Learner {
   std::optional<Split> training_;
   std::vector<std::unique_ptr<Split>> validation_;
   std::optional<EpisodeOrder> order_;
+  Ranks* ranks_ = nullptr;
+  std::optional<PartedLearning> learning_;
 };
 
 }  // namespace enfilade::neural::detail

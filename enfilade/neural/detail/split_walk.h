@@ -1,18 +1,31 @@
 /// \file  Walking a whole split with an agent that chooses among viewpoints, and what is written of
 /// it.
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <span>
-#include <utility>
+#include <string>
 #include <vector>
 
 #include "enfilade/core/file.h"
 #include "enfilade/core/progress.h"
+#include "enfilade/models/decision_recorder.h"
 #include "enfilade/neural/detail/batches.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/results.h"
 
 namespace enfilade::neural::detail {
+
+/// Trajectories as bytes for other processes.
+std::string packed_trajectories(std::span<const tasks::Trajectory> trajectories);
+/// Those of batches, one behind the other.
+std::vector<tasks::Trajectory> unpacked_trajectories(std::span<const std::string> batches);
+
+/// Rank 0 writes the decisions of the episodes that are shown; each process has recorded those that
+/// it walked. \throws FileError; LostRank
+void write_decisions(Ranks& ranks, const SplitWalk& options,
+                     const models::DecisionRecorder& recorder, const tasks::EpisodeSet& episodes,
+                     const std::vector<tasks::Trajectory>& trajectories);
 
 /// Walks all episodes of a split by the kind's walk_episodes(), and writes the files that `options`
 /// names. \tparam Recording of how the kind chooses: made of a split, with observer() and
@@ -21,23 +34,32 @@ namespace enfilade::neural::detail {
 template <class Recording, class Network, class Split>
 std::vector<tasks::Trajectory> walk_and_write(Network& network, Split& split,
                                               const SplitWalk& options, const Progress& progress) {
-  const std::size_t total = split.episodes().episodes.size();
-  std::vector<tasks::Trajectory> trajectories;
+  Ranks alone;
+  Ranks& ranks = options.ranks != nullptr ? *options.ranks : alone;
+  const tasks::EpisodeSet& set = split.episodes();
+  const std::size_t total = set.episodes.size();
   std::optional<Recording> recording;
   if (!options.attention.empty()) recording.emplace(split);
-  for_each_batch(total, options.batch_size, [&](std::span<const std::size_t> episodes) {
-    decltype(recording->observer(episodes)) observer;
-    if (recording) observer = recording->observer(episodes);
-    for (tasks::Trajectory& one : walk_episodes(network, split, episodes, observer)) {
-      trajectories.push_back(std::move(one));
-    }
-    if (progress) progress(trajectories.size(), total);
-  });
-  if (!options.results.empty()) {
+  std::size_t walked = 0;
+  std::vector<std::string> batches =
+      share_batches(ranks, total, options.batch_size, [&](std::span<const std::size_t> episodes) {
+        decltype(recording->observer(episodes)) observer;
+        if (recording) observer = recording->observer(episodes);
+        walked += episodes.size();
+        const auto trajectories = walk_episodes(network, split, episodes, observer);
+        if (progress) {
+          progress(std::min(total, walked * static_cast<std::size_t>(ranks.size())), total);
+        }
+        return packed_trajectories(trajectories);
+      });
+  const std::vector<tasks::Trajectory> trajectories = unpacked_trajectories(batches);
+  if (!options.results.empty() && ranks.is_first()) {
     make_folder(options.results.parent_path());
-    write_file_atomically(options.results, to_json(trajectories, split.episodes()));
+    write_file_atomically(options.results, to_json(trajectories, set));
   }
-  if (recording) recording->recorder().write(options.attention, split.episodes(), trajectories);
+  if (recording) {
+    write_decisions(ranks, options, recording->recorder(), set, trajectories);
+  }
   return trajectories;
 }
 

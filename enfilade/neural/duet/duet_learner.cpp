@@ -26,19 +26,14 @@ class DuetLearner : public detail::SplitLearner<DuetNetwork, DuetSplit> {
   }
 
   detail::Update update(std::uint64_t iteration) override {
-    const std::vector<WalkEpisode> episodes = training().batch(batch(iteration));
-    const bool alone = config().feedback == Feedback::kTeacher;
-    std::vector<TrainingWalk> walks;
-    if (alone || config().teacher_weight > 0) {
-      walks.push_back({episodes, along_the_path(), alone ? 1 : config().teacher_weight});
-    }
-    if (!alone) walks.push_back({episodes, on_its_own(), 1});
-    for (std::size_t k = 0; k < walks.size(); ++k) {
-      walks[k].options.dropout = true;
-      walks[k].options.stream = 2 * iteration + k;
-    }
-    const TrainingStep step = train_once(network(), training().walker(), walks, optimizer());
-    return {step.loss, step.environment_seconds};
+    double environment_seconds = 0;
+    const double loss = learn(iteration, [&](const detail::BatchPart& part) {
+      const std::vector<WalkEpisode> episodes = training().batch(part.episodes);
+      WalkLosses losses = walk_for_loss(network(), training().walker(), walks_of(episodes, part));
+      environment_seconds += losses.environment_seconds;
+      return losses.sum;
+    });
+    return {loss, environment_seconds};
   }
 
   detail::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
@@ -48,17 +43,32 @@ class DuetLearner : public detail::SplitLearner<DuetNetwork, DuetSplit> {
   }
 
  private:
+  std::vector<TrainingWalk> walks_of(const std::vector<WalkEpisode>& episodes,
+                                     const detail::BatchPart& part) const {
+    const bool alone = config().feedback == Feedback::kTeacher;
+    std::vector<TrainingWalk> walks;
+    if (alone || config().teacher_weight > 0) {
+      walks.push_back({episodes, along_the_path(), alone ? 1 : config().teacher_weight});
+    }
+    if (!alone) walks.push_back({episodes, on_its_own(), 1});
+    for (std::size_t k = 0; k < walks.size(); ++k) {
+      walks[k].options.dropout = true;
+      walks[k].options.stream = 2 * part.stream + k;
+    }
+    return walks;
+  }
+
   // Along the annotated paths, without dropout.
   double validation_loss(std::size_t split) {
     const c10::NoGradGuard no_gradients;
     DuetSplit& prepared = validation(split);
     const std::size_t total = prepared.episodes().episodes.size();
-    double sum = 0;
-    detail::for_each_batch(total, config().batch_size, [&](std::span<const std::size_t> episodes) {
-      const Rollout rollout =
-          prepared.walker().walk(network(), prepared.batch(episodes), along_the_path());
-      if (rollout.loss.defined()) sum += rollout.loss.item<double>();
-    });
+    const double sum = detail::sum_of_batches(
+        ranks(), total, config().batch_size, [&](std::span<const std::size_t> episodes) {
+          const Rollout rollout =
+              prepared.walker().walk(network(), prepared.batch(episodes), along_the_path());
+          return rollout.loss.defined() ? rollout.loss.item<double>() : 0;
+        });
     return sum / static_cast<double>(total);
   }
 

@@ -34,21 +34,23 @@ class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetS
   }
 
   detail::Update update(std::uint64_t iteration) override {
-    const auto begin = std::chrono::steady_clock::now();
     const std::uint64_t seed = config().seed;
     const PretrainingTask task = tasks_[Rng(seed, kTaskStream, iteration).below(tasks_.size())];
-    PretrainingDraws draws;
-    draws.seed = seed;
-    draws.stream = iteration;
-    const PretrainingBatch guesses =
-        batch_of(training(), training().batch(batch(iteration)), task, draws);
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-    Dropout dropout(Rng(seed, kDropoutStream, iteration).next(), network().config().dropout,
-                    network().device());
-    const at::Tensor loss = pretraining_loss(network(), guesses, &dropout);
-    if (loss.defined()) return {learn(loss), spent.count()};
-    optimizer().update(network().weights());  // nothing to guess; the rate has one step less to go
-    return {0, spent.count()};
+    double data_seconds = 0;
+    const double loss = learn(iteration, [&](const detail::BatchPart& part) {
+      const auto begin = std::chrono::steady_clock::now();
+      PretrainingDraws draws;
+      draws.seed = seed;
+      draws.stream = part.stream;
+      const PretrainingBatch guesses =
+          batch_of(training(), training().batch(part.episodes), task, draws);
+      const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+      data_seconds += spent.count();
+      Dropout dropout(Rng(seed, kDropoutStream, part.stream).next(), network().config().dropout,
+                      network().device());
+      return pretraining_loss(network(), guesses, &dropout);
+    });
+    return {loss, data_seconds};
   }
 
   detail::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
@@ -76,17 +78,27 @@ class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetS
     const std::string& name = split.episodes().split;
     PretrainingDraws draws;
     draws.seed = config().seed ^ stream_of(name.data(), name.size());
-    double sum = 0;
-    std::size_t guessed = 0;
     const std::size_t total = split.episodes().episodes.size();
-    detail::for_each_batch(total, config().batch_size, [&](std::span<const std::size_t> which) {
+    std::size_t guessed = 0;
+    const auto loss_of = [&](std::span<const std::size_t> which) -> std::optional<double> {
       draws.stream = which.front();
       const at::Tensor loss =
           pretraining_loss(network(), batch_of(split, split.batch(which), task, draws));
-      if (!loss.defined()) return;
-      sum += loss.item<double>() * static_cast<double>(which.size());
-      guessed += which.size();
-    });
+      if (!loss.defined()) return std::nullopt;
+      return loss.item<double>();
+    };
+    double sum = 0;
+    std::size_t first = 0;
+    for (const std::string& packed : detail::share_batches(
+             ranks(), total, config().batch_size,
+             [&](std::span<const std::size_t> which) { return detail::packed(loss_of(which)); })) {
+      const std::size_t count = std::min(config().batch_size, total - first);
+      first += count;
+      const auto loss = detail::unpacked<std::optional<double>>(packed);
+      if (!loss) continue;
+      sum += *loss * static_cast<double>(count);
+      guessed += count;
+    }
     return guessed > 0 ? sum / static_cast<double>(guessed) : 0;
   }
 

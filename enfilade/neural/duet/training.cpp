@@ -7,24 +7,32 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::neural::duet {
-TrainingStep accumulate(const DuetNetwork& network, Walker& walker,
-                        std::span<const TrainingWalk> walks, const StepWatcher& watcher) {
-  detail::clear_gradients(network.weights());
-  TrainingStep result;
-  std::vector<at::Tensor> losses;  // read at the end, as a card computes them later
-  at::Tensor total;
+
+WalkLosses walk_for_loss(const DuetNetwork& network, Walker& walker,
+                         std::span<const TrainingWalk> walks, const StepWatcher& watcher) {
+  WalkLosses result;
   for (const TrainingWalk& part : walks) {
     const Rollout rollout = walker.walk(network, part.episodes, part.options, watcher);
-    losses.emplace_back();
+    result.parts.emplace_back();
     result.environment_seconds += rollout.environment_seconds;
     if (!rollout.loss.defined()) continue;
     const at::Tensor loss =
         rollout.loss * (part.weight / static_cast<double>(part.episodes.size()));
-    losses.back() = loss.detach();
-    total = total.defined() ? total + loss : loss;
+    result.parts.back() = loss.detach();
+    result.sum = result.sum.defined() ? result.sum + loss : loss;
   }
-  if (total.defined()) result.loss = detail::follow_back(total);
-  for (const at::Tensor& loss : losses) {
+  return result;
+}
+
+TrainingStep accumulate(const DuetNetwork& network, Walker& walker,
+                        std::span<const TrainingWalk> walks, const StepWatcher& watcher) {
+  detail::clear_gradients(network.weights());
+  const WalkLosses losses = walk_for_loss(network, walker, walks, watcher);
+  TrainingStep result;
+  result.environment_seconds = losses.environment_seconds;
+  if (losses.sum.defined()) result.loss = detail::follow_back(losses.sum);
+  // Read at the end, as a card computes them later.
+  for (const at::Tensor& loss : losses.parts) {
     result.losses.push_back(loss.defined() ? loss.item<double>() : 0);
   }
   return result;

@@ -29,6 +29,15 @@ struct TrainingStep {
   double environment_seconds = 0;  ///< as Rollout's, of all walks
 };
 
+/// The losses of walks, that autograd can follow back.
+struct WalkLosses {
+  at::Tensor sum;                  ///< undefined: nothing is to be learnt
+  std::vector<at::Tensor> parts;   ///< by walk, weights included, without gradients; or undefined
+  double environment_seconds = 0;  ///< as Rollout's, of all walks
+};
+WalkLosses walk_for_loss(const DuetNetwork& network, Walker& walker,
+                         std::span<const TrainingWalk> walks, const StepWatcher& watcher = {});
+
 /// Walks and adds up the losses; gradients are then those of their sum. The same seeds and weights
 /// give the same numbers with the same number of threads. `norm` stays 0.
 /// \throws Error for a loss that is not finite

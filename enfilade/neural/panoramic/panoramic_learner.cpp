@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 using models::Feedback;
 using models::SampledLoss;
 
-// Streams of random numbers of one iteration, so that no two draw the same.
+// Streams of random numbers of one part of a batch, so that no two draw the same.
 enum Draws : std::uint64_t { kTeacherDropout, kOwnDropout, kOwnChoices, kStreams };
 
 class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, PanoramicSplit> {
@@ -31,15 +31,27 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
                      {"encoder.", "decoder."}) {}
 
   detail::Update update(std::uint64_t iteration) override {
-    const auto episodes = batch(iteration);
-    at::Tensor loss;
     double data_seconds = 0;
+    const double loss = learn(
+        iteration, [&](const detail::BatchPart& part) { return loss_of(part, data_seconds); });
+    return {loss, data_seconds};
+  }
+
+  detail::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
+                             const models::ModelFiles& files) override {
+    return detail::Walked{validation_loss(split),
+                          walk_and_write(network(), validation(split), walk_of(split, files))};
+  }
+
+ private:
+  at::Tensor loss_of(const detail::BatchPart& part, double& data_seconds) {
+    at::Tensor loss;
     const auto add = [&](PanoramicRolloutOptions options, Draws dropout, double weight) {
       options.resident = training().resident(network().device());
       const Clock::time_point begin = Clock::now();
-      PanoramicSplit::Batch walks = training().begin(episodes);
+      PanoramicSplit::Batch walks = training().begin(part.episodes);
       data_seconds += std::chrono::duration<double>(Clock::now() - begin).count();
-      network().set_dropout(Rng(config().seed, kStreams * iteration + dropout, 1).next());
+      network().set_dropout(Rng(config().seed, kStreams * part.stream + dropout, 1).next());
       const RolloutLosses losses =
           roll_out(network(), walks.words, walks.walks, training().images(), options);
       data_seconds += losses.environment_seconds;
@@ -54,17 +66,10 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
     if (alone || config().teacher_weight > 0) {
       add(behind_teacher(), kTeacherDropout, alone ? 1 : config().teacher_weight);
     }
-    if (!alone) add(on_its_own(iteration), kOwnDropout, 1);
-    return {learn(loss), data_seconds};
+    if (!alone) add(on_its_own(part.stream), kOwnDropout, 1);
+    return loss;
   }
 
-  detail::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
-                             const models::ModelFiles& files) override {
-    return detail::Walked{validation_loss(split),
-                          walk_and_write(network(), validation(split), walk_of(split, files))};
-  }
-
- private:
   // Behind the teacher, without dropout.
   double validation_loss(std::size_t split) {
     const c10::NoGradGuard no_gradients;
@@ -73,13 +78,13 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
     PanoramicRolloutOptions options = behind_teacher();
     options.resident = prepared.resident(network().device());
     const std::size_t total = prepared.episodes().episodes.size();
-    double sum = 0;
-    detail::for_each_batch(total, config().batch_size, [&](std::span<const std::size_t> episodes) {
-      PanoramicSplit::Batch walks = prepared.begin(episodes);
-      sum += roll_out(network(), walks.words, walks.walks, prepared.images(), options)
-                 .imitation.item<double>() *
-             static_cast<double>(episodes.size());
-    });
+    const double sum = detail::sum_of_batches(
+        ranks(), total, config().batch_size, [&](std::span<const std::size_t> episodes) {
+          PanoramicSplit::Batch walks = prepared.begin(episodes);
+          return roll_out(network(), walks.words, walks.walks, prepared.images(), options)
+                     .imitation.item<double>() *
+                 static_cast<double>(episodes.size());
+        });
     return sum / static_cast<double>(total);
   }
 
@@ -91,14 +96,14 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
     return options;
   }
 
-  PanoramicRolloutOptions on_its_own(std::uint64_t iteration) const {
+  PanoramicRolloutOptions on_its_own(std::uint64_t stream) const {
     PanoramicRolloutOptions options;
     options.feedback = Feedback::kSample;
     options.max_actions = config().max_steps;
     options.imitate = config().sampled_loss == SampledLoss::kLabels;
     options.reinforce = config().sampled_loss == SampledLoss::kReinforce;
     options.seed = config().seed;
-    options.stream = kStreams * iteration + kOwnChoices;
+    options.stream = kStreams * stream + kOwnChoices;
     return options;
   }
 };

@@ -21,19 +21,22 @@ class SpeakerLearner : public detail::SplitLearner<SpeakerNetwork, SpeakerSplit>
 
   detail::Update update(std::uint64_t iteration) override {
     constexpr std::uint64_t kOfDropout = 1;
-    const auto begin = std::chrono::steady_clock::now();
-    const auto episodes = batch(iteration);
-    const PathBatch paths = training().see(training().paths_of(episodes));
-    const at::Tensor sentences = training().sentences(episodes);
-    const double data_seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    network().set_dropout(Rng(config().seed, iteration, kOfDropout).next());
-    return {learn(instruction_loss(network(), paths, sentences).mean), data_seconds};
+    double data_seconds = 0;
+    const double loss = learn(iteration, [&](const detail::BatchPart& part) {
+      const auto begin = std::chrono::steady_clock::now();
+      const PathBatch paths = training().see(training().paths_of(part.episodes));
+      const at::Tensor sentences = training().sentences(part.episodes);
+      data_seconds +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      network().set_dropout(Rng(config().seed, part.stream, kOfDropout).next());
+      return instruction_loss(network(), paths, sentences).mean;
+    });
+    return {loss, data_seconds};
   }
 
   detail::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
                              const models::ModelFiles& /*files*/) override {
-    return score_speaker(network(), validation(split), config().batch_size);
+    return score_speaker(network(), validation(split), config().batch_size, &ranks());
   }
 };
 

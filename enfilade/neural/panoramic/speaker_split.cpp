@@ -65,27 +65,44 @@ std::vector<std::vector<std::string>> describe_split(SpeakerNetwork& network, Sp
                                                      const DescribeSplitOptions& options,
                                                      const Progress& progress) {
   network.set_dropout(std::nullopt);
+  Ranks alone;
+  Ranks& ranks = options.ranks != nullptr ? *options.ranks : alone;
   const std::size_t total = split.episodes().paths.size();
+  std::size_t described = 0;
+  const auto batches = detail::share_batches(
+      ranks, total, options.batch_size, [&](std::span<const std::size_t> paths) {
+        DescribeOptions own{split.words().begin(),
+                            options.choice,
+                            options.most_words,
+                            options.seed,
+                            {paths.begin(), paths.end()}};
+        std::optional<EnvironmentalDropoutOptions> environment = options.environment;
+        if (environment) environment->stream = paths.front() / options.batch_size;
+        std::vector<std::vector<std::string>> texts;
+        for (const auto& ids : describe(network, split.see(paths, environment), own)) {
+          std::vector<std::string>& words = texts.emplace_back();
+          for (const std::int64_t id : ids) words.push_back(split.words().word(id));
+        }
+        described += paths.size();
+        if (progress) {
+          progress(std::min(total, described * static_cast<std::size_t>(ranks.size())), total);
+        }
+        return detail::packed(texts);
+      });
   std::vector<std::vector<std::string>> texts;
-  detail::for_each_batch(total, options.batch_size, [&](std::span<const std::size_t> paths) {
-    DescribeOptions own{split.words().begin(),
-                        options.choice,
-                        options.most_words,
-                        options.seed,
-                        {paths.begin(), paths.end()}};
-    std::optional<EnvironmentalDropoutOptions> environment = options.environment;
-    if (environment) environment->stream = paths.front() / options.batch_size;
-    for (const auto& ids : describe(network, split.see(paths, environment), own)) {
-      std::vector<std::string>& words = texts.emplace_back();
-      for (const std::int64_t id : ids) words.push_back(split.words().word(id));
+  for (const std::string& batch : batches) {
+    for (auto& text : detail::unpacked<std::vector<std::vector<std::string>>>(batch)) {
+      texts.push_back(std::move(text));
     }
-    if (progress) progress(texts.size(), total);
-  });
+  }
   return texts;
 }
 
 models::SpeakerRecord score_speaker(SpeakerNetwork& network, SpeakerSplit& split,
-                                    std::size_t batch_size, const Progress& progress) {
+                                    std::size_t batch_size, Ranks* among,
+                                    const Progress& progress) {
+  Ranks alone;
+  Ranks& ranks = among != nullptr ? *among : alone;
   const tasks::EpisodeSet& episodes = split.episodes();
   if (episodes.episodes.empty()) {
     throw ArgumentError(fmt::format("split {}: no instruction to predict", episodes.split));
@@ -97,17 +114,27 @@ models::SpeakerRecord score_speaker(SpeakerNetwork& network, SpeakerSplit& split
   record.instructions = episodes.episodes.size();
   double sum = 0;
   std::size_t words = 0, correct = 0;
-  detail::for_each_batch(record.instructions, batch_size, [&](std::span<const std::size_t> batch) {
-    const InstructionLoss loss =
-        instruction_loss(network, split.see(split.paths_of(batch)), split.sentences(batch));
-    sum += loss.sum;
-    words += loss.words;
-    correct += loss.correct;
-  });
+  struct Counted {
+    double sum = 0;
+    std::size_t words = 0, correct = 0;
+  };
+  const auto counted = detail::share_batches(
+      ranks, record.instructions, batch_size, [&](std::span<const std::size_t> batch) {
+        const InstructionLoss loss =
+            instruction_loss(network, split.see(split.paths_of(batch)), split.sentences(batch));
+        return detail::packed(Counted{loss.sum, loss.words, loss.correct});
+      });
+  for (const std::string& batch : counted) {
+    const auto one = detail::unpacked<Counted>(batch);
+    sum += one.sum;
+    words += one.words;
+    correct += one.correct;
+  }
   record.loss = sum / static_cast<double>(words);
   record.perplexity = std::exp(record.loss);
   record.accuracy = static_cast<double>(correct) / static_cast<double>(words);
-  const auto texts = describe_split(network, split, {.batch_size = batch_size}, progress);
+  const auto texts =
+      describe_split(network, split, {.batch_size = batch_size, .ranks = &ranks}, progress);
   std::vector<Generated> corpus(texts.size());
   for (std::size_t i = 0; i < texts.size(); ++i) corpus[i].words = texts[i];
   for (const tasks::Episode& episode : episodes.episodes) {

@@ -15,6 +15,7 @@
 #include "enfilade/models/training_log.h"
 #include "enfilade/neural/panoramic/environmental_dropout.h"
 #include "enfilade/neural/panoramic/speaker_decoding.h"
+#include "enfilade/neural/ranks.h"
 #include "enfilade/neural/view_features.h"
 #include "enfilade/tasks/annotations.h"
 
@@ -58,6 +59,7 @@ struct DescribeSplitOptions {
   std::uint64_t seed = 1;        ///< of draws, whose stream is a path's place
   /// Columns that are missing; `stream` is that of the batch.
   std::optional<EnvironmentalDropoutOptions> environment = {};
+  Ranks* ranks = nullptr;  ///< as SplitWalk::ranks
 };
 
 /// An instruction a path of the split, in their order, as words. Without dropout but that of the
@@ -68,8 +70,10 @@ std::vector<std::vector<std::string>> describe_split(SpeakerNetwork& network, Sp
 
 /// Describes all paths of a split, each word the likeliest, and predicts the words of all its
 /// instructions. The iteration is left to the caller. Paths without an instruction count for
-/// nothing. \throws ArgumentError for a split without instructions
+/// nothing. \param ranks as SplitWalk::ranks \throws ArgumentError for a split without
+/// instructions
 models::SpeakerRecord score_speaker(SpeakerNetwork& network, SpeakerSplit& split,
-                                    std::size_t batch_size, const Progress& progress = {});
+                                    std::size_t batch_size, Ranks* ranks = nullptr,
+                                    const Progress& progress = {});
 
 }  // namespace enfilade::neural::panoramic

@@ -79,7 +79,8 @@ void Seq2Seq::begin_walk(const Environment& environment, const RolloutOptions& o
 
 RolloutResult Seq2Seq::rollout(const InstructionBatch& instructions, Environment& environment,
                                const RolloutOptions& options, WithGradients with_gradients,
-                               const StepObserver& observer) {
+                               const StepObserver& observer,
+                               const std::function<void()>& decoder_done) {
   check(instructions, environment, options, with_gradients);
   begun_.reset();
   const Sentences sentences = lay_out(instructions, config_);
@@ -98,7 +99,7 @@ RolloutResult Seq2Seq::rollout(const InstructionBatch& instructions, Environment
       encoder_.forward(sentences, dropout, decoder_.start(), decoder_.start_cells());
   const RolloutResult result = taught ? walk_as_taught(context, environment, options)
                                       : walk(context, environment, options, observer);
-  if (gradients) backward(sentences, context, dropout, result.steps);
+  if (gradients) backward(sentences, context, dropout, result.steps, decoder_done);
   return result;
 }
 
@@ -216,12 +217,13 @@ void Seq2Seq::act(std::span<const float> features, std::span<const std::uint8_t>
 }
 
 void Seq2Seq::backward(const Sentences& sentences, const Context& context, const Dropout& dropout,
-                       std::size_t steps) {
+                       std::size_t steps, const std::function<void()>& decoder_done) {
   const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(steps * walk_.n), kSixActions};
   const at::Tensor gradient =
       at::from_blob(walk_.gradient.data(), shape, at::TensorOptions().dtype(at::kDouble))
           .to(parameters_.flat_weights.options());
   const ActionDecoder::Gradients back = decoder_.backward(context, gradient);
+  if (decoder_done) decoder_done();
   encoder_.backward(sentences, dropout, back.context, decoder_.start(), back.start, back.cells);
 }
 

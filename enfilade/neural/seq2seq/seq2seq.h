@@ -3,6 +3,7 @@
 #include <ATen/ATen.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -31,7 +32,8 @@ class Seq2Seq {
 
   RolloutResult rollout(const InstructionBatch& instructions, Environment& environment,
                         const RolloutOptions& options, WithGradients with_gradients,
-                        const StepObserver& observer = {});
+                        const StepObserver& observer = {},
+                        const std::function<void()>& decoder_done = {});
   /// As Network's.
   void begin(const InstructionBatch& instructions, std::size_t max_steps);
   void act(std::span<const float> features, std::span<const std::uint8_t> forward_open,
@@ -79,7 +81,7 @@ class Seq2Seq {
   RolloutResult walk_as_taught(const Context& context, Environment& environment,
                                const RolloutOptions& options);
   void backward(const Sentences& sentences, const Context& context, const Dropout& dropout,
-                std::size_t steps);
+                std::size_t steps, const std::function<void()>& decoder_done);
   void tell(const StepObserver& observer, std::size_t step) const;
 
   models::NetworkConfig config_;
@@ -90,5 +92,8 @@ class Seq2Seq {
   Walk walk_;
   std::optional<Begun> begun_;
 };
+
+/// What is behind a network.
+Seq2Seq& implementation_of(Network& network);
 
 }  // namespace enfilade::neural::seq2seq

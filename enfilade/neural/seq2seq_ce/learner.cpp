@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "enfilade/agents/continuous_run.h"
@@ -19,6 +20,7 @@
 #include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/detail/episode_order.h"
 #include "enfilade/neural/detail/optimizer.h"
+#include "enfilade/neural/detail/parted_learning.h"
 #include "enfilade/neural/seq2seq_ce/batches.h"
 #include "enfilade/neural/seq2seq_ce/gatherer.h"
 #include "enfilade/tasks/continuous_measures.h"
@@ -56,7 +58,9 @@ class CeLearner : public detail::Learner {
         network_(sizes_of(config), config.seed, device),
         optimizer_(detail::optimizer_of(config, {""})) {}
 
-  void prepare(const TrainingData& data) override {
+  void prepare(const TrainingData& data, Ranks& ranks) override {
+    ranks_ = &ranks;
+    learning_.emplace(ranks, config_.parts.value_or(1), network_.weights(), optimizer_);
     data_ = data.continuous.get();
     if (config_.network.inputs.vision) sight_.emplace(data_->sight);
     instructions_ = read_all(data_->training, words_, config_.network);
@@ -66,10 +70,11 @@ class CeLearner : public detail::Learner {
     const Clock::time_point begin = Clock::now();
     const Place place = place_of(config_.seq2seq_ce, config_.batch_size, iteration);
     open_sets(place);
-    const std::vector<WalkView> views = views_of(order(place).at(place.batch));
+    const std::vector<std::size_t>& walks = order(place).at(place.batch);
     const double before = seconds(Clock::now() - begin);
-    const double value = detail::follow_back(loss_of(views, instructions_));
-    optimizer_.update(network_.weights());
+    const double value = learning_->learn(walks, iteration, [&](const detail::BatchPart& part) {
+      return loss_of(views_of(part.episodes), instructions_);
+    });
     return {value, before};
   }
 
@@ -80,8 +85,10 @@ class CeLearner : public detail::Learner {
                     episodes);
     const auto walks = run(walker, episodes, config_.seed);
     const fs::path file = files.results(episodes.split);
-    make_folder(file.parent_path());
-    write_file_atomically(file, to_json(walks, episodes, tasks::ContinuousResultsForm::kR2r));
+    if (ranks_->is_first()) {
+      make_folder(file.parent_path());
+      write_file_atomically(file, to_json(walks, episodes, tasks::ContinuousResultsForm::kR2r));
+    }
     models::EvaluationRecord record = measured(walks, episodes);
     record.loss = mean_loss(walker.walks(), read_all(episodes, words_, config_.network));
     return record;
@@ -122,13 +129,18 @@ class CeLearner : public detail::Learner {
       std::size_t done = 0;
       const std::string weights =
           now ? detail::hash_of(detail::on_cpu(network_.weights())) : std::string();
+      // Each process gathers the walks of some buildings.
+      std::size_t building = 0;
       for (const auto& [scan, episodes] : by_scan) {
         const fs::path file = files_.walks(sets_, scan);
-        if (now && !is_there(file, weights)) gather(file, episodes, weights);
-        add(file);
+        const bool own = static_cast<int>(building++ % static_cast<std::size_t>(ranks_->size())) ==
+                         ranks_->rank();
+        if (now && own && !is_there(file, weights)) gather(file, episodes, weights);
         done += episodes.size();
         if (now && told_) told_({sets_, config_.seq2seq_ce.sets, done, chosen.size()});
       }
+      ranks_->meet();
+      for (const auto& [scan, episodes] : by_scan) add(files_.walks(sets_, scan));
     }
   }
 
@@ -196,7 +208,7 @@ class CeLearner : public detail::Learner {
     return order_;
   }
 
-  std::vector<WalkView> views_of(const std::vector<std::size_t>& walks) const {
+  std::vector<WalkView> views_of(std::span<const std::size_t> walks) const {
     std::vector<WalkView> views;
     for (const std::size_t walk : walks) views.push_back(walks_[walk]);
     return views;
@@ -250,6 +262,8 @@ class CeLearner : public detail::Learner {
   CeNetwork network_;
   detail::Optimizer optimizer_;
   const ContinuousData* data_ = nullptr;
+  Ranks* ranks_ = nullptr;
+  std::optional<detail::PartedLearning> learning_;
   std::optional<Sight> sight_;
   std::vector<std::vector<std::int64_t>> instructions_;  // by training episode
   std::size_t sets_ = 0;                                 // opened

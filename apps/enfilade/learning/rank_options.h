@@ -1,0 +1,24 @@
+/// \file  Verbs that run in several processes: train and evaluate.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+
+#include "enfilade/neural/ranks.h"
+
+namespace enfilade::apps {
+
+/// What a user says of the processes beside this one.
+struct RankOptions {
+  std::uint64_t timeout = 1800;  ///< seconds
+};
+/// Adds `--timeout`.
+void add_rank_options(CLI::App& verb, RankOptions& options);
+
+/// Sets the number of threads, connects the processes that the launcher started, and compares
+/// program, libtorch, kind of processor and threads. \param threads 0: this process's share of the
+/// machine's cores \throws as Ranks, and Ranks::agree()
+neural::Ranks join_ranks(const std::optional<neural::RankPlace>& place, const RankOptions& options,
+                         int threads);
+
+}  // namespace enfilade::apps

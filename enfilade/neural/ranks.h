@@ -1,0 +1,98 @@
+/// \file  Processes that train or evaluate one model together, on one machine or on many.
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+
+namespace enfilade::neural {
+
+/// Another process of the same work has ended or does not answer; what() names it. The work can be
+/// begun again, from its last checkpoint.
+class LostRank : public CutShort {
+ public:
+  using CutShort::CutShort;
+};
+
+/// Where this process stands among those that a launcher started together.
+struct RankPlace {
+  int rank = 0, size = 1;
+  int local_rank = 0, local_size = 1;  ///< among those of this machine
+  std::string host;                    ///< machine of the store by which they find each other
+  std::uint16_t port = 0;              ///< of the store
+  bool store_runs = false;  ///< the launcher has the store; else the process of rank 0 opens it
+  std::string run;          ///< tells attempts apart that meet at one store
+  std::string launcher;     ///< "torchrun", "srun" or "mpirun"
+};
+
+/// Reads a variable of the environment; null: it is not set.
+using Variables = std::function<const char*(const char*)>;
+/// What torchrun (and all that sets RANK and WORLD_SIZE), Open MPI, MPICH or a step of Slurm left
+/// in the environment. None: the process was started alone.
+/// \throws ArgumentError naming a variable that is missing or is no number
+std::optional<RankPlace> find_place(const Variables& variables);
+std::optional<RankPlace> find_place();  ///< of this process's environment
+
+/// The first machine of a list as Slurm writes it: "node[07-12,20],login" has "node07".
+std::string first_host(std::string_view nodes);
+
+/// Something that has to be the same for all processes.
+using RankFacts = std::map<std::string, std::string>;
+
+/// The processes of one work, connected by c10d's Gloo. All call the same functions in the same
+/// order; each call waits for the others. One thread at a time.
+///
+/// All functions \throw LostRank if another process ended, failed or did not answer in time.
+class Ranks {
+ public:
+  /// This process alone; nothing is connected.
+  Ranks();
+  /// Connects. \param timeout how long any call waits for the others
+  /// \throws Error if this build has no c10d; ArgumentError for a store that cannot be opened
+  Ranks(const RankPlace& place, std::chrono::seconds timeout);
+  ~Ranks();
+  Ranks(Ranks&&) noexcept;
+  Ranks& operator=(Ranks&&) noexcept;
+
+  int rank() const noexcept;
+  int size() const noexcept;  ///< 1 if alone
+  bool is_first() const noexcept { return rank() == 0; }
+  bool alone() const noexcept { return size() == 1; }
+
+  /// Waits until all are here.
+  void meet();
+  /// What each process gives, by rank.
+  std::vector<std::string> gather(std::string_view bytes);
+  /// Compares what has to be the same. \throws ArgumentError, in all processes, saying which rank
+  /// differs from rank 0 in what
+  void agree(const RankFacts& facts);
+  /// Tells the others why this process ends; they say it when they miss it.
+  void tell_failure(std::string_view why) noexcept;
+
+  struct Impl;
+  Impl& implementation() noexcept { return *impl_; }  ///< of the library itself
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The parts of a batch (TrainConfig::parts) for so many processes, if nobody says: 8, so that 1,
+/// 2, 4 and 8 processes give the same weights; others where 8 cannot be shared.
+std::size_t usual_parts(int processes);
+
+/// Whether processes can be connected here: "Gloo, of libtorch 1.13.1", or what is missing.
+struct RanksReport {
+  bool works = false;
+  std::string text;
+};
+RanksReport examine_ranks();
+
+}  // namespace enfilade::neural

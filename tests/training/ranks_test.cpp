@@ -1,0 +1,249 @@
+// Training and evaluation in several processes: the real program, the real signal.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "enfilade/core/file.h"
+#include "enfilade/core/rng.h"
+#include "tests/support/process.h"
+#include "tests/support/small_homes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace enfilade {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using tests::Process;
+using Words = std::vector<std::string>;
+
+constexpr int kAgain = 75;
+
+// A port that nobody listens on now.
+std::string free_port() {
+  const int descriptor = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof address;
+  auto* const name = reinterpret_cast<sockaddr*>(&address);
+  bind(descriptor, name, length);
+  getsockname(descriptor, name, &length);
+  close(descriptor);
+  return std::to_string(ntohs(address.sin_port));
+}
+
+class RankedTraining : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<tests::TemporaryFolder>("ranks");
+    tests::write_small_homes(folder_->path() / "data");
+    // A build without Gloo says so.
+    Process probe({EN_PROGRAM, "doctor", "--json"}, folder_->path() / "doctor.json");
+    probe.wait();
+    connects_ = read_file(folder_->path() / "doctor.json").find("c10d's Gloo") != std::string::npos;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  void SetUp() override {
+    if (!connects_) GTEST_SKIP() << "this build has no c10d (Debian: libgloo-dev)";
+  }
+
+  static fs::path in(const std::string& name) { return folder_->path() / name; }
+  static Words training(const fs::path& model, const Words& more) {
+    Words words{EN_PROGRAM, "train",    "--data",    in("data"), "-o",        model,
+                "--inputs", "language", "--threads", "1",        "--timeout", "60"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
+  // One command as processes of a launcher.
+  class Run {
+   public:
+    Run(const Words& words, int size, const Words& last = {}) : size_(size) {
+      const std::string port = free_port();
+      for (int k = 0; k < size; ++k) {
+        Words own = words;
+        if (k + 1 == size) own.insert(own.end(), last.begin(), last.end());
+        processes_.push_back(std::make_unique<Process>(
+            own, "/dev/null",
+            std::map<std::string, std::string>{{"RANK", std::to_string(k)},
+                                               {"WORLD_SIZE", std::to_string(size)},
+                                               {"LOCAL_RANK", std::to_string(k)},
+                                               {"LOCAL_WORLD_SIZE", std::to_string(size)},
+                                               {"MASTER_ADDR", "127.0.0.1"},
+                                               {"MASTER_PORT", port}},
+            error_file(k)));
+      }
+    }
+    Process& process(int rank) { return *processes_.at(static_cast<std::size_t>(rank)); }
+    std::vector<int> wait() {
+      std::vector<int> codes;
+      for (const auto& process : processes_) codes.push_back(process->wait());
+      return codes;
+    }
+    static std::string errors(int rank) { return read_file(error_file(rank)); }
+    int size() const { return size_; }
+
+   private:
+    static fs::path error_file(int rank) { return in("errors" + std::to_string(rank)); }
+
+    int size_;
+    std::vector<std::unique_ptr<Process>> processes_;
+  };
+
+  static void run(const Words& words, int size) {
+    const std::vector<int> codes = Run(words, size).wait();
+    for (std::size_t k = 0; k < codes.size(); ++k) {
+      ASSERT_EQ(codes[k], 0) << Run::errors(static_cast<int>(k));
+    }
+  }
+  static void expect_same(const fs::path& a, const fs::path& b) {
+    for (const char* file : {"weights.safetensors", "checkpoint.safetensors", "config.json",
+                             "results/val_unseen.json", "results/val_unseen.attention.json"}) {
+      EXPECT_EQ(read_file(a / file), read_file(b / file)) << b << " " << file;
+    }
+  }
+
+  static std::unique_ptr<tests::TemporaryFolder> folder_;
+  static bool connects_;
+};
+std::unique_ptr<tests::TemporaryFolder> RankedTraining::folder_;
+bool RankedTraining::connects_ = false;
+
+const Words kSeq2Seq{"--hidden",    "24", "--word-embedding", "12",  "--batch", "20",
+                     "--max-steps", "8",  "--learning-rate",  "0.01"};
+
+struct Agent {
+  std::string name;
+  Words options;
+};
+
+class RankedAgents : public RankedTraining, public ::testing::WithParamInterface<Agent> {};
+
+TEST_P(RankedAgents, OneTwoFourAndEightProcessesGiveTheSameBitsAlsoWhereTheyTakeOver) {
+  Words options = GetParam().options;
+  for (const char* word :
+       {"--validation", "val_unseen", "--evaluate-every", "4", "--checkpoint-every", "2"}) {
+    options.emplace_back(word);
+  }
+  const auto with = [&](const char* parts, const char* iterations) {
+    Words words = options;
+    for (const char* word : {"--iterations", iterations}) words.emplace_back(word);
+    if (parts != nullptr) {
+      for (const char* word : {"--parts", parts}) words.emplace_back(word);
+    }
+    return words;
+  };
+  const fs::path one = in(GetParam().name + "1");
+  ASSERT_EQ(Process(training(one, with("8", "6"))).wait(), 0);
+  for (const int size : {2, 4, 8}) {
+    const fs::path model = in(GetParam().name + std::to_string(size));
+    run(training(model, with(nullptr, "6")), size);
+    expect_same(one, model);
+  }
+  // Begun by eight, gone on by two, ended by one, which finds the number of parts in the folder.
+  const fs::path taken_over = in(GetParam().name + "taken_over");
+  run(training(taken_over, with(nullptr, "2")), 8);
+  run(training(taken_over, with(nullptr, "4")), 2);
+  ASSERT_EQ(Process(training(taken_over, with(nullptr, "6"))).wait(), 0);
+  expect_same(one, taken_over);
+  // The parts are something else than the batch at once.
+  const fs::path whole = in(GetParam().name + "whole");
+  ASSERT_EQ(Process(training(whole, with(nullptr, "6"))).wait(), 0);
+  EXPECT_NE(read_file(one / "weights.safetensors"), read_file(whole / "weights.safetensors"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Training, RankedAgents,
+    ::testing::Values(Agent{"seq2seq", kSeq2Seq},
+                      Agent{"panoramic",
+                            {"--agent", "panoramic", "--hidden", "24", "--word-embedding", "12",
+                             "--batch", "16", "--max-steps", "8", "--learning-rate", "0.01"}},
+                      Agent{"duet",
+                            {"--agent", "duet", "--size", "duet-s", "--batch", "8", "--max-steps",
+                             "5", "--learning-rate", "0.001"}}),
+    [](const auto& agent) { return agent.param.name; });
+
+TEST_F(RankedTraining, RandomRanksKilledTwentyTimesTheWeightsAreTheSameToTheBit) {
+  Words options = kSeq2Seq;
+  for (const char* word : {"--iterations", "160", "--checkpoint-every", "2", "--evaluate-every",
+                           "80", "--validation", "val_unseen"}) {
+    options.emplace_back(word);
+  }
+  Words in_parts = options;
+  for (const char* word : {"--parts", "8"}) in_parts.emplace_back(word);
+  const fs::path whole = in("whole"), killed = in("killed");
+  ASSERT_EQ(Process(training(whole, in_parts)).wait(), 0);
+
+  const auto seed =
+      static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+  RecordProperty("seed", std::to_string(seed));
+  Rng rng(seed);
+  int kills = 0, named = 0;
+  constexpr int kKills = 20, kMost = 60;
+  for (int attempt = 0; kills < kKills && attempt < kMost; ++attempt) {
+    const int size = attempt % 2 == 0 ? 2 : 4;
+    Run run(training(killed, options), size);
+    // From before they are connected to the middle of training.
+    const int victim = static_cast<int>(rng.below(static_cast<std::uint64_t>(size)));
+    std::this_thread::sleep_for(std::chrono::duration<double>(0.2 + 1.6 * rng.uniform()));
+    if (run.process(victim).end() != -SIGKILL) {
+      // Trained to the end before that: once more.
+      run.wait();
+      fs::remove_all(killed);
+      continue;
+    }
+    ++kills;
+    const std::vector<int> codes = run.wait();
+    for (int k = 0; k < size; ++k) {
+      if (k == victim) continue;
+      const std::string errors = Run::errors(k);
+      // Where rank 0 had not opened the store yet, it cannot be reached.
+      EXPECT_THAT(codes[static_cast<std::size_t>(k)], testing::AnyOf(kAgain, 2)) << errors;
+      named += errors.find("rank " + std::to_string(victim)) != std::string::npos ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(kills, kKills);
+  EXPECT_GT(named, kKills);  // of some 40 that live on, each
+  RecordProperty("named", named);
+  run(training(killed, options), 4);
+  expect_same(whole, killed);
+}
+
+TEST_F(RankedTraining, ProcessesThatAreNotAlikeSayWhoDiffersInWhat) {
+  Words options = kSeq2Seq;
+  for (const char* word : {"--iterations", "2"}) options.emplace_back(word);
+  Run run(training(in("unlike"), options), 2, {"--seed", "7"});
+  for (const int code : run.wait()) EXPECT_EQ(code, 2);
+  for (const int rank : {0, 1}) {
+    EXPECT_THAT(Run::errors(rank), HasSubstr("rank 1: /training/seed: 7, not 1"));
+  }
+  EXPECT_FALSE(fs::exists(in("unlike") / "config.json"));
+}
+
+TEST_F(RankedTraining, NumbersOfProcessesThatCannotShareThePartsAreNamed) {
+  Words options = kSeq2Seq;
+  for (const char* word : {"--iterations", "2", "--parts", "4"}) options.emplace_back(word);
+  Run run(training(in("odd"), options), 3);
+  for (const int code : run.wait()) EXPECT_EQ(code, 2);
+  EXPECT_THAT(Run::errors(0), HasSubstr("parts: 4, in 3 processes"));
+}
+
+TEST_F(RankedTraining, AllReduceLearnsTheSameButForRounding) {
+  Words options = kSeq2Seq;
+  for (const char* word : {"--iterations", "3", "--all-reduce"}) options.emplace_back(word);
+  run(training(in("reduced"), options), 2);
+  EXPECT_THAT(read_file(in("reduced") / "config.json"), HasSubstr("\"parts\": 0"));
+}
+
+}  // namespace
+}  // namespace enfilade
