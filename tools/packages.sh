@@ -32,6 +32,7 @@ build libegl-mesa0       package -
 build libgl1-mesa-dri    package -
 build node-d3            package -
 build libtorch-dev       package -
+build libgloo-dev        package -
 build libopenblas0-pthread package -
 build libhdf5-dev        package -
 web   libcpp-httplib-dev header  httplib.h
@@ -71,7 +72,7 @@ have_header() {
 }
 
 # Debian has these; where a system's lists do not (Ubuntu 24.04), what needs them is left out.
-readonly wished='libtorch-dev python3-torch'
+readonly wished='libtorch-dev libgloo-dev python3-torch'
 
 lists_have() {
   # Not grep -q, which would end first and so fail the pipe.

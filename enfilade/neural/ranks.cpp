@@ -301,8 +301,10 @@ struct Ranks::Impl {
     } catch (const LostRank&) {
       throw;
     } catch (const std::exception& error) {
-      throw LostRank(
-          fmt::format("rank {}: {}", place.rank, who_is_missing(first_line(error.what()))));
+      const std::string reason = first_line(error.what());
+      // Whoever waits for this rank has to notice now, while the store is there to be asked.
+      group.reset();
+      throw LostRank(fmt::format("rank {}: {}", place.rank, who_is_missing(reason)));
     }
   }
 

@@ -2,6 +2,7 @@
 Homes are SYNTHETIC; sbatch is a stand-in that runs a job array here, kills its tasks and begins them again."""
 
 import contextlib
+import importlib
 import os
 import random
 import shutil
@@ -205,3 +206,27 @@ def test_a_share_with_an_error_of_its_own_is_told_once(program, tmp_path):
     assert len(failed) == 1 and failed[0].startswith("share 2: ended with 2: ")
     assert "--split" in (tmp_path / "job/logs/2.log").read_text()
     assert (tmp_path / "one/homes.json").exists()
+
+
+def test_rllib_learns_on_a_cluster_of_three_nodes(program, tmp_path):
+    ray = pytest.importorskip("ray", reason="the package ray is not installed")
+    for module in ("torch", "ray.rllib"):
+        try:
+            importlib.import_module(module)
+        except ImportError:
+            pytest.skip(f"the package {module} is not installed")
+    from ray.cluster_utils import Cluster
+
+    homes = call([program, "homes", "-o", "homes", "--preset", "graphs", "--homes", "3", "--paths", "20"], tmp_path)
+    assert homes.returncode == 0, homes.stderr
+    example = Path(__file__).parents[2] / "examples/python/rl_cluster.py"
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+    try:
+        for _ in range(2):
+            cluster.add_node(num_cpus=1)
+        done = call([sys.executable, str(example), str(tmp_path / "homes"), "4", cluster.address], tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert "after 4 iterations, 2 runners on 3 machines" in done.stdout
+    finally:
+        ray.shutdown()
+        cluster.shutdown()

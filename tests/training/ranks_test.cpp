@@ -59,8 +59,8 @@ class RankedTraining : public ::testing::Test {
 
   static fs::path in(const std::string& name) { return folder_->path() / name; }
   static Words training(const fs::path& model, const Words& more) {
-    Words words{EN_PROGRAM, "train",    "--data",    in("data"), "-o",        model,
-                "--inputs", "language", "--threads", "1",        "--timeout", "60"};
+    Words words{EN_PROGRAM, "train",    "--data",   in("data"),  "-o",
+                model,      "--inputs", "language", "--threads", "1"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
@@ -175,8 +175,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(RankedTraining, RandomRanksKilledTwentyTimesTheWeightsAreTheSameToTheBit) {
   Words options = kSeq2Seq;
-  for (const char* word : {"--iterations", "160", "--checkpoint-every", "2", "--evaluate-every",
-                           "80", "--validation", "val_unseen"}) {
+  for (const char* word : {"--iterations", "500", "--checkpoint-every", "2", "--evaluate-every",
+                           "250", "--validation", "val_unseen"}) {
     options.emplace_back(word);
   }
   Words in_parts = options;
@@ -188,11 +188,14 @@ TEST_F(RankedTraining, RandomRanksKilledTwentyTimesTheWeightsAreTheSameToTheBit)
       static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
   RecordProperty("seed", std::to_string(seed));
   Rng rng(seed);
+  // Those that wait for one who died before it was connected cannot know that.
+  Words killing = options;
+  for (const char* word : {"--timeout", "10"}) killing.emplace_back(word);
   int kills = 0, named = 0;
   constexpr int kKills = 20, kMost = 60;
   for (int attempt = 0; kills < kKills && attempt < kMost; ++attempt) {
     const int size = attempt % 2 == 0 ? 2 : 4;
-    Run run(training(killed, options), size);
+    Run run(training(killed, killing), size);
     // From before they are connected to the middle of training.
     const int victim = static_cast<int>(rng.below(static_cast<std::uint64_t>(size)));
     std::this_thread::sleep_for(std::chrono::duration<double>(0.2 + 1.6 * rng.uniform()));
@@ -236,6 +239,27 @@ TEST_F(RankedTraining, NumbersOfProcessesThatCannotShareThePartsAreNamed) {
   Run run(training(in("odd"), options), 3);
   for (const int code : run.wait()) EXPECT_EQ(code, 2);
   EXPECT_THAT(Run::errors(0), HasSubstr("parts: 4, in 3 processes"));
+}
+
+TEST_F(RankedTraining, EvaluationIsSharedAndEachEpisodeIsScoredOnce) {
+  for (const Words& agent :
+       {kSeq2Seq, Words{"--agent", "panoramic", "--hidden", "24", "--word-embedding", "12"}}) {
+    const fs::path model = in("evaluated_" + std::to_string(agent.size()));
+    Words options = agent;
+    for (const char* word : {"--iterations", "2", "--evaluate-every", "0"}) {
+      options.emplace_back(word);
+    }
+    ASSERT_EQ(Process(training(model, options)).wait(), 0);
+    const auto evaluation = [&](const std::string& output) {
+      return Words{EN_PROGRAM, "evaluate",   model, "--data",   in("data"),  "--batch", "7",
+                   "--split",  "val_unseen", "-o",  in(output), "--threads", "1"};
+    };
+    ASSERT_EQ(Process(evaluation("alone")).wait(), 0);
+    run(evaluation("shared"), 3);
+    for (const char* file : {"val_unseen.json", "val_unseen.attention.json"}) {
+      EXPECT_EQ(read_file(in("alone") / file), read_file(in("shared") / file)) << file;
+    }
+  }
 }
 
 TEST_F(RankedTraining, AllReduceLearnsTheSameButForRounding) {

@@ -3,16 +3,18 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/continuous/walks.h"
 #include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/learning/rank_options.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/file.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/ranks.h"
 #include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score.h"
@@ -35,6 +37,7 @@ struct Options {
   std::string device = "cpu";
   int threads = 0;
   std::size_t batch_size = 100;
+  RankOptions ranks;
 };
 
 // Warns of data that differ from those of training.
@@ -58,15 +61,20 @@ std::vector<tasks::EpisodeSet> load_splits(const Options& options,
 }
 
 void evaluate(const Options& options, neural::TrainedAgent& agent,
-              const tasks::EpisodeSet& episodes) {
+              const tasks::EpisodeSet& episodes, neural::Ranks& ranks) {
+  ranks.agree({{"iteration of the model", std::to_string(agent.iteration())},
+               {"split", episodes.split},
+               {"episodes", std::to_string(episodes.episodes.size())},
+               {"--batch", std::to_string(options.batch_size)}});
   const std::string& name = episodes.split;
   const models::ModelFiles files{options.model};
   const fs::path folder(options.output);
   const bool named = !options.output.empty();
-  const auto trajectories =
-      agent.walk({options.batch_size, named ? folder / (name + ".json") : files.results(name),
-                  named ? folder / (name + ".attention.json") : files.attention(name)},
-                 progress_bar(fmt::format("{}, {}", options.model, name)));
+  const auto trajectories = agent.walk(
+      {options.batch_size, named ? folder / (name + ".json") : files.results(name),
+       named ? folder / (name + ".attention.json") : files.attention(name), &ranks},
+      ranks.is_first() ? progress_bar(fmt::format("{}, {}", options.model, name)) : Progress());
+  if (!ranks.is_first()) return;
   fmt::print("{} ({}, iteration {}) on {}: {} episodes\n", options.model, agent.name(),
              agent.iteration(), name, trajectories.size());
   if (goals_hidden(episodes)) {
@@ -126,12 +134,7 @@ std::optional<models::AgentKind> kind_of(const Options& options) {
   return models::load_model_config(files.config()).training.agent;
 }
 
-void run(const Options& options) {
-  neural::set_threads(options.threads);
-  const auto kind = kind_of(options);
-  if (kind == models::AgentKind::kSeq2SeqCe) return evaluate_continuous(options);
-  if (!options.meshes.empty()) throw UsageError("--meshes: of an agent that walks freely only");
-  if (kind == models::AgentKind::kSpeaker) return evaluate_speaker(options);
+void evaluate_walker(const Options& options, neural::Ranks& ranks) {
   const auto agent = neural::load_trained_agent(options.model, options.device);
   std::optional<features::FeatureSet> file;
   if (agent->config().training.network.inputs.vision && !options.features.empty()) {
@@ -147,7 +150,28 @@ void run(const Options& options) {
   }
   for (const tasks::EpisodeSet& split : splits) {
     agent->enter(split, features);
-    evaluate(options, *agent, split);
+    evaluate(options, *agent, split, ranks);
+  }
+}
+
+void run(const Options& options) {
+  neural::Ranks ranks = join_ranks(neural::find_place(), options.ranks, options.threads);
+  const auto kind = kind_of(options);
+  if (!ranks.alone() &&
+      (kind == models::AgentKind::kSeq2SeqCe || kind == models::AgentKind::kSpeaker)) {
+    throw UsageError(fmt::format("evaluate: the {} is evaluated by one process, not by {}",
+                                 to_string(*kind), ranks.size()));
+  }
+  if (kind == models::AgentKind::kSeq2SeqCe) return evaluate_continuous(options);
+  if (!options.meshes.empty()) throw UsageError("--meshes: of an agent that walks freely only");
+  if (kind == models::AgentKind::kSpeaker) return evaluate_speaker(options);
+  try {
+    evaluate_walker(options, ranks);
+  } catch (const neural::LostRank&) {
+    throw;
+  } catch (const std::exception& error) {
+    ranks.tell_failure(error.what());
+    throw;
   }
 }
 
@@ -173,8 +197,12 @@ void add_verb(CLI::App& app, int& /*status*/) {
             "results/ in the model directory)");
   add_whole_number(verb, "--batch", options->batch_size, "Episodes at once");
   add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
-  add_threads_option(verb, options->threads);
+  add_threads_option(verb, options->threads,
+                     "0: all cores; of several processes each its share of them");
+  add_rank_options(verb, options->ranks);
   set_examples(verb, {"enfilade evaluate student --features resnet.safetensors",
+                      "torchrun --no-python --nproc-per-node 4 enfilade evaluate duet "
+                      "--features vit.hdf5",
                       "enfilade evaluate submission --split test --features resnet.safetensors",
                       "enfilade evaluate ce --data homes --split val_unseen"});
   verb.callback([options] { run(*options); });

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <numeric>
 #include <utility>
 
@@ -20,12 +19,6 @@
 
 namespace enfilade::neural::detail {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 // Adds up in the tree, one behind the other: a sum of 2^k values is joined with the one before it
 // if that is of as many.
@@ -222,7 +215,6 @@ void GradientSum::communicate() {
     if (stopping_) return;
     const Bucket& bucket = buckets_[sent_buckets_];
     lock.unlock();
-    const Clock::time_point begin = Clock::now();
     std::exception_ptr failure;
     try {
       send(bucket);
@@ -230,7 +222,6 @@ void GradientSum::communicate() {
       failure = std::current_exception();
     }
     lock.lock();
-    sent_ += since(begin);
     ++sent_buckets_;
     if (failure) {
       failure_ = failure;
@@ -245,10 +236,8 @@ GradientSum::Sums GradientSum::finish() {
   EN_CHECK_EQ(done_, parts_.count);
   done_ = 0;
   if (!ranks_.alone()) {
-    const Clock::time_point begin = Clock::now();
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return stopping_ || sent_buckets_ == buckets_.size(); });
-    waited_ += since(begin);
     if (failure_) std::rethrow_exception(failure_);
   }
   for (at::Tensor& one : earlier_) spare_.push_back(std::move(one));

@@ -66,10 +66,6 @@ class GradientSum {
   /// \throws LostRank
   Sums finish();
 
-  /// Seconds for which finish() waited for the others, and those that sending took, so far.
-  double waited() const noexcept { return waited_; }
-  double sent() const noexcept { return sent_; }
-
  private:
   struct Bucket {
     std::int64_t begin = 0, length = 0;  // a multiple of the processes
@@ -101,7 +97,6 @@ class GradientSum {
   std::vector<std::size_t> order_seen_;  // in which they got ready
   bool order_known_ = false;
   std::size_t done_ = 0;  // own parts of this batch
-  double waited_ = 0, sent_ = 0;
 
   // What the thread that sends shares with the others.
   std::mutex mutex_;
