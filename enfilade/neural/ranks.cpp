@@ -82,6 +82,13 @@ RankPlace checked(RankPlace place) {
   return place;
 }
 
+std::uint16_t some_port(std::uint64_t number) {
+  constexpr std::uint64_t kFirst = 20'000, kPorts = 12'000;  // below those that Linux gives away
+  return static_cast<std::uint16_t>(kFirst + number % kPorts);
+}
+
+constexpr std::uint64_t kAttempts = 7919;  // between the ports of attempts: a prime
+
 std::optional<RankPlace> place_of_torchrun(const Variables& variables) {
   const auto rank = number_of<int>(variables, "RANK");
   const auto size = number_of<int>(variables, "WORLD_SIZE");
@@ -94,18 +101,21 @@ std::optional<RankPlace> place_of_torchrun(const Variables& variables) {
     throw ArgumentError(
         "RANK and WORLD_SIZE are set, but MASTER_ADDR is not: the machine of rank 0");
   }
-  place.port = place.size > 1 ? require<std::uint16_t>(variables, "MASTER_PORT", "torchrun") : 0;
-  place.store_runs = text_of(variables, "TORCHELASTIC_USE_AGENT_STORE") == "True";
-  place.run = text_of(variables, "TORCHELASTIC_RUN_ID", "run") + "/" +
-              text_of(variables, "TORCHELASTIC_RESTART_COUNT", "0");
+  if (place.size == 1) return place;
+  place.port = require<std::uint16_t>(variables, "MASTER_PORT", "torchrun");
+  if (text_of(variables, "TORCHELASTIC_USE_AGENT_STORE") == "True") {
+    // That port is taken by torchrun's own store, which another version of libtorch cannot speak
+    // with. An attempt after a failure has a port of its own.
+    const auto attempt = number_of<unsigned>(variables, "TORCHELASTIC_RESTART_COUNT").value_or(0);
+    place.port = some_port(place.port + kAttempts * (attempt + 1));
+  }
   return checked(std::move(place));
 }
 
 // A port for a run that nobody named one for: others of its machine have other numbers.
 std::uint16_t port_for(const Variables& variables, std::uint64_t run) {
-  constexpr std::uint64_t kFirst = 20'000, kPorts = 12'000;  // below those that Linux gives away
   const auto named = number_of<std::uint16_t>(variables, "MASTER_PORT");
-  return named.value_or(static_cast<std::uint16_t>(kFirst + run % kPorts));
+  return named.value_or(some_port(run));
 }
 
 struct MpiNames {
@@ -134,7 +144,6 @@ std::optional<RankPlace> place_of_mpi(const Variables& variables, const MpiNames
     place.host = "127.0.0.1";
   }
   place.port = port_for(variables, static_cast<std::uint64_t>(getppid()));
-  place.run = "mpi";
   return checked(std::move(place));
 }
 
@@ -156,7 +165,6 @@ std::optional<RankPlace> place_of_slurm(const Variables& variables) {
   }
   const auto job = number_of<std::uint64_t>(variables, "SLURM_JOB_ID").value_or(0);
   place.port = port_for(variables, 64 * job + *step);
-  place.run = fmt::format("slurm/{}", *step);
   return checked(std::move(place));
 }
 
@@ -265,17 +273,19 @@ struct Ranks::Impl {
   void connect() {
     c10d::TCPStoreOptions options;
     options.port = place.port;
-    options.isServer = place.rank == 0 && !place.store_runs;
+    options.isServer = place.rank == 0;
     options.waitWorkers = false;
     options.timeout = timeout;
     try {
       store = c10::make_intrusive<c10d::PrefixStore>(
-          "enfilade/" + place.run, c10::make_intrusive<c10d::TCPStore>(place.host, options));
+          "enfilade", c10::make_intrusive<c10d::TCPStore>(place.host, options));
     } catch (const std::exception& error) {
-      throw ArgumentError(fmt::format(
-          "rank {}: the store at {}:{}, by which {} processes find each other, cannot be {}: {}",
-          place.rank, place.host, place.port, place.launcher,
-          options.isServer ? "opened" : "reached", first_line(error.what())));
+      throw ArgumentError(
+          fmt::format("rank {}: the store at {}:{}, by which the processes of {} find each other, "
+                      "cannot be {}: "
+                      "{}",
+                      place.rank, place.host, place.port, place.launcher,
+                      options.isServer ? "opened" : "reached", first_line(error.what())));
     }
     guarded([this] {
       const std::string own = fmt::format("rank {} ({}, process {})", place.rank, host_name(),
@@ -312,8 +322,6 @@ struct Ranks::Impl {
   // closes connections, too. So all that live leave a word in the store; who left none is missing.
   std::string who_is_missing(const std::string& reason) noexcept {
     constexpr milliseconds kPatience{3000}, kPause{20};
-    // The store goes with the process that has it, so that one leaves last.
-    const bool has_store = place.rank == 0 && !place.store_runs;
     try {
       if (store == nullptr) return reason;
       store->setTimeout(milliseconds(2000));
@@ -344,13 +352,13 @@ struct Ranks::Impl {
           said.push_back(fmt::format("{} has died or does not answer", name(k)));
         }
       }
-      if (has_store) std::this_thread::sleep_for(milliseconds(500));
+      // The store goes with the process that has it, so that one leaves last.
+      if (place.rank == 0) std::this_thread::sleep_for(milliseconds(500));
       if (said.empty()) return fmt::format("the connection to the others broke: {}", reason);
       return fmt::format("{}; begin again to go on from the last checkpoint",
                          fmt::join(said, "; "));
     } catch (const std::exception&) {
-      return fmt::format("{} has died, with the store by which ranks find each other",
-                         place.store_runs ? place.launcher : name(0));
+      return fmt::format("{} has died, with the store by which ranks find each other", name(0));
     }
   }
 
@@ -404,7 +412,7 @@ void Ranks::tell_failure(std::string_view why) noexcept {
     impl_->store->setTimeout(milliseconds(2000));
     impl_->store->set(key_of("failed", rank()), bytes_of(why));
     // The store of rank 0 is there for long enough that the others read this.
-    if (rank() == 0 && !impl_->place.store_runs) std::this_thread::sleep_for(seconds(1));
+    if (rank() == 0) std::this_thread::sleep_for(seconds(1));
   } catch (const std::exception&) {  // then the others say that this one has died
   }
 }

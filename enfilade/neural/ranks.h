@@ -26,11 +26,9 @@ class LostRank : public CutShort {
 struct RankPlace {
   int rank = 0, size = 1;
   int local_rank = 0, local_size = 1;  ///< among those of this machine
-  std::string host;                    ///< machine of the store by which they find each other
-  std::uint16_t port = 0;              ///< of the store
-  bool store_runs = false;  ///< the launcher has the store; else the process of rank 0 opens it
-  std::string run;          ///< tells attempts apart that meet at one store
-  std::string launcher;     ///< "torchrun", "srun" or "mpirun"
+  std::string host;        ///< machine of rank 0, which opens a store to find each other by
+  std::uint16_t port = 0;  ///< of the store
+  std::string launcher;    ///< "torchrun", "srun" or "mpirun"
 };
 
 /// Reads a variable of the environment; null: it is not set.

@@ -57,7 +57,6 @@ TEST(RankPlace, IsReadFromTorchrun) {
                                {"MASTER_ADDR", "node1"},
                                {"MASTER_PORT", "29401"},
                                {"TORCHELASTIC_USE_AGENT_STORE", "True"},
-                               {"TORCHELASTIC_RUN_ID", "abc"},
                                {"TORCHELASTIC_RESTART_COUNT", "2"}});
   ASSERT_TRUE(place);
   EXPECT_EQ(place->rank, 5);
@@ -65,9 +64,8 @@ TEST(RankPlace, IsReadFromTorchrun) {
   EXPECT_EQ(place->local_rank, 1);
   EXPECT_EQ(place->local_size, 4);
   EXPECT_EQ(place->host, "node1");
-  EXPECT_EQ(place->port, 29401);
-  EXPECT_TRUE(place->store_runs);
-  EXPECT_EQ(place->run, "abc/2");
+  // Torchrun's own store has the named port.
+  EXPECT_EQ(place->port, 20000 + (29401 + 3 * 7919) % 12000);
 }
 
 TEST(RankPlace, IsReadFromSlurmAndMpi) {
@@ -84,7 +82,6 @@ TEST(RankPlace, IsReadFromSlurmAndMpi) {
   EXPECT_EQ(slurm->local_size, 2);
   EXPECT_EQ(slurm->host, "gpu07");
   EXPECT_EQ(slurm->port, 20000 + (64 * 70000 + 2) % 12000);
-  EXPECT_FALSE(slurm->store_runs);
   const auto mpi = place_in({{"OMPI_COMM_WORLD_RANK", "1"},
                              {"OMPI_COMM_WORLD_SIZE", "2"},
                              {"OMPI_COMM_WORLD_LOCAL_RANK", "1"},
@@ -148,7 +145,6 @@ void in_ranks(int size, const std::function<void(Ranks&)>& body) {
         place.size = size;
         place.host = "127.0.0.1";
         place.port = port;
-        place.run = "test";
         place.launcher = "test";
         Ranks ranks(place, std::chrono::seconds(20));
         body(ranks);

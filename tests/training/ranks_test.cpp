@@ -175,8 +175,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(RankedTraining, RandomRanksKilledTwentyTimesTheWeightsAreTheSameToTheBit) {
   Words options = kSeq2Seq;
-  for (const char* word : {"--iterations", "500", "--checkpoint-every", "2", "--evaluate-every",
-                           "250", "--validation", "val_unseen"}) {
+  for (const char* word : {"--iterations", "1500", "--checkpoint-every", "2", "--evaluate-every",
+                           "750", "--validation", "val_unseen"}) {
     options.emplace_back(word);
   }
   Words in_parts = options;
@@ -196,9 +196,19 @@ TEST_F(RankedTraining, RandomRanksKilledTwentyTimesTheWeightsAreTheSameToTheBit)
   for (int attempt = 0; kills < kKills && attempt < kMost; ++attempt) {
     const int size = attempt % 2 == 0 ? 2 : 4;
     Run run(training(killed, killing), size);
-    // From before they are connected to the middle of training.
     const int victim = static_cast<int>(rng.below(static_cast<std::uint64_t>(size)));
-    std::this_thread::sleep_for(std::chrono::duration<double>(0.2 + 1.6 * rng.uniform()));
+    // Some before they are connected, the others in the middle of training.
+    const auto written = [&] {
+      std::error_code none;
+      return fs::file_size(killed / "log.jsonl", none);
+    };
+    const auto before = fs::exists(killed / "log.jsonl") ? written() : 0;
+    const auto began = std::chrono::steady_clock::now();
+    const auto waited = [&] { return std::chrono::steady_clock::now() - began; };
+    while (attempt % 5 != 0 && waited() < std::chrono::seconds(30) && written() <= before + 500) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    std::this_thread::sleep_for(std::chrono::duration<double>(0.5 * rng.uniform()));
     if (run.process(victim).end() != -SIGKILL) {
       // Trained to the end before that: once more.
       run.wait();
