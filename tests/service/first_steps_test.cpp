@@ -21,13 +21,13 @@ using testing::Program;
 TEST(FirstSteps, AnOrganiserIsToldWhereToGoAndCanLogIn) {
   const tests::TemporaryFolder folder("first_steps");
   testing::write_served_data(folder.path());
-  Program program(EN_PROGRAM, folder.path() / "data", folder.path() / "service.sqlite",
-                  {"--organiser", "Ada"});
+  const std::string database = testing::new_database(folder.path() / "service.sqlite");
+  Program program(EN_PROGRAM, folder.path() / "data", database, {"--organiser", "Ada"});
   program.start();
   const std::string address = "http://127.0.0.1:" + std::to_string(program.port()) + "/";
   const std::string said = program.said_until("Ctrl-C ends it.");
   EXPECT_THAT(said, AllOf(HasSubstr("1 scans at " + address), HasSubstr(address + "organise"),
-                          HasSubstr("What to do next"), HasSubstr("service.sqlite")));
+                          HasSubstr("What to do next"), HasSubstr(shown_database(database))));
   const std::size_t at = said.find("enfilade_");
   ASSERT_NE(at, std::string::npos) << said;
   const std::string token = said.substr(at, said.find('\n', at) - at);
@@ -81,7 +81,7 @@ class FirstVisit : public ::testing::Test {
   }
 
   tests::TemporaryFolder folder_{"first_visit"};
-  Program program_{EN_PROGRAM, std::vector<std::string>{}, folder_.path() / "said"};
+  Program program_{EN_PROGRAM, std::vector<std::string>{}};
 
  private:
   std::filesystem::path before_ = std::filesystem::current_path();
