@@ -45,6 +45,27 @@ TEST(FirstSteps, AServerBehindAProxyHasToKnowItsName) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "service.sqlite"));
 }
 
+TEST(FirstSteps, ADatabaseIsNamedWithoutItsPassword) {
+  const tests::TemporaryFolder folder("first_steps");
+  const auto status_of = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{EN_PROGRAM, "serve", "token", "--label", "Ada"};
+    all.insert(all.end(), words.begin(), words.end());
+    return tests::Process(all, folder.path() / "said").wait();
+  };
+  EXPECT_EQ(status_of({"--db", "postgresql://u:secret@localhost/d"}), 2);
+  unsetenv("ENFILADE_DATABASE");
+  EXPECT_EQ(status_of({}), 2);
+  const std::string database = testing::new_database(folder.path() / "service.sqlite");
+  setenv("ENFILADE_DATABASE", database.c_str(), 1);
+  EXPECT_EQ(status_of({}), 0);
+  unsetenv("ENFILADE_DATABASE");
+  EXPECT_THAT(read_file(folder.path() / "said"), HasSubstr("enfilade_"));
+  if (testing::on_postgres()) {  // which has its own back-ups
+    tests::Process backup({EN_PROGRAM, "serve", "backup", "--db", database, folder.path() / "c"});
+    EXPECT_EQ(backup.wait(), 2);
+  }
+}
+
 /// A machine that has nothing: a folder of its own, and no ENFILADE_DATA.
 class FirstVisit : public ::testing::Test {
  protected:

@@ -34,7 +34,7 @@ inline tests::PostgresServer& postgres_server() {
 
 /// A place for a database of a test's own. \param file of SQLite
 inline std::string new_database(const std::filesystem::path& file) {
-  return on_postgres() ? postgres_server().make_database() : file.string();
+  return on_postgres() ? postgres_server().make_schema() : file.string();
 }
 
 /// All that is in a database, in some form.

@@ -65,16 +65,23 @@ class PostgresServer {
   }
   /// Makes an empty database. \param options of createdb  \returns its URL
   std::string make_database(std::vector<std::string> options = {}) {
-    const std::string name = "test_" + std::to_string(++databases_);
+    const std::string name = "test_" + std::to_string(++made_);
     options.insert(options.end(), {"-h", folder_.path(), "-U", "postgres", name});
     run("createdb", options);
-    return "postgresql://postgres@/" + name + "?host=" + folder_.path().string();
+    return url_of(name);
   }
-  /// \param url  make_database()'s
+  /// Makes an empty schema, which is to its users as a database of their own, in a tenth of the
+  /// time and of the room. \returns its URL
+  std::string make_schema() {
+    const std::string name = "test_" + std::to_string(++made_);
+    run_sql(url_of("postgres"), "CREATE SCHEMA " + name);
+    return url_of("postgres") + "&options=-csearch_path%3D" + name;
+  }
+  /// \param url  of a database or a schema
   void run_sql(const std::string& url, const std::string& sql) const {
     run("psql", {"-q", "-v", "ON_ERROR_STOP=1", "-c", sql, url});
   }
-  /// All that a database holds, as SQL. \param url  make_database()'s
+  /// All that a database holds, with all schemas, as SQL. \param url  of it
   std::filesystem::path dump(const std::string& url) {
     std::filesystem::path file = folder_.path() / "dump.sql";
     run("pg_dump", {"-f", file, url});
@@ -84,6 +91,9 @@ class PostgresServer {
  private:
   static constexpr int kNobody = 65534;  // no server runs for root
 
+  std::string url_of(const std::string& database) const {
+    return "postgresql://postgres@/" + database + "?host=" + folder_.path().string();
+  }
   std::string data() const { return folder_.path() / "data"; }
   std::vector<std::string> words(const std::string& program,
                                  const std::vector<std::string>& arguments) const {
@@ -104,7 +114,7 @@ class PostgresServer {
   std::filesystem::path programs_;
   TemporaryFolder folder_{"postgres"};
   std::optional<Process> server_;
-  int databases_ = 0;
+  int made_ = 0;
 };
 
 }  // namespace enfilade::tests

@@ -324,8 +324,8 @@ TEST(Database, ALostServerIsConnectedToAgain) {
 
 TEST(Database, WhatIsAcknowledgedIsOnTheDiskWhateverTheServersDefault) {
   if (!testing::on_postgres()) GTEST_SKIP() << "SQLite's is set, always";
-  const Place place;
-  Database database(std::string(place) + "&options=-csynchronous_commit%3Doff");
+  Database database(testing::postgres_server().make_database() +
+                    "&options=-csynchronous_commit%3Doff");
   EXPECT_EQ(database.find<std::string>("SHOW synchronous_commit"), "on");
 }
 

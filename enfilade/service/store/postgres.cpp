@@ -198,7 +198,7 @@ class PostgresConnection final : public Connection {
     return std::atoi(PQcmdTuples(execute(sql, values).get()));
   }
   std::unique_ptr<Rows> select(const std::string& sql, std::span<const Parameter> values) override {
-    if (!in_transaction_) ensure_connected();
+    ensure_connected();
     return std::make_unique<PostgresRows>(execute(sql, values));
   }
 
@@ -268,8 +268,9 @@ class PostgresConnection final : public Connection {
     if (first_value("SHOW synchronous_commit") == "off") exec("SET synchronous_commit = on");
   }
 
+  // In the middle of a transaction, a new connection would go on with its rest alone.
   void ensure_connected() {
-    if (is_connected()) return;
+    if (is_connected() || in_transaction_) return;
     const auto now = std::chrono::steady_clock::now();
     if (now < next_attempt_) throw DatabaseError(Cause::kUnreachable, kLost);
     try {
