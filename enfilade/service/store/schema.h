@@ -299,9 +299,10 @@ CREATE TABLE play_call (  -- by which a play is walked again
   PRIMARY KEY (play, number)
 ) STRICT, WITHOUT ROWID;
 )sql",
-    // 6: names of teams by their lower case, which PostgreSQL has no NOCASE for
+    // 6: names of teams by their lower case, which PostgreSQL has no NOCASE for; places of items
     R"sql(
 CREATE UNIQUE INDEX team_name ON team (lower(name));
+CREATE INDEX task_place ON task (item, state, expires);
 )sql"};
 
 }  // namespace enfilade::service::store
