@@ -1,14 +1,18 @@
-// 200 scripted workers at a server of its own, for a minute: what each of them waits for, what is
-// lost, and what the server needs. \returns 1 if any of them saw an error
-//   service_crowd ENFILADE DATA SPLIT [WORKERS [SECONDS]]
+// 200 scripted workers at servers of their own, for a minute: what each of them waits for, what is
+// lost, and what the servers need. \returns 1 if any of them saw an error, or anything is lost
+//   service_crowd ENFILADE DATA SPLIT [WORKERS [SECONDS [sqlite|postgres [SERVERS]]]]
+// Of several servers on one database, a worker takes a task from one and hands it in to the next.
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <algorithm>
 #include <atomic>
+#include <list>
 #include <mutex>
 
 #include "enfilade/core/rng.h"
 #include "enfilade/service/server.h"
 #include "tests/service/program.h"
+#include "tests/support/postgres_server.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/worker.h"
 
@@ -28,7 +32,7 @@ struct Totals {
 };
 
 struct Crowd {
-  int port = 0;
+  std::vector<int> ports;
   std::string write_key, walk_key;
   Steady::time_point end;
   Totals totals;
@@ -42,11 +46,13 @@ class Person {
         number_(number),
         walks_(number % 2 == 1),
         rng_(number),
-        worker_(crowd.port, walks_ ? "walk" : "write",
+        worker_(port(), walks_ ? "walk" : "write",
                 {{"key", walks_ ? crowd.walk_key : crowd.write_key},
                  {"worker", "person " + std::to_string(number)}}),
-        client_("127.0.0.1", crowd.port) {
+        client_("127.0.0.1", port()) {
     client_.set_read_timeout(60);
+    // An address of their own each, as the server takes so many newcomers a minute from one.
+    worker_.come_by_proxy_from(fmt::format("10.1.{}.{}", number / 250, number % 250));
   }
 
   void live() {
@@ -57,6 +63,10 @@ class Person {
       const json task = timed([&] { return worker_.lease(); }).value("task", json());
       if (!task.is_object()) break;
       look(task);
+      if (crowd_.ports.size() > 1) {
+        ++at_;
+        worker_.go_on_at(port());
+      }
       walks_ ? walk(task) : write(task);
       ++done_;
     }
@@ -79,6 +89,8 @@ class Person {
     if (answer.at("status") != 200) errors_.push_back(answer.dump());
     return answer;
   }
+
+  int port() const { return crowd_.ports[(number_ + at_) % crowd_.ports.size()]; }
 
   void pause(double most_seconds) {
     std::this_thread::sleep_for(std::chrono::duration<double>(most_seconds * rng_.uniform()));
@@ -123,7 +135,7 @@ class Person {
   }
 
   Crowd& crowd_;
-  std::size_t number_;
+  std::size_t number_, at_ = 0;
   bool walks_;
   Rng rng_;
   Worker worker_;
@@ -134,10 +146,10 @@ class Person {
 };
 
 std::string make_collection(int port, const httplib::Headers& organiser, const std::string& kind,
-                            const std::string& split) {
+                            const std::string& split, std::size_t per_item) {
   json body = testing::collection_body(kind, kind);
   body["sources"] = json::array({{{"split", split}}});
-  body["per_item"] = 3;
+  body["per_item"] = per_item;
   httplib::Client client("127.0.0.1", port);
   client.set_read_timeout(60);
   return testing::key_of(testing::read_answer(
@@ -175,33 +187,70 @@ std::size_t count_walks(int port, const httplib::Headers& organiser) {
   return collection.at("progress").at("submitted").get<std::size_t>();
 }
 
+/// A file in a folder, or a database on a server of PostgreSQL that ends with this object.
+class Place {
+ public:
+  explicit Place(const std::string& kind) {
+    if (kind == "postgres") server_.emplace();
+  }
+  std::string make() {
+    return server_ ? server_->make_database() : (folder_.path() / "crowd.sqlite").string();
+  }
+
+ private:
+  tests::TemporaryFolder folder_{"crowd"};
+  std::optional<tests::PostgresServer> server_;
+};
+
+// As many as this process may have: each worker has two connections.
+void allow_many_connections() {
+  rlimit files{};
+  getrlimit(RLIMIT_NOFILE, &files);
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);
+}
+
 int run(const std::vector<std::string>& words) {
   if (words.size() < 3) {
-    fmt::print(stderr, "usage: service_crowd ENFILADE DATA SPLIT [WORKERS [SECONDS]]\n");
+    fmt::print(stderr,
+               "usage: service_crowd ENFILADE DATA SPLIT [WORKERS [SECONDS [sqlite|postgres "
+               "[SERVERS]]]]\n");
     return 2;
   }
   const std::string& split = words[2];
   const std::size_t workers = words.size() > 3 ? std::stoul(words[3]) : 200;
   const int seconds = words.size() > 4 ? std::stoi(words[4]) : 60;
-  const tests::TemporaryFolder folder("crowd");
-  const auto database = folder.path() / "crowd.sqlite";
-  testing::Program program(words[0], words[1], database);
-  program.start();
+  const std::string kind = words.size() > 5 ? words[5] : "sqlite";
+  const std::size_t servers = words.size() > 6 ? std::stoul(words[6]) : 1;
+  allow_many_connections();
+  Place place(kind);
+  const std::string database = place.make();
+  Crowd crowd;
+  std::list<testing::Program> programs;
+  for (std::size_t k = 0; k < servers; ++k) {
+    programs.emplace_back(
+        words[0], words[1], database,
+        std::vector<std::string>{"--threads", std::to_string(256 + workers), "--behind-proxy",
+                                 "--public-name", "crowd.example.org"});
+    programs.back().start();
+    crowd.ports.push_back(programs.back().port());
+  }
+  const int port = crowd.ports.front();
   const httplib::Headers organiser{
       {"Authorization",
        "Bearer " + create_token(database, TokenRole::kOrganiser, "o", std::nullopt)}};
-  Crowd crowd;
-  crowd.port = program.port();
-  crowd.write_key = make_collection(crowd.port, organiser, "write", split);
-  crowd.walk_key = make_collection(crowd.port, organiser, "walk", split);
+  // Of 200 workers three do one task, of 1,000 fifteen: there is work for all the time.
+  const std::size_t per_item = std::max<std::size_t>(3, workers * 3 / 200);
+  crowd.write_key = make_collection(port, organiser, "write", split, per_item);
+  crowd.walk_key = make_collection(port, organiser, "walk", split, per_item);
   crowd.end = Steady::now() + std::chrono::seconds(seconds);
   std::vector<std::thread> people;
   for (std::size_t k = 0; k < workers; ++k) {
     people.emplace_back([&crowd, k] { Person(crowd, k).live(); });
   }
-  double most_memory = 0;
+  double most_memory = 0;  // of one server
   while (Steady::now() < crowd.end) {
-    most_memory = std::max(most_memory, resident_megabytes(crowd.port));
+    for (const int one : crowd.ports) most_memory = std::max(most_memory, resident_megabytes(one));
     std::this_thread::sleep_for(std::chrono::seconds(1));
   }
   for (std::thread& person : people) person.join();
@@ -211,20 +260,20 @@ int run(const std::vector<std::string>& words) {
     const auto k = static_cast<std::size_t>(share * static_cast<double>(totals.seconds.size() - 1));
     return totals.seconds[k] * 1000;
   };
+  const std::size_t lost = count_lost(port, organiser, split, totals.instructions);
+  const std::size_t walks = count_walks(port, organiser);
   fmt::print(
-      "{} workers, {} s: {} requests beside faces, median {:.1f} ms, p99 {:.1f} ms, longest "
-      "{:.1f} ms\n{} instructions acknowledged, {} lost or double; {} walks acknowledged, {} in "
-      "the "
-      "database; {} requests sent again for want of an answer; {} errors; {:.0f} MB resident at "
-      "most\n",
-      workers, seconds, totals.seconds.size(), at(0.5), at(0.99), at(1.0),
-      totals.instructions.size(), count_lost(crowd.port, organiser, split, totals.instructions),
-      totals.walks, count_walks(crowd.port, organiser), totals.sent_again, totals.errors.size(),
-      most_memory);
+      "{} workers, {} s, {} server(s) on {}: {} requests beside faces, median {:.1f} ms, p99 "
+      "{:.1f} ms, longest {:.1f} ms\n{} instructions acknowledged, {} lost or double; {} walks "
+      "acknowledged, {} in the database; {} requests sent again for want of an answer; {} errors; "
+      "{:.0f} MB resident at most\n",
+      workers, seconds, servers, kind, totals.seconds.size(), at(0.5), at(0.99), at(1.0),
+      totals.instructions.size(), lost, totals.walks, walks, totals.sent_again,
+      totals.errors.size(), most_memory);
   for (std::size_t k = 0; k < std::min<std::size_t>(5, totals.errors.size()); ++k) {
     fmt::print("error: {}\n", totals.errors[k].substr(0, 200));
   }
-  return totals.errors.empty() ? 0 : 1;
+  return totals.errors.empty() && lost == 0 && walks >= totals.walks ? 0 : 1;
 }
 
 }  // namespace

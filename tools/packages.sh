@@ -39,6 +39,7 @@ web   libcpp-httplib-dev header  httplib.h
 web   libsqlitecpp-dev   header  SQLiteCpp/SQLiteCpp.h
 web   libsqlite3-dev     header  sqlite3.h
 web   libssl-dev         header  openssl/ssl.h
+web   libpq-dev          package -
 web   python3-venv       package -
 test  libgtest-dev       header  gtest/gtest.h
 test  libgmock-dev       header  gmock/gmock.h

@@ -38,7 +38,7 @@ constexpr std::array<FirstAgent, 2> kAgents{
      {"random", "Baseline: Random", "Random heading, then five moves (SYNTHETIC homes)"}}};
 
 // Of a new team, or of the one that an earlier start has made.
-std::string token_of(const fs::path& database, const std::string& team) {
+std::string token_of(const std::string& database, const std::string& team) {
   constexpr int kDays = 1;
   try {
     return service::create_team(database, team);
@@ -81,7 +81,7 @@ fs::path make_first_homes() {
   return own;
 }
 
-void submit_first_agents(const fs::path& data, const service::Site& site, const fs::path& database,
+void submit_first_agents(const fs::path& data, const service::Site& site, const std::string& database,
                          const std::string& server) {
   const dataset::Dataset dataset(data);
   for (const FirstAgent& first : kAgents) {

@@ -20,6 +20,6 @@ std::filesystem::path make_first_homes();
 /// \param data  of `site`  \param server "http://127.0.0.1:8080"
 /// \throws Error if the server refuses them; errors of the data set's files
 void submit_first_agents(const std::filesystem::path& data, const service::Site& site,
-                         const std::filesystem::path& database, const std::string& server);
+                         const std::string& database, const std::string& server);
 
 }  // namespace enfilade::apps

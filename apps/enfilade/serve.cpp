@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -67,6 +68,20 @@ void share_heaps() {
 #endif
 }
 
+/// What --db names, else the environment, else `otherwise`.
+std::string database_of(const std::string& given, const std::string& otherwise = {}) {
+  if (service::has_password(given)) {
+    throw UsageError(
+        "--db: has a password, which everybody on this machine could read; leave it out, and let "
+        "PGPASSWORD, ~/.pgpass or ENFILADE_DATABASE (with the whole address) have it");
+  }
+  if (!given.empty()) return given;
+  const char* named = std::getenv("ENFILADE_DATABASE");
+  if (named != nullptr && *named != '\0') return named;
+  if (otherwise.empty()) throw UsageError("--db: which database? ENFILADE_DATABASE names none");
+  return otherwise;
+}
+
 /// For somebody who has just started a server, perhaps the first of their life.
 void print_first_steps(const Options& options, const std::string& address) {
   constexpr int kDays = 1;
@@ -85,7 +100,7 @@ void print_first_steps(const Options& options, const std::string& address) {
       "  serve a data set of yours       enfilade serve DATA\n"
       "  let others reach it             docs/service.md, \"On a public server\"\n"
       "Ctrl-C ends it. What was submitted and collected stays in {2}\n",
-      address, token, options.config.database.string());
+      address, token, service::shown_database(options.config.database));
 }
 
 /// Nobody who named no data set waits for one to be made, only to read that the port is taken.
@@ -163,8 +178,7 @@ ExitCode serve(Options options) {
   const fs::path data = first_visit ? make_first_homes() : open_data(options.data).folder();
   listen_for_the_end();  // until now a signal ends the process at once
   service::ServerConfig& config = options.config;
-  config.database =
-      options.database.empty() ? data / "enfilade-service.sqlite" : fs::path(options.database);
+  config.database = database_of(options.database, data / "enfilade-service.sqlite");
   config.log = log_of(options.log);
   const auto site =
       service::Site::open(data, options.phases.empty() ? std::vector<service::Phase>{}
@@ -189,9 +203,10 @@ void add_serve_options(CLI::App& verb, Options& options) {
                   "The data set (default: ENFILADE_DATA; without it two model homes, made now)")
       ->type_name("DIR");
   verb.add_option("--db", options.database,
-                  "The database, made if it isn't there (default: enfilade-service.sqlite in the "
-                  "data set)")
-      ->type_name("FILE");
+                  "The database: a file, made if it isn't there, or "
+                  "postgresql://USER@HOST/NAME, which several servers may share (default: "
+                  "ENFILADE_DATABASE, or enfilade-service.sqlite in the data set)")
+      ->type_name("FILE|URL");
   verb.add_option("--phases", options.phases,
                   "What submissions are scored on, with secret goals or without: docs/service.md "
                   "(default: each split but train that has its goals)")
@@ -236,6 +251,11 @@ const std::map<std::string, service::TokenRole> kTokenRoles{
     {"reviewer", service::TokenRole::kReviewer},
     {"team", service::TokenRole::kTeam}};
 
+void add_database_option(CLI::App& verb, std::string& database) {
+  verb.add_option("--db", database, "The server's database (default: ENFILADE_DATABASE)")
+      ->type_name("FILE|URL");
+}
+
 struct Token {
   std::string database, label;
   std::string role = "organiser";
@@ -243,7 +263,7 @@ struct Token {
 };
 
 void add_token_options(CLI::App& verb, Token& token) {
-  verb.add_option("--db", token.database, "The server's database")->required()->type_name("FILE");
+  add_database_option(verb, token.database);
   verb.add_option("--label", token.label, "Whose it is; of a team, its name")->required();
   verb.add_option("--role", token.role,
                   "organiser: everything; reviewer: what workers submitted; team: its submissions")
@@ -262,8 +282,9 @@ void add_token(CLI::App& serve_verb, int& status) {
                       "enfilade serve token --db vln.sqlite --label Ben --role reviewer",
                       "enfilade serve token --db vln.sqlite --label 'A team' --role team"});
   verb.callback([token, &status] {
-    fmt::print("{}\n", service::create_token(token->database, kTokenRoles.at(token->role),
-                                             token->label, token->days));
+    fmt::print("{}\n",
+               service::create_token(database_of(token->database), kTokenRoles.at(token->role),
+                                     token->label, token->days));
     status = kSuccess;
   });
 }
@@ -276,8 +297,8 @@ void add_revoke(CLI::App& serve_verb, int& status) {
   set_examples(verb, {"enfilade serve revoke --db vln.sqlite --label Ada",
                       "enfilade serve revoke --db vln.sqlite --label 'A team' --role team"});
   verb.callback([token, &status] {
-    const int revoked =
-        service::revoke_tokens(token->database, kTokenRoles.at(token->role), token->label);
+    const int revoked = service::revoke_tokens(database_of(token->database),
+                                               kTokenRoles.at(token->role), token->label);
     if (revoked == 0) {
       throw LookupError(
           fmt::format("--label: {:?}, and no {}'s token has it", token->label, token->role));
@@ -295,9 +316,7 @@ void add_approve(CLI::App& serve_verb, int& status) {
   CLI::App& verb = *serve_verb.add_subcommand(
       "approve", "Let a team submit to phases with secret goals, also while a server runs");
   const auto approve = std::make_shared<Approve>();
-  verb.add_option("--db", approve->database, "The server's database")
-      ->required()
-      ->type_name("FILE");
+  add_database_option(verb, approve->database);
   verb.add_option("--team", approve->team, "Its name")->required()->type_name("NAME");
   auto* is_new =
       verb.add_flag("--new", approve->is_new, "Make the team first; prints its token, once");
@@ -309,10 +328,10 @@ void add_approve(CLI::App& serve_verb, int& status) {
                       "enfilade serve approve --db vln.sqlite --team 'A team' --withdraw"});
   verb.callback([approve, &status] {
     if (approve->is_new) {
-      fmt::print("{}\n", service::create_team(approve->database, approve->team));
+      fmt::print("{}\n", service::create_team(database_of(approve->database), approve->team));
     } else {
       service::set_approval(
-          approve->database, approve->team,
+          database_of(approve->database), approve->team,
           approve->withdraw ? service::Approval::kWithdrawn : service::Approval::kGiven);
       fmt::print("{}\n", approve->withdraw ? "approval withdrawn" : "approved");
     }
@@ -327,13 +346,13 @@ void add_backup(CLI::App& serve_verb, int& status) {
   CLI::App& verb =
       *serve_verb.add_subcommand("backup", "Copy the database, also while a server uses it");
   const auto backup = std::make_shared<Backup>();
-  verb.add_option("--db", backup->database, "The server's database")->required()->type_name("FILE");
+  add_database_option(verb, backup->database);
   verb.add_option("copy", backup->copy, "Written whole, then renamed")
       ->required()
       ->type_name("FILE");
   set_examples(verb, {"enfilade serve backup --db vln.sqlite vln-monday.sqlite"});
   verb.callback([backup, &status] {
-    service::back_up_database(backup->database, backup->copy);
+    service::back_up_database(database_of(backup->database), backup->copy);
     status = kSuccess;
   });
 }

@@ -8,6 +8,7 @@
 #include "enfilade/service/server.h"
 #include "tests/support/raw_socket.h"
 #include "tests/support/served_data.h"
+#include "tests/support/worker.h"
 
 namespace enfilade::service {
 namespace {
@@ -39,6 +40,31 @@ TEST(Attacks, PathsThatClimbFindNothing) {
     ASSERT_TRUE(result) << target;
     EXPECT_TRUE(result->status == 404 || result->status == 400) << target << result->status;
     EXPECT_THAT(result->body, Not(HasSubstr(served.root().string()))) << target;
+  }
+}
+
+// SQLite keeps any bytes as texts, PostgreSQL does not: neither fails, nor takes a part for the
+// whole.
+TEST(Attacks, CharactersThatAreNoneAreRefusedOrKept) {
+  Served served;
+  const auto organiser = served.organiser();
+  const auto body = testing::collection_body("pilot", "write").dump();
+  ASSERT_EQ(
+      served.client().Post("/api/v1/collections", organiser, body, "application/json")->status,
+      201);
+  for (const char* name : {"%ff", "pilot%00", "pilot%00x", "%c0%80", "%ed%a0%80"}) {
+    const int status = served.get(std::string("/api/v1/collections/") + name, organiser)->status;
+    EXPECT_TRUE(status == 404 || status == 400) << name << status;
+  }
+  const auto begun = testing::read_answer(served.client().Post(
+      "/api/v1/sessions", R"({"split": "val_seen", "episode": "1_0"})", "application/json"));
+  const httplib::Headers key{{"Enfilade-Session", begun.at("key").get<std::string>()}};
+  const std::string path = "/api/v1/sessions/" + begun.at("session").dump();
+  for (const char* call : {R"({"tool": "go_to", "argument": "a\u0000b"})",
+                           R"({"tool": "\u0000", "argument": "a"})", R"({"said": "\u0000"})"}) {
+    const int status = served.client().Post(path + "/calls", key, call, "application/json")->status;
+    EXPECT_TRUE(status == 200 || status == 400 || status == 422) << call << status;
+    EXPECT_EQ(served.get(path, key)->status, 200) << call;
   }
 }
 

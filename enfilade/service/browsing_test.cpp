@@ -100,7 +100,7 @@ struct ServedFolder {
       : server(Site::open(data), config(data)), client("127.0.0.1", server.port()) {}
   static ServerConfig config(const std::filesystem::path& data) {
     ServerConfig config;
-    config.database = data.parent_path() / "service.sqlite";
+    config.database = testing::new_database(data.parent_path() / "service.sqlite");
     config.port = 0;
     config.threads = 2;
     return config;

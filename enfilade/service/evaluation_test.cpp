@@ -1,7 +1,7 @@
 // Teams, submissions and leaderboards, over real sockets.
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <atomic>
+#include <optional>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/service/client.h"
@@ -169,11 +169,9 @@ TEST(Evaluation, WhatWaitsIsScoredAfterARestart) {
   const auto team = served.team("A");
   const auto id = id_of(served.submit(team, "open", row_results(3)));
   served.stop();
-  {
-    // As a server that was killed before it came to it would leave it.
-    SQLite::Database db((served.root() / "service.sqlite").string(), SQLite::OPEN_READWRITE);
-    db.exec("UPDATE submission SET state = 'queued', score = NULL");
-  }
+  // As a server that was killed before it came to it would leave it.
+  testing::run_sql(served.config().database,
+                   "UPDATE submission SET state = 'queued', score = NULL");
   served.start();
   EXPECT_EQ(served.scored(team, id).at("state"), "scored");
 }
@@ -186,17 +184,15 @@ TEST(Evaluation, ScoringGoesOnAfterAFailureOfTheDatabase) {
   };
   Served served(config);
   const auto team = served.team("A");
-  SQLite::Database db((served.root() / "service.sqlite").string(), SQLite::OPEN_READWRITE, 10'000);
-  db.exec(
-      "CREATE TRIGGER full BEFORE UPDATE ON submission "
-      "BEGIN SELECT RAISE(ABORT, 'the disk is full'); END");
+  std::optional<testing::FrozenSubmissions> frozen;
+  frozen.emplace(served.config().database, "the disk is full");
   const auto id = id_of(served.submit(team, "open", row_results(3)));
   for (int k = 0; k < 1000 && failures == 0; ++k) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ASSERT_GT(failures, 0);
   EXPECT_EQ(served.json("/api/v1/submissions/" + std::to_string(id), team).at("state"), "queued");
-  db.exec("DROP TRIGGER full");
+  frozen.reset();
   EXPECT_EQ(served.scored(team, id).at("state"), "scored");
 }
 

@@ -9,7 +9,6 @@
 
 #include "enfilade/arena/wire.h"
 #include "enfilade/arena/world.h"
-#include "enfilade/arena/wire.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/results.h"
@@ -180,7 +179,7 @@ TEST_F(PlayingTest, SessionsOfOthersAreAsIfThereWereNone) {
   EXPECT_EQ(served_.json(mine.path, mine.headers).at("calls"), 0);
   // The key is nowhere in the database, of which people make copies.
   const std::string key = mine.headers.begin()->second;
-  EXPECT_THAT(read_file(served_.config().database), Not(HasSubstr(key)));
+  EXPECT_THAT(testing::content_of(served_.config().database), Not(HasSubstr(key)));
 }
 
 TEST_F(PlayingTest, PicturesAreOfWhatIsSeenNow) {

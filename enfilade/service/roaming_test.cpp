@@ -64,7 +64,7 @@ class RoamingTest : public ::testing::Test {
       write_file_atomically(data / "vlnce" / (std::string(split) + ".json.gz"), to_json(episodes));
     }
     ServerConfig config;
-    config.database = folder_->path() / "service.sqlite";
+    config.database = testing::new_database(folder_->path() / "service.sqlite");
     config.port = 0;
     config.threads = 4;
     server_ = new Server(Site::open(data), config);
@@ -218,7 +218,7 @@ TEST(Roaming, AMeshFileIsShownWithItsTextures) {
   room.materials.resize(2);
   mesh::write_glb(room, data / "meshes/row.glb");
   ServerConfig config;
-  config.database = folder.path() / "service.sqlite";
+  config.database = testing::new_database(folder.path() / "service.sqlite");
   config.port = 0;
   config.threads = 2;
   const Server server(Site::open(data), config);

@@ -1,13 +1,14 @@
 // Phases with secret goals: who may submit, how often, and what is shown when. What cannot be read
 // from that is tested in secret_goals_attacks_test.cpp.
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <atomic>
 #include <cmath>
+#include <optional>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/server.h"
+#include "enfilade/service/store/database.h"
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
@@ -103,7 +104,7 @@ TEST_F(SecretGoals, RegistrationIsClosedUnlessItIsOpened) {
   EXPECT_EQ(served_.json("/api/v1/phases").at("registration"), "open");
   ServerConfig config = served_.config();
   config.open_registration = false;
-  config.database = served_.root() / "other.sqlite";
+  config.database = testing::new_database(served_.root() / "other.sqlite");
   const Server closed(Site::open(served_.root() / "data"), config);
   httplib::Client client("127.0.0.1", closed.port());
   const auto make = [&client](const httplib::Headers& who) {
@@ -197,20 +198,16 @@ TEST_F(SecretGoals, RowsWaitUntilAllIsScored) {
   submit(team, 0, "stays");
   const auto waits = submit(team, 3, "walks");
   served_.stop();
-  {
-    // As a server that was killed leaves it; the trigger keeps it so for a while.
-    SQLite::Database db(served_.config().database.string(), SQLite::OPEN_READWRITE);
-    db.exec("UPDATE submission SET state = 'queued', score = NULL WHERE id = " +
-            std::to_string(waits));
-    db.exec("CREATE TRIGGER busy BEFORE UPDATE ON submission BEGIN SELECT RAISE(ABORT, 'x'); END");
-  }
+  // As a server that was killed leaves it, and so for a while.
+  testing::run_sql(
+      served_.config().database,
+      "UPDATE submission SET state = 'queued', score = NULL WHERE id = " + std::to_string(waits));
+  std::optional<testing::FrozenSubmissions> frozen;
+  frozen.emplace(served_.config().database, "x");
   served_.start();
   now_ = kEnd;
   EXPECT_EQ(served_.get("/api/v1/leaderboards/test")->status, 403);
-  {
-    SQLite::Database db(served_.config().database.string(), SQLite::OPEN_READWRITE, 10'000);
-    db.exec("DROP TRIGGER busy");
-  }
+  frozen.reset();
   served_.scored(organiser_, waits);
   EXPECT_EQ(leaderboard().at("rows")[0].at("method"), "walks");
 }
@@ -272,11 +269,10 @@ TEST_F(SecretGoals, AnAddressHasItsLimits) {
   now_ += 24 * 3600 + 1;
   EXPECT_EQ(status(a, "2"), 429);
   // The database does not tell whose address it was.
-  SQLite::Database db(served_.config().database.string(), SQLite::OPEN_READONLY);
-  SQLite::Statement addresses(db, "SELECT DISTINCT address FROM attempt");
-  ASSERT_TRUE(addresses.executeStep());
-  EXPECT_EQ(addresses.getColumn(0).getString().size(), 64U);
-  EXPECT_FALSE(addresses.executeStep());
+  store::Database db(served_.config().database);
+  const auto addresses = db.select<std::string>("SELECT DISTINCT address FROM attempt");
+  ASSERT_EQ(addresses.size(), 1U);
+  EXPECT_EQ(addresses[0].size(), 64U);
 }
 
 TEST_F(SecretGoals, FilesWithFaultsAreLimitedToo) {
@@ -294,8 +290,8 @@ TEST_F(SecretGoals, FilesWithFaultsAreLimitedToo) {
   EXPECT_EQ(served_.submit(team, "test", row_results(3))->status, 202);
   // Files with faults were no submissions, and their addresses are gone.
   EXPECT_EQ(served_.json("/api/v1/submissions", team).at("submissions").size(), 1U);
-  SQLite::Database db(served_.config().database.string(), SQLite::OPEN_READONLY);
-  EXPECT_EQ(db.execAndGet("SELECT count(*) FROM attempt").getInt(), 1);
+  store::Database db(served_.config().database);
+  EXPECT_EQ(db.find_number("SELECT count(*) FROM attempt"), 1);
 }
 
 TEST_F(SecretGoals, APhaseTakesSoManyTeams) {

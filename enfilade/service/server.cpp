@@ -11,6 +11,7 @@
 #include "enfilade/service/http/app.h"
 #include "enfilade/service/http/transport.h"
 #include "enfilade/service/http/web_files.h"
+#include "enfilade/service/store/sqlite.h"
 
 namespace enfilade::service {
 namespace {
@@ -22,9 +23,9 @@ static_assert(kRoles.size() == static_cast<std::size_t>(TokenRole::kTeam) + 1);
 
 accounts::Role stored_role(TokenRole role) { return kRoles.at(static_cast<std::size_t>(role)); }
 
-void check_exists(const std::filesystem::path& database) {
-  if (!std::filesystem::exists(database)) {
-    throw FileError(fmt::format("{}: there is no such database", database.string()));
+void check_exists(const std::string& database) {
+  if (!store::is_url(database) && !std::filesystem::exists(database)) {
+    throw FileError(fmt::format("{}: there is no such database", database));
   }
 }
 
@@ -56,10 +57,14 @@ void give_back_large_memory() noexcept {
 #endif
 }
 
+bool has_password(const std::string& database) { return store::has_password(database); }
+
+std::string shown_database(const std::string& database) { return store::shown(database); }
+
 bool has_web_client() noexcept { return !http::web_files().empty(); }
 
-std::string create_token(const std::filesystem::path& database, TokenRole role,
-                         const std::string& label, std::optional<int> days) {
+std::string create_token(const std::string& database, TokenRole role, const std::string& label,
+                         std::optional<int> days) {
   constexpr std::size_t kLongestLabel = 80;
   if (!detail::is_label(label, kLongestLabel)) {
     throw ArgumentError(
@@ -71,21 +76,20 @@ std::string create_token(const std::filesystem::path& database, TokenRole role,
   return accounts::add_token(db, stored_role(role), label, expires);
 }
 
-int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label) {
+int revoke_tokens(const std::string& database, TokenRole role, const std::string& label) {
   check_exists(database);
   store::Database db(database);
   return accounts::revoke_tokens(db, stored_role(role), label);
 }
 
-std::string create_team(const std::filesystem::path& database, const std::string& name) {
+std::string create_team(const std::string& database, const std::string& name) {
   store::Database db(database);
   const accounts::NewTeam team = accounts::add_team(db, name, "");
   accounts::set_approved(db, team.id, true);
   return team.token;
 }
 
-void set_approval(const std::filesystem::path& database, const std::string& team,
-                  Approval approval) {
+void set_approval(const std::string& database, const std::string& team, Approval approval) {
   check_exists(database);
   store::Database db(database);
   const auto id = accounts::find_team_named(db, team);
@@ -93,7 +97,11 @@ void set_approval(const std::filesystem::path& database, const std::string& team
   accounts::set_approved(db, *id, approval == Approval::kGiven);
 }
 
-void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy) {
+void back_up_database(const std::string& database, const std::filesystem::path& copy) {
+  if (store::is_url(database)) {
+    throw ArgumentError(fmt::format("{}: PostgreSQL has its own program for that: pg_dump",
+                                    store::shown(database)));
+  }
   check_exists(database);
   store::back_up(database, copy);
 }

@@ -28,7 +28,9 @@ struct RequestRecord {
 
 /// What a server serves, where, and within which limits.
 struct ServerConfig {
-  std::filesystem::path database;  ///< created if it is missing
+  /// A file, created if it is missing, or postgresql://USER@HOST/NAME, a database of PostgreSQL:
+  /// several servers of one data set may share it.
+  std::string database;
   std::string host = "127.0.0.1";  ///< interface to listen on
   int port = 8080;                 ///< 0: any that is free
   int threads = 256;               ///< connections that are served at the same time
@@ -102,32 +104,38 @@ enum class TokenRole {
   kTeam,       ///< submits results
 };
 
+/// Whether a database's URL has a password in it: what is on a command line, everybody on the
+/// machine may read.
+bool has_password(const std::string& database);
+
+/// ServerConfig::database as messages may have it: of a URL without password and options.
+std::string shown_database(const std::string& database);
+
 /// Creates a token in a database (created if it is missing), also while a server uses it.
 /// \returns the token; only its hash is stored
 /// \param label who gets it; for kTeam the name of an existing team
 /// \param days until it expires; none: never
 /// \throws FileError; ArgumentError for a bad label; LookupError if there is no such team
-std::string create_token(const std::filesystem::path& database, TokenRole role,
-                         const std::string& label, std::optional<int> days);
+std::string create_token(const std::string& database, TokenRole role, const std::string& label,
+                         std::optional<int> days);
 
 /// Revokes every token of that role and label, and the browser sessions that it began, at once and
 /// for good. \returns how many there were  \throws FileError
-int revoke_tokens(const std::filesystem::path& database, TokenRole role, const std::string& label);
+int revoke_tokens(const std::string& database, TokenRole role, const std::string& label);
 
 /// Makes a team, as organisers do: it is approved. \returns its token, shown this once
 /// \throws FileError; Error if the name is taken, or is not 1 to 80 printable characters
-std::string create_team(const std::filesystem::path& database, const std::string& name);
+std::string create_team(const std::string& database, const std::string& name);
 
 /// Whether a team may submit to phases with secret goals.
 enum class Approval { kGiven, kWithdrawn };
 
 /// Approves a team, or withdraws its approval, at once, also while a server uses the database.
 /// \throws FileError; LookupError if there is no such team
-void set_approval(const std::filesystem::path& database, const std::string& team,
-                  Approval approval);
+void set_approval(const std::string& database, const std::string& team, Approval approval);
 
-/// Copies a database, also while a server uses it; the copy is written to the side and renamed.
-/// \throws FileError
-void back_up_database(const std::filesystem::path& database, const std::filesystem::path& copy);
+/// Copies a database's file, also while a server uses it; the copy is written to the side and
+/// renamed. \throws FileError; ArgumentError for PostgreSQL, which has pg_dump
+void back_up_database(const std::string& database, const std::filesystem::path& copy);
 
 }  // namespace enfilade::service

@@ -147,7 +147,7 @@ TEST(Server, APortThatIsTakenIsRefused) {
   Served served;
   ServerConfig config = served.config();
   config.port = served.port();
-  config.database = served.root() / "other.sqlite";
+  config.database = testing::new_database(served.root() / "other.sqlite");
   EXPECT_THAT(tests::refusal<ArgumentError>(
                   [&] { const Server second(Site::open(served.root() / "data"), config); }),
               HasSubstr("cannot listen there"));

@@ -35,6 +35,7 @@ const std::vector<ThirdParty>& third_parties() {
         "tests/"}},
       {"kainjow/", {"enfilade/arena/prompt.cpp"}},
       {"SQLiteCpp/", {"enfilade/service/store/", "tests/"}},
+      {"libpq-fe.h", {"enfilade/service/store/"}},
       {"openssl/", {"enfilade/service/detail/"}},
       {"hwy/",
        {"enfilade/image/", "enfilade/render/", "enfilade/neural/", "enfilade/continuous/",

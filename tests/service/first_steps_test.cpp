@@ -21,13 +21,13 @@ using testing::Program;
 TEST(FirstSteps, AnOrganiserIsToldWhereToGoAndCanLogIn) {
   const tests::TemporaryFolder folder("first_steps");
   testing::write_served_data(folder.path());
-  Program program(EN_PROGRAM, folder.path() / "data", folder.path() / "service.sqlite",
-                  {"--organiser", "Ada"});
+  const std::string database = testing::new_database(folder.path() / "service.sqlite");
+  Program program(EN_PROGRAM, folder.path() / "data", database, {"--organiser", "Ada"});
   program.start();
   const std::string address = "http://127.0.0.1:" + std::to_string(program.port()) + "/";
   const std::string said = program.said_until("Ctrl-C ends it.");
   EXPECT_THAT(said, AllOf(HasSubstr("1 scans at " + address), HasSubstr(address + "organise"),
-                          HasSubstr("What to do next"), HasSubstr("service.sqlite")));
+                          HasSubstr("What to do next"), HasSubstr(shown_database(database))));
   const std::size_t at = said.find("enfilade_");
   ASSERT_NE(at, std::string::npos) << said;
   const std::string token = said.substr(at, said.find('\n', at) - at);
@@ -43,6 +43,27 @@ TEST(FirstSteps, AServerBehindAProxyHasToKnowItsName) {
                           folder.path() / "service.sqlite", "--port", "0", "--behind-proxy"});
   EXPECT_EQ(process.wait(), 2);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "service.sqlite"));
+}
+
+TEST(FirstSteps, ADatabaseIsNamedWithoutItsPassword) {
+  const tests::TemporaryFolder folder("first_steps");
+  const auto status_of = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{EN_PROGRAM, "serve", "token", "--label", "Ada"};
+    all.insert(all.end(), words.begin(), words.end());
+    return tests::Process(all, folder.path() / "said").wait();
+  };
+  EXPECT_EQ(status_of({"--db", "postgresql://u:secret@localhost/d"}), 2);
+  unsetenv("ENFILADE_DATABASE");
+  EXPECT_EQ(status_of({}), 2);
+  const std::string database = testing::new_database(folder.path() / "service.sqlite");
+  setenv("ENFILADE_DATABASE", database.c_str(), 1);
+  EXPECT_EQ(status_of({}), 0);
+  unsetenv("ENFILADE_DATABASE");
+  EXPECT_THAT(read_file(folder.path() / "said"), HasSubstr("enfilade_"));
+  if (testing::on_postgres()) {  // which has its own back-ups
+    tests::Process backup({EN_PROGRAM, "serve", "backup", "--db", database, folder.path() / "c"});
+    EXPECT_EQ(backup.wait(), 2);
+  }
 }
 
 /// A machine that has nothing: a folder of its own, and no ENFILADE_DATA.
@@ -81,7 +102,7 @@ class FirstVisit : public ::testing::Test {
   }
 
   tests::TemporaryFolder folder_{"first_visit"};
-  Program program_{EN_PROGRAM, std::vector<std::string>{}, folder_.path() / "said"};
+  Program program_{EN_PROGRAM, std::vector<std::string>{}};
 
  private:
   std::filesystem::path before_ = std::filesystem::current_path();

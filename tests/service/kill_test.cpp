@@ -71,9 +71,10 @@ class Kill : public ::testing::Test {
   }
 
   tests::TemporaryFolder folder_{"kill"};
+  std::string database_ = testing::new_database(folder_.path() / "service.sqlite");
   Program program_{EN_PROGRAM,
                    folder_.path() / "data",
-                   folder_.path() / "service.sqlite",
+                   database_,
                    {"--phases", folder_.path() / "phases.json", "--open-registration"}};
   Rng rng_{7};
 };
@@ -105,6 +106,52 @@ TEST_F(Kill, SubmissionsThatWereAcknowledgedAreThereOnce) {
   }
   EXPECT_GT(acknowledged, static_cast<std::size_t>(kills()));
   RecordProperty("acknowledged", static_cast<int>(acknowledged));
+}
+
+/// Asks for its health until that is the answer, for a minute.
+bool is_soon(int port, int status) {
+  httplib::Client client("127.0.0.1", port);
+  for (int k = 0; k < 600; ++k) {
+    const auto answer = client.Get("/healthz");
+    if (answer && answer->status == status) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return false;
+}
+
+// The server stays, and its database's server is what ends and comes again.
+TEST_F(Kill, SubmissionsAreThereOnceIfTheDatabasesServerEnds) {
+  if (!testing::on_postgres()) GTEST_SKIP() << "SQLite has no server";
+  for (int round = 0; round < kills(); ++round) {
+    const httplib::Headers team = make_team(program_.port(), "team " + std::to_string(round));
+    std::vector<Counts> taken(kClients);
+    std::vector<std::thread> clients;
+    std::atomic<bool> over{false};
+    for (std::size_t c = 0; c < kClients; ++c) {
+      clients.emplace_back([&, c] {
+        httplib::Client client("127.0.0.1", program_.port());
+        for (int k = 0; !over; ++k) {
+          const std::string method = std::to_string(c) + "-" + std::to_string(k);
+          const auto answer = client.Post("/api/v1/submissions?phase=open&method=" + method, team,
+                                          testing::row_results(2), "application/json");
+          if (answer && answer->status == 202) ++taken[c][method];
+          EXPECT_TRUE(answer && (answer->status == 202 || answer->status == 503))
+              << (answer ? answer->body : "no answer");
+        }
+      });
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50 + rng_.below(300)));
+    testing::postgres_server().crash();
+    EXPECT_TRUE(is_soon(program_.port(), 503));
+    testing::postgres_server().start();
+    EXPECT_TRUE(is_soon(program_.port(), 200));
+    over = true;
+    for (std::thread& client : clients) client.join();
+    Counts promised;
+    for (const Counts& some : taken) promised.insert(some.begin(), some.end());
+    EXPECT_FALSE(promised.empty());
+    expect_all_once(promised, count_methods(program_.port(), team), round);
+  }
 }
 
 /// Somebody who walks to and fro by requests, and knows what was acknowledged.
@@ -260,8 +307,8 @@ Counts count_work(int port, const httplib::Headers& organiser, const std::string
 
 TEST_F(Kill, InstructionsAndWalksThatWereAcknowledgedAreThereOnce) {
   const httplib::Headers organiser{
-      {"Authorization", "Bearer " + create_token(folder_.path() / "service.sqlite",
-                                                 TokenRole::kOrganiser, "o", std::nullopt)}};
+      {"Authorization",
+       "Bearer " + create_token(database_, TokenRole::kOrganiser, "o", std::nullopt)}};
   std::size_t written = 0;
   std::size_t walked = 0;
   for (int round = 0; round < kills(); ++round) {

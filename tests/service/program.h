@@ -15,6 +15,7 @@
 
 #include "enfilade/core/file.h"
 #include "tests/support/process.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::service::testing {
 
@@ -43,16 +44,14 @@ inline std::map<std::string, int> count_methods(int port, const httplib::Headers
 class Program {
  public:
   /// Starts nothing. \param program the `enfilade` to run  \param words after `serve`
-  /// \param said where what it prints goes
-  Program(std::string program, const std::vector<std::string>& words, std::filesystem::path said)
-      : words_{std::move(program), "serve", "--port", "0", "--log", "none"},
-        said_(std::move(said)) {
+  Program(std::string program, const std::vector<std::string>& words)
+      : words_{std::move(program), "serve", "--port", "0", "--log", "none"} {
     words_.insert(words_.end(), words.begin(), words.end());
   }
   /// As above, of a data set. \param words after `serve DATA`
-  Program(std::string program, const std::filesystem::path& data,
-          const std::filesystem::path& database, const std::vector<std::string>& words = {})
-      : Program(std::move(program), words, database.string() + ".out") {
+  Program(std::string program, const std::filesystem::path& data, const std::string& database,
+          const std::vector<std::string>& words = {})
+      : Program(std::move(program), words) {
     words_.insert(words_.end(), {data, "--db", database});
   }
 
@@ -93,7 +92,8 @@ class Program {
   }
 
   std::vector<std::string> words_;
-  std::filesystem::path said_;
+  tests::TemporaryFolder folder_{"program"};
+  std::filesystem::path said_ = folder_.path() / "said";
   std::optional<tests::Process> process_;
   int port_ = 0;
 };

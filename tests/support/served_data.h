@@ -16,6 +16,7 @@
 #include "enfilade/scan/store.h"
 #include "enfilade/service/server.h"
 #include "enfilade/tasks/annotations.h"
+#include "tests/support/databases.h"
 #include "tests/support/panoramas.h"
 #include "tests/support/temporary_folder.h"
 
@@ -82,7 +83,7 @@ class Served {
   explicit Served(ServerConfig config = {}, int threads = 8)
       : folder_("served"), config_(std::move(config)) {
     write_served_data(folder_.path());
-    config_.database = folder_.path() / "service.sqlite";
+    config_.database = new_database(folder_.path() / "service.sqlite");
     config_.port = 0;
     config_.threads = threads;
     config_.open_registration = true;

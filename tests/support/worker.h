@@ -2,6 +2,7 @@
 #pragma once
 #include <httplib.h>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -39,19 +40,28 @@ class Worker {
  public:
   /// Nothing is sent yet. \param parameters of the page's address, the key among them
   Worker(int port, std::string collection, nlohmann::json parameters)
-      : client_("127.0.0.1", port),
-        collection_(std::move(collection)),
-        parameters_(std::move(parameters)) {
-    client_.set_keep_alive(true);
-    client_.set_tcp_nodelay(true);  // else a body waits 40 ms for the acknowledgement of its head
-    client_.set_read_timeout(60);   // a machine that has other work to do
+      : collection_(std::move(collection)), parameters_(std::move(parameters)) {
+    go_on_at(port);
+  }
+  /// Further requests go to another server.
+  void go_on_at(int port) {
+    client_.emplace("127.0.0.1", port);
+    client_->set_keep_alive(true);
+    client_->set_tcp_nodelay(true);  // else a body waits 40 ms for the acknowledgement of its head
+    client_->set_read_timeout(60);   // a machine that has other work to do
+    client_->set_default_headers(by_proxy_);
+  }
+  /// Further requests say that a proxy brings them from that address.
+  void come_by_proxy_from(const std::string& address) {
+    by_proxy_ = {{"X-Forwarded-For", address}};
+    client_->set_default_headers(by_proxy_);
   }
 
   /// Comes in.
   nlohmann::json join() {
     const std::string body = nlohmann::json{{"parameters", parameters_}}.dump();
     auto answer = answered(
-        [&] { return client_.Post("/api/v1/collections/" + collection_ + "/join", body, kJson); });
+        [&] { return client_->Post("/api/v1/collections/" + collection_ + "/join", body, kJson); });
     if (answer.contains("token")) {
       token_ = {{"Authorization", "Bearer " + answer["token"].get<std::string>()}};
     }
@@ -59,10 +69,10 @@ class Worker {
   }
   nlohmann::json consent() { return put("/api/v1/visit/consent", nlohmann::json::object()); }
   nlohmann::json lease() {
-    return answered([&] { return client_.Post("/api/v1/visit/task", token_, "{}", kJson); });
+    return answered([&] { return client_->Post("/api/v1/visit/task", token_, "{}", kJson); });
   }
   nlohmann::json visit() {
-    return answered([&] { return client_.Get("/api/v1/visit", token_); });
+    return answered([&] { return client_->Get("/api/v1/visit", token_); });
   }
   /// Joins, agrees and leases. \returns the task; null if there is none
   nlohmann::json begin() {
@@ -82,14 +92,14 @@ class Worker {
     return put(address(task) + "/draft", {{"draft", draft}});
   }
   nlohmann::json give_back(std::int64_t task) {
-    return answered([&] { return client_.Delete(address(task), token_); });
+    return answered([&] { return client_->Delete(address(task), token_); });
   }
   nlohmann::json task(std::int64_t task) {
-    return answered([&] { return client_.Get(address(task), token_); });
+    return answered([&] { return client_->Get(address(task), token_); });
   }
 
   nlohmann::json put(const std::string& target, const nlohmann::json& body) {
-    return answered([&] { return client_.Put(target, token_, body.dump(), kJson); });
+    return answered([&] { return client_->Put(target, token_, body.dump(), kJson); });
   }
   const httplib::Headers& headers() const { return token_; }
   std::size_t sent_again() const { return sent_again_; }  ///< requests that had no answer at first
@@ -108,10 +118,10 @@ class Worker {
   }
   static std::string address(std::int64_t task) { return "/api/v1/tasks/" + std::to_string(task); }
 
-  httplib::Client client_;
+  std::optional<httplib::Client> client_;  // always there
   std::string collection_;
   nlohmann::json parameters_;
-  httplib::Headers token_;
+  httplib::Headers token_, by_proxy_;
   std::size_t sent_again_ = 0;
 };
 

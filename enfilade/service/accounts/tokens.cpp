@@ -58,7 +58,7 @@ NewTeam add_team(store::Database& db, const std::string& name, const std::string
                   fmt::format("contact: not up to {} printable characters", kLongestContact));
   }
   return db.transact([&] {
-    if (db.find_number("SELECT id FROM team WHERE name = ?", name) != 0) {
+    if (find_team_named(db, name)) {
       throw Refusal(Reason::kConflict, "name: another team has it");
     }
     const std::int64_t id = db.insert("INSERT INTO team (name, contact, created) VALUES (?, ?, ?)",
@@ -76,7 +76,8 @@ std::optional<Team> find_team(store::Database& db, std::int64_t id) {
 }
 
 std::optional<std::int64_t> find_team_named(store::Database& db, const std::string& name) {
-  return db.find<std::int64_t>("SELECT id FROM team WHERE name = ?", name);
+  return db.find<std::int64_t>("SELECT id FROM team WHERE lower(name) = ?",
+                               detail::lower_case(name));
 }
 
 bool is_approved(store::Database& db, std::int64_t team) {
@@ -104,8 +105,8 @@ std::string add_token(store::Database& db, Role role, const std::string& label,
 int revoke_tokens(store::Database& db, Role role, const std::string& label) {
   return db.run(
       "UPDATE token SET revoked = ?1 WHERE role = ?2 AND revoked IS NULL AND "
-      "(label = ?3 OR team = (SELECT id FROM team WHERE name = ?3))",
-      db.now(), role, label);
+      "(label = ?3 OR team = (SELECT id FROM team WHERE lower(name) = ?4))",
+      db.now(), role, label, detail::lower_case(label));
 }
 
 std::string add_worker_token(store::Database& db, std::int64_t visit, const std::string& label) {

@@ -6,6 +6,7 @@
 #include "enfilade/service/collecting/order.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/metrics.h"
 
 namespace enfilade::service::collecting {
@@ -96,10 +97,14 @@ Collection collection_of_visit(store::Database& db, std::int64_t visit) {
 
 std::vector<Collection> list_collections(store::Database& db, std::string_view text,
                                          bool archived) {
-  return db.select<Collection>(
-      collections_where("WHERE (archived IS NOT NULL) = ?1 AND (instr(lower(name), lower(?2)) > 0 "
-                        "OR instr(lower(title), lower(?2)) > 0) ORDER BY collection.id"),
-      archived, text);
+  auto found = db.select<Collection>(collections_where(
+      fmt::format("WHERE archived IS {} NULL ORDER BY collection.id", archived ? "NOT" : "")));
+  const std::string wanted = detail::lower_case(std::string(text));
+  const auto has = [&wanted](const std::string& words) {
+    return detail::lower_case(words).find(wanted) != std::string::npos;
+  };
+  std::erase_if(found, [&has](const Collection& one) { return !has(one.name) && !has(one.title); });
+  return found;
 }
 
 void change_collection(store::Database& db, const Collection& c) {
@@ -125,9 +130,11 @@ Progress progress_of(store::Database& db, std::int64_t collection) {
   const auto held = db.hold();
   Progress progress = db.get<Progress>(
       "SELECT (SELECT count(*) FROM item WHERE collection = ?1 AND practice = 0), "
-      "(SELECT total(state = 'complete') FROM item WHERE collection = ?1 AND practice = 0), "
-      "total(task.state = 'leased' AND expires > ?2), total(task.state = 'submitted'), "
-      "total(task.state = 'accepted'), total(task.state = 'rejected'), "
+      "(SELECT count(*) FROM item WHERE collection = ?1 AND practice = 0 AND state = 'complete'), "
+      "count(*) FILTER (WHERE task.state = 'leased' AND expires > ?2), "
+      "count(*) FILTER (WHERE task.state = 'submitted'), "
+      "count(*) FILTER (WHERE task.state = 'accepted'), "
+      "count(*) FILTER (WHERE task.state = 'rejected'), "
       "count(DISTINCT worker) "
       "FROM task JOIN item ON item.id = task.item WHERE item.collection = ?1 AND practice = 0",
       collection, db.now());
@@ -152,21 +159,21 @@ std::vector<SplitSize> splits_of(store::Database& db, std::int64_t collection) {
 std::vector<VisitSummary> visits_of(store::Database& db, const Collection& collection) {
   return db.select<VisitSummary>(
       "SELECT visit.id, worker.id, worker.external, visit.external, grouped, visit.created, "
-      "total(state = 'submitted'), total(state = 'accepted'), total(state = 'rejected'), "
-      "total(error < ?2 AND state IN ('submitted', 'accepted')), "
-      "?3 > 0 AND total(state IN ('submitted', 'accepted', 'rejected')) >= ?3, "
-      "CAST(total(CASE WHEN submitted > 0 AND leased > 0 THEN max(submitted - leased, 0) END) AS "
-      "INTEGER), "
+      "count(*) FILTER (WHERE state = 'submitted'), count(*) FILTER (WHERE state = 'accepted'), "
+      "count(*) FILTER (WHERE state = 'rejected'), "
+      "count(*) FILTER (WHERE error < ?2 AND state IN ('submitted', 'accepted')), "
+      "?3 > 0 AND count(*) FILTER (WHERE state IN ('submitted', 'accepted', 'rejected')) >= ?3, "
+      "coalesce(sum(submitted - leased) FILTER (WHERE leased > 0 AND submitted > leased), 0), "
       "(SELECT count(*) FROM answer JOIN question ON question.id = question WHERE answer.worker = "
       "worker.id AND stage = 'check'), "
       "(SELECT count(*) FROM answer JOIN question ON question.id = question WHERE answer.worker = "
-      "worker.id AND stage = 'check' AND NOT answer.accepted), "
+      "worker.id AND stage = 'check' AND answer.accepted = 0), "
       "EXISTS (SELECT 1 FROM answer JOIN question ON question.id = question WHERE answer.worker = "
-      "worker.id AND stage = 'screening' AND NOT answer.accepted) "
+      "worker.id AND stage = 'screening' AND answer.accepted = 0) "
       "FROM visit JOIN worker ON worker.id = visit.worker "
       "LEFT JOIN (SELECT task.visit AS by, task.state AS state, error, submitted, leased FROM task "
-      "JOIN item ON item.id = task.item WHERE practice = 0) ON by = visit.id "
-      "WHERE worker.collection = ?1 GROUP BY visit.id ORDER BY visit.id",
+      "JOIN item ON item.id = task.item WHERE practice = 0) AS done ON done.by = visit.id "
+      "WHERE worker.collection = ?1 GROUP BY visit.id, worker.id ORDER BY visit.id",
       collection.id, tasks::MetricOptions{}.success_distance, collection.tasks_per_visit);
 }
 

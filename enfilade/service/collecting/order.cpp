@@ -78,7 +78,7 @@ std::int64_t count_open_items(store::Database& db, const Collection& collection,
                               std::int64_t worker, std::int64_t most) {
   return db.find_number(
       fmt::format("SELECT count(*) FROM (SELECT 1 FROM item WHERE collection = ?1 AND practice = 0 "
-                  "AND state <> 'complete' AND {} AND {} LIMIT ?5)",
+                  "AND state <> 'complete' AND {} AND {} LIMIT ?5) AS open_items",
                   kNewItem, kHasPlace),
       collection.id, worker, db.now(), collection.per_item, most);
 }

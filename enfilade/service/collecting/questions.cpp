@@ -61,15 +61,15 @@ void answer(store::Database& db, std::int64_t collection, std::int64_t worker,
   }
   const bool accepted = std::ranges::find(found->accepted, choice) != found->accepted.end();
   db.run(
-      "INSERT OR IGNORE INTO answer (question, worker, choice, accepted, at) VALUES (?, ?, ?, ?, "
-      "?)",
+      "INSERT INTO answer (question, worker, choice, accepted, at) VALUES (?, ?, ?, ?, ?) "
+      "ON CONFLICT DO NOTHING",
       question, worker, choice, accepted, db.now());
 }
 
 bool is_screened_out(store::Database& db, std::int64_t worker) {
   return db.find_number(
              "SELECT 1 FROM answer JOIN question ON question.id = question WHERE worker = ? AND "
-             "stage = ? AND NOT answer.accepted LIMIT 1",
+             "stage = ? AND answer.accepted = 0 LIMIT 1",
              worker, Stage::kScreening) != 0;
 }
 

@@ -22,8 +22,9 @@ constexpr const char* kIsSubmitted = "task.state IN ('submitted', 'accepted', 'r
 
 std::int64_t find_or_add_visit(store::Database& db, const Collection& collection,
                                const Arrival& arrival) {
-  db.run("INSERT OR IGNORE INTO worker (collection, external, created) VALUES (?, ?, ?)",
-         collection.id, arrival.worker, db.now());
+  db.run(
+      "INSERT INTO worker (collection, external, created) VALUES (?, ?, ?) ON CONFLICT DO NOTHING",
+      collection.id, arrival.worker, db.now());
   const std::int64_t worker = db.find_number(
       "SELECT id FROM worker WHERE collection = ? AND external = ?", collection.id, arrival.worker);
   const std::int64_t known = db.find_number(
@@ -327,14 +328,16 @@ std::vector<WorkSummary> summarise_work(store::Database& db, std::int64_t collec
   const bool of_worker = by == SummaryBy::kWorker;
   return db.select<WorkSummary>(
       fmt::format(
-          "SELECT {0} AS of, total(task.state = 'submitted'), total(task.state = 'accepted'), "
-          "total(task.state = 'rejected'), total(flags <> ''), "
-          "coalesce(avg(CASE WHEN leased > 0 THEN max(submitted - leased, 0) END), 0), {1}, {2} "
+          "SELECT {0}, count(*) FILTER (WHERE task.state = 'submitted'), "
+          "count(*) FILTER (WHERE task.state = 'accepted'), "
+          "count(*) FILTER (WHERE task.state = 'rejected'), count(*) FILTER (WHERE flags <> ''), "
+          "coalesce(avg(CASE WHEN submitted > leased THEN submitted - leased ELSE 0 END) "
+          "FILTER (WHERE leased > 0), 0), {1}, {2} "
           "FROM task JOIN item ON item.id = task.item WHERE item.collection = ?1 AND practice = 0 "
           "AND {3} AND {0} > ?2 GROUP BY {0} ORDER BY {0} LIMIT ?3",
           of_worker ? "task.worker" : "path_id",
           of_worker ? fmt::format("({})", kChecks) : std::string("0"),
-          of_worker ? fmt::format("({} AND NOT answer.accepted)", kChecks) : std::string("0"),
+          of_worker ? fmt::format("({} AND answer.accepted = 0)", kChecks) : std::string("0"),
           kIsSubmitted),
       collection, after, limit);
 }
@@ -343,7 +346,7 @@ std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported) {
   return db.select<Task>(
       tasks_where("item.collection = ? AND item.split = ? AND practice = 0 AND (task.state = "
                   "'accepted' OR "
-                  "(? AND task.state = 'submitted')) ORDER BY item.id, task.id"),
+                  "(? = 1 AND task.state = 'submitted')) ORDER BY item.id, task.id"),
       exported.collection.id, exported.split, exported.with_waiting);
 }
 
@@ -362,7 +365,8 @@ Task find_work(store::Database& db, std::int64_t id) {
 
 Verified verified_of(store::Database& db, std::int64_t task) {
   return db.get<Verified>(
-      "SELECT count(*), total(error < ?2) FROM task JOIN item ON item.id = task.item WHERE item.of "
+      "SELECT count(*), count(*) FILTER (WHERE error < ?2) FROM task JOIN item ON item.id = "
+      "task.item WHERE item.of "
       "= ?1 AND practice = 0 AND task.state IN ('submitted', 'accepted')",
       task, tasks::MetricOptions{}.success_distance);
 }

@@ -27,6 +27,8 @@ using detail::Refusal;
 constexpr std::size_t kLongestMethod = 80;
 // From a failure of the database to the next attempt to score.
 constexpr std::chrono::seconds kRetry{2};
+// What another server of the same database received, and did not score before it ended.
+constexpr std::chrono::seconds kLookAgain{10};
 // Of a stored results file, whose size was checked when it came: eight times what the server takes
 // by default. A damaged row cannot ask for more memory.
 constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
@@ -235,7 +237,7 @@ void Submissions::work(const std::stop_token& stop) {
 
 void Submissions::wait_until_asked(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  wake_.wait(lock, stop, [this] { return asked_; });
+  wake_.wait_for(lock, stop, kLookAgain, [this] { return asked_; });
   asked_ = false;
 }
 

@@ -223,9 +223,18 @@ Response error_response(const std::exception_ptr& thrown, std::string& fault) {
     return respond(kRefusals[static_cast<std::size_t>(refusal.reason())], refusal.what(), {});
   } catch (const InvalidInput& error) {
     return error_response(422, "what was sent has faults", error.diagnostics());
+  } catch (const store::DatabaseError& error) {
+    if (error.cause() == store::DatabaseError::Cause::kNoText) {
+      return error_response(400, "a text has a character that is none");
+    }
+    fault = error.what();
+    if (const auto trouble = store::trouble_of(error)) {
+      return try_later(*trouble == store::Trouble::kDiskFull
+                           ? "the server's disk is full"
+                           : "the server does not reach its database");
+    }
   } catch (const std::exception& error) {
     fault = error.what();
-    if (store::is_disk_full(error)) return try_later("the server's disk is full");
   } catch (...) {
     fault = "an exception of no known type";
   }

@@ -20,6 +20,8 @@ std::string_view explanation(store::Trouble trouble) {
       return "the database cannot be read";
     case store::Trouble::kDatabaseUnwritable:
       return "the database cannot be written";
+    case store::Trouble::kDatabaseUnreachable:
+      return "the database's server cannot be reached";
   }
   return "";
 }

@@ -231,20 +231,26 @@ std::shared_ptr<Plays::Live> Plays::find(const Ticket& ticket) {
   return live_.try_emplace(ticket.id, std::move(live)).first->second;
 }
 
+// Walks what is kept and was not walked here: all of it, or what came to another server.
 // \pre the caller has live.mutex
 void Plays::open(Live& live) const {
-  if (live.session != nullptr) return;
+  if (live.session == nullptr) live.calls = 0;
   const auto calls = db_.select<CallRow>(
-      "SELECT tool, argument, fault FROM play_call WHERE play = ? ORDER BY number", live.id);
+      "SELECT tool, argument, fault FROM play_call WHERE play = ? AND number >= ? ORDER BY number",
+      live.id, live.calls);
+  if (live.session != nullptr && calls.empty()) return;
   const std::scoped_lock lock(live.shared->mutex);
-  const auto episode = live.shared->world->find(live.row.episode);
-  if (!episode) {
-    throw Refusal(Reason::kNotFound, "the data set has changed: the session's episode is gone");
+  auto session = std::move(live.session);  // gone, if a call cannot be walked
+  if (session == nullptr) {
+    const auto episode = live.shared->world->find(live.row.episode);
+    if (!episode) {
+      throw Refusal(Reason::kNotFound, "the data set has changed: the session's episode is gone");
+    }
+    session = live.shared->world->start(*episode, {live.row.steps, live.row.mistakes});
   }
-  auto session = live.shared->world->start(*episode, {live.row.steps, live.row.mistakes});
   for (const CallRow& call : calls) carry_out(*session, call);
   live.session = std::move(session);
-  live.calls = std::ssize(calls);
+  live.calls += std::ssize(calls);
 }
 
 template <class Use>
@@ -285,9 +291,16 @@ ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
     }
     // First what is kept, then what follows from it: whoever is killed in between walks it again.
     db_.transact([&] {
-      db_.run("INSERT INTO play_call (play, number, tool, argument, fault) VALUES (?, ?, ?, ?, ?)",
-              live.id, live.calls, call.tool, call.argument, call.fault);
-      db_.run("UPDATE play SET touched = ? WHERE id = ?", db_.now(), live.id);
+      if (db_.run("UPDATE play SET touched = ? WHERE id = ?", db_.now(), live.id) == 0) {
+        throw Refusal(Reason::kNotFound, "the session was forgotten: nobody has called for long");
+      }
+      const int kept = db_.run(
+          "INSERT INTO play_call (play, number, tool, argument, fault) VALUES (?, ?, ?, ?, ?) "
+          "ON CONFLICT DO NOTHING",
+          live.id, live.calls, call.tool, call.argument, call.fault);
+      if (kept == 0) {
+        throw Refusal(Reason::kConflict, "another call of the session came to another server");
+      }
     });
     const std::uint32_t before = live.session->mistakes();
     try {

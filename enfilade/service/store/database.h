@@ -1,75 +1,72 @@
-/// \file  The one database of a server: SQLite in WAL mode.
+/// \file  The one database of a server: a file of SQLite, or a database of PostgreSQL that several
+/// servers may share.
 #pragma once
-#include <SQLiteCpp/SQLiteCpp.h>
+#include <array>
 #include <cstdint>
 #include <ctime>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <type_traits>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/service/store/connection.h"
 #include "enfilade/service/store/sql.h"
 
 namespace enfilade::service::store {
 
-/// One connection, used by one thread at a time: SQLite serialises writes anyway, and reads here
+/// One connection, used by one thread at a time: changes wait for each other anyway, and reads here
 /// are of a few rows. All functions may be called from any thread, and wait for the thread that
 /// holds the connection. What they return are copies, which stay valid.
 ///
-/// All functions that run a statement \throw SQLite::Exception, a std::runtime_error with SQLite's
-/// message, if it fails; Error for a stored name of an enumeration that this program does not know.
+/// SQL is what SQLite and PostgreSQL understand in the same way. All functions that run a statement
+/// \throw DatabaseError if it fails; Error for a stored name of an enumeration that this program
+/// does not know. If a server of PostgreSQL was lost, the next statement connects again.
 class Database {
  public:
-  /// Opens the file, creates it if it is missing, and brings its schema up to date, each migration
-  /// in a transaction of its own. Only its owner may read it then: it has people's texts and, of
-  /// walks, secret goals. An existing file that others may read is closed to them.
+  /// Opens a place (connection.h), creates the file if it is missing, and brings the schema up to
+  /// date, each migration in a transaction of its own; of several programs at once one does it.
   /// \param clock returns seconds since 1970, and may be called from any thread; empty: the
   /// system's clock
-  /// \throws FileError if it can't be opened or written, was made by a newer Enfilade, or others
-  /// may read it and that can't be changed
-  explicit Database(const std::filesystem::path& file, std::function<std::int64_t()> clock = {});
+  /// \throws FileError if it can't be opened or written, was made by a newer Enfilade, or is a file
+  /// that others may read and that can't be closed to them
+  explicit Database(const std::string& place, std::function<std::int64_t()> clock = {});
 
   /// Seconds since 1970, by the clock of the constructor.
   std::int64_t now() const { return clock_ ? clock_() : std::time(nullptr); }
 
-  /// Runs a statement that has no rows to read. The values are bound to its question marks, in
-  /// their order or by number (?1, ?2). \returns how many rows it inserted, updated or deleted
+  /// Runs a statement that has no rows to read, in a transaction of its own unless it is in one.
+  /// The values are bound to its question marks, in their order or by number (?1, ?2).
+  /// \returns how many rows it inserted, updated or deleted
   template <class... Values>
   int run(const std::string& sql, const Values&... values) {
-    const auto held = hold();
-    const Use use = prepare(sql, values...);
-    return use->exec();
+    return change([&] { return connection_->run(sql, parameters(values...)); });
   }
-  /// As run(), for an INSERT. \returns the new row's id
+  /// As run(), for an INSERT into a table with a column `id`. \returns the new row's id
   template <class... Values>
   std::int64_t insert(const std::string& sql, const Values&... values) {
-    const auto held = hold();
-    run(sql, values...);
-    return db_.getLastInsertRowid();
+    return change([&] { return get<std::int64_t>(sql + " RETURNING id", values...); });
   }
   /// All rows of a SELECT, each read into a T by Row::read(). The values are bound as in run().
   template <class T, class... Values>
   std::vector<T> select(const std::string& sql, const Values&... values) {
     const auto held = hold();
-    const Use use = prepare(sql, values...);
+    const auto rows = connection_->select(sql, parameters(values...));
     std::vector<T> found;
-    while (use->executeStep()) Row(*use).read_whole(found.emplace_back());
+    while (rows->next()) Row(*rows).read_whole(found.emplace_back());
     return found;
   }
   /// The first row of a SELECT; none if it has no row.
   template <class T, class... Values>
   std::optional<T> find(const std::string& sql, const Values&... values) {
     const auto held = hold();
-    const Use use = prepare(sql, values...);
+    const auto rows = connection_->select(sql, parameters(values...));
     std::optional<T> found;
-    if (use->executeStep()) Row(*use).read_whole(found.emplace());
+    if (rows->next()) Row(*rows).read_whole(found.emplace());
     return found;
   }
   /// The only row of a SELECT. \throws LookupError if it has no row
@@ -87,11 +84,12 @@ class Database {
 
   /// Calls change() in a transaction, and returns what it returns. All statements that it runs are
   /// on the disk when this returns; if it throws, the database stays as it was, and the exception
-  /// is passed on. Other threads wait meanwhile. \pre not within another transaction
+  /// is passed on. Other threads wait meanwhile, and so do changes of other programs.
+  /// \pre not within another transaction
   template <class Change>
   auto transact(Change&& change) {
     const auto held = hold();
-    SQLite::Transaction transaction(db_, SQLite::TransactionBehavior::IMMEDIATE);
+    Transaction transaction(*this);
     if constexpr (std::is_void_v<std::invoke_result_t<Change>>) {
       std::forward<Change>(change)();
       transaction.commit();
@@ -101,51 +99,58 @@ class Database {
       return result;
     }
   }
-  /// Other threads wait for as long as the returned lock lives, so that several reads see the same
-  /// state. The thread that has it may go on calling all functions. \pre *this outlives the lock
+  /// Other threads wait for as long as the returned lock lives, so that no other change of this
+  /// program comes between several reads. The thread that has it may go on calling all functions.
+  /// \pre *this outlives the lock
   std::unique_lock<std::recursive_mutex> hold() { return std::unique_lock(mutex_); }
 
-  const std::filesystem::path& file() const noexcept { return file_; }
-  /// Whether the file that was opened is still there under its name: of one that was removed or
-  /// replaced, all that is written is lost.
-  bool is_in_place() const;
-  /// Reads a row of every table, by a connection of its own, from the file rather than from memory.
-  /// \throws SQLite::Exception or FileError if that fails
-  void check_readable() const;
-  /// Writes a few bytes that say nothing new, to the disk. \throws SQLite::Exception if that fails
+  /// The place, as logs and messages may have it.
+  const std::string& shown_place() const noexcept { return shown_; }
+  /// Connection's functions of the same names, also from any thread.
+  bool is_in_place() const { return connection_->is_in_place(); }
+  std::optional<std::uint64_t> free_bytes() const { return connection_->free_bytes(); }
+  void check_readable();
   void check_writable();
 
  private:
-  // Ends the use of a statement, not the statement: it holds no lock and no values then.
-  struct EndUse {
-    void operator()(SQLite::Statement* statement) const noexcept;
-  };
-  using Use = std::unique_ptr<SQLite::Statement, EndUse>;
+  /// Rolled back at its end, unless it was committed. \pre the thread holds the connection
+  class Transaction {
+   public:
+    explicit Transaction(Database& db) : db_(db) {
+      db_.connection_->begin();
+      db_.in_transaction_ = true;
+    }
+    ~Transaction() {
+      if (db_.in_transaction_) db_.connection_->roll_back();
+      db_.in_transaction_ = false;
+    }
+    Transaction(const Transaction&) = delete;
+    Transaction& operator=(const Transaction&) = delete;
+    void commit() {
+      db_.connection_->commit();
+      db_.in_transaction_ = false;
+    }
 
-  template <class... Values>
-  Use prepare(const std::string& sql, const Values&... values) {
-    Use use(&prepared(sql));
-    int k = 0;
-    (bind(*use, ++k, values), ...);
-    return use;
+   private:
+    Database& db_;
+  };
+
+  template <class Change>
+  auto change(const Change& change) {
+    const auto held = hold();
+    return in_transaction_ ? change() : transact(change);
   }
-  SQLite::Statement& prepared(const std::string& sql);
+  template <class... Values>
+  static std::array<Parameter, sizeof...(Values)> parameters(const Values&... values) {
+    return {ToParameter<std::remove_cvref_t<Values>>::of(values)...};
+  }
   void migrate();
 
   std::recursive_mutex mutex_;
-  std::filesystem::path file_;
+  std::string shown_;
   std::function<std::int64_t()> clock_;
-  SQLite::Database db_;
-  // By their texts. To prepare one takes longer than to run it, and there are not many texts.
-  std::unordered_map<std::string, SQLite::Statement> statements_;
-  std::pair<std::uint64_t, std::uint64_t>
-      identity_;  // device and inode of the file as it was opened
+  std::unique_ptr<Connection> connection_;
+  bool in_transaction_ = false;
 };
-
-/// Copies a database, also while a server uses it. The copy is written beside its place and then
-/// renamed, so that it is never there in part; an older copy of that name is replaced. Only its
-/// owner may read it.
-/// \throws FileError naming the file that cannot be opened, read or written
-void back_up(const std::filesystem::path& database, const std::filesystem::path& copy);
 
 }  // namespace enfilade::service::store

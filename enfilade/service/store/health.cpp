@@ -1,27 +1,28 @@
 #include "enfilade/service/store/health.h"
 
 #include <fmt/format.h>
-#include <sys/statvfs.h>
 #include <utility>
 
 namespace enfilade::service::store {
 namespace {
 
 constexpr std::chrono::seconds kBetweenLooks{1};  // monitors ask less often, floods gain nothing
-constexpr int kSqliteFull = 13;                   // SQLITE_FULL of <sqlite3.h>
-
-/// Bytes that are free on a file's disk for this process; none if the system doesn't say.
-std::optional<std::uint64_t> free_bytes(const std::filesystem::path& file) {
-  struct statvfs disk {};
-  if (::statvfs(file.c_str(), &disk) != 0) return std::nullopt;
-  return std::uint64_t{disk.f_bavail} * disk.f_frsize;
-}
 
 }  // namespace
 
-bool is_disk_full(const std::exception& error) noexcept {
-  const auto* thrown = dynamic_cast<const SQLite::Exception*>(&error);
-  return thrown != nullptr && thrown->getErrorCode() == kSqliteFull;
+std::optional<Trouble> trouble_of(const std::exception& error) noexcept {
+  const auto* thrown = dynamic_cast<const DatabaseError*>(&error);
+  if (thrown == nullptr) return std::nullopt;
+  switch (thrown->cause()) {
+    case DatabaseError::Cause::kDiskFull:
+      return Trouble::kDiskFull;
+    case DatabaseError::Cause::kUnreachable:
+      return Trouble::kDatabaseUnreachable;
+    case DatabaseError::Cause::kStatement:
+    case DatabaseError::Cause::kNoText:
+      break;
+  }
+  return std::nullopt;
 }
 
 Health::Health(Database& db, std::uint64_t least_free_bytes, Report report)
@@ -43,32 +44,28 @@ std::optional<Trouble> Health::trouble() {
 }
 
 std::optional<Health::Fault> Health::look() {
-  const std::string file = db_.file().string();
+  const std::string& place = db_.shown_place();
   if (!db_.is_in_place()) {
     return Fault{Trouble::kDatabaseReplaced,
-                 file + ": is no longer the file that was opened; start the server again"};
+                 place + ": is no longer the file that was opened; start the server again"};
   }
   // SQLite may still write: it uses its log again and again, whose room it has.
-  if (const auto free = free_bytes(db_.file()); free && *free < least_free_bytes_) {
+  if (const auto free = db_.free_bytes(); free && *free < least_free_bytes_) {
     return Fault{Trouble::kDiskFull, fmt::format("{}: {} bytes are free on its disk, at least {} "
                                                  "should be",
-                                                 file, *free, least_free_bytes_)};
+                                                 place, *free, least_free_bytes_)};
   }
-  try {
-    db_.check_readable();
-  } catch (const std::exception& error) {
-    return Fault{Trouble::kDatabaseUnreadable, fmt::format("{}: {}", file, error.what())};
-  }
-  return try_to_write();
+  if (auto fault = try_out(&Database::check_readable, Trouble::kDatabaseUnreadable)) return fault;
+  return try_out(&Database::check_writable, Trouble::kDatabaseUnwritable);
 }
 
-std::optional<Health::Fault> Health::try_to_write() {
+std::optional<Health::Fault> Health::try_out(void (Database::*work)(), Trouble otherwise) {
   try {
-    db_.check_writable();
+    (db_.*work)();
     return std::nullopt;
-  } catch (const SQLite::Exception& error) {
-    return Fault{is_disk_full(error) ? Trouble::kDiskFull : Trouble::kDatabaseUnwritable,
-                 fmt::format("{}: {}", db_.file().string(), error.what())};
+  } catch (const std::exception& error) {
+    return Fault{trouble_of(error).value_or(otherwise),
+                 fmt::format("{}: {}", db_.shown_place(), error.what())};
   }
 }
 

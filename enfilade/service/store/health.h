@@ -16,17 +16,19 @@ namespace enfilade::service::store {
 
 /// What keeps a server from its work, in words that monitors may match.
 enum class Trouble : std::uint8_t {
-  kDiskFull,            ///< less room than stated is left, or SQLite found none
-  kDatabaseReplaced,    ///< the file was moved, removed or replaced while it was open
-  kDatabaseUnreadable,  ///< it cannot be opened, or a table of it cannot be read
-  kDatabaseUnwritable,  ///< a small change of it did not reach the disk
+  kDiskFull,             ///< less room than stated is left, or the database found none
+  kDatabaseReplaced,     ///< the file was moved, removed or replaced while it was open
+  kDatabaseUnreadable,   ///< it cannot be opened, or a table of it cannot be read
+  kDatabaseUnwritable,   ///< a small change of it did not reach the disk
+  kDatabaseUnreachable,  ///< there is no connection to its server
 };
-constexpr std::array<std::string_view, 4> names_of(Trouble /*enum*/) {
-  return {"disk-full", "database-replaced", "database-unreadable", "database-unwritable"};
+constexpr std::array<std::string_view, 5> names_of(Trouble /*enum*/) {
+  return {"disk-full", "database-replaced", "database-unreadable", "database-unwritable",
+          "database-unreachable"};
 }
 
-/// Whether an exception of a Database's functions says that SQLite found no room on the disk.
-bool is_disk_full(const std::exception& error) noexcept;
+/// The trouble that an exception of a Database's functions tells; none if it is of the statement.
+std::optional<Trouble> trouble_of(const std::exception& error) noexcept;
 
 /// Looks after a database: reads from it, writes to it, and asks how much room its disk has. All
 /// functions may be called from any thread.
@@ -50,7 +52,7 @@ class Health {
     std::string details;
   };
   std::optional<Fault> look();
-  std::optional<Fault> try_to_write();
+  std::optional<Fault> try_out(void (Database::*work)(), Trouble otherwise);
 
   Database& db_;
   std::uint64_t least_free_bytes_;

@@ -5,8 +5,9 @@
 namespace enfilade::service::store {
 
 /// Migration k takes a database of version k to version k + 1. A released migration never
-/// changes: a change of the schema is a new one at the end. Times are seconds since 1970.
-inline constexpr std::array<const char*, 5> kMigrations{
+/// changes: a change of the schema is a new one at the end. Times are seconds since 1970. Written
+/// as SQLite reads it; postgres.cpp replaces the few words that PostgreSQL has otherwise.
+inline constexpr std::array<const char*, 6> kMigrations{
     // 1: evaluation
     R"sql(
 CREATE TABLE team (
@@ -297,6 +298,11 @@ CREATE TABLE play_call (  -- by which a play is walked again
   fault TEXT NOT NULL,  -- why no call could be read; '': one was
   PRIMARY KEY (play, number)
 ) STRICT, WITHOUT ROWID;
+)sql",
+    // 6: names of teams by their lower case, which PostgreSQL has no NOCASE for; places of items
+    R"sql(
+CREATE UNIQUE INDEX team_name ON team (lower(name));
+CREATE INDEX task_place ON task (item, state, expires);
 )sql"};
 
 }  // namespace enfilade::service::store

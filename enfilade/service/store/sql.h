@@ -1,6 +1,5 @@
 /// \file  C++ values as parameters of SQL statements and as columns of their rows.
 #pragma once
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <concepts>
 #include <cstdint>
 #include <optional>
@@ -12,6 +11,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/service/store/connection.h"
 
 namespace enfilade::service::store {
 
@@ -24,40 +24,49 @@ struct Blob {
 std::string join_lines(const std::vector<std::string>& lines);
 std::vector<std::string> split_lines(std::string_view text);
 
-/// Binds a value to question mark k.
+/// A C++ value for a statement.
 template <class T>
-void bind(SQLite::Statement& statement, int k, const T& value) {
-  if constexpr (std::integral<T>) {
-    statement.bind(k, static_cast<std::int64_t>(value));
-  } else if constexpr (std::floating_point<T>) {
-    statement.bind(k, static_cast<double>(value));
-  } else if constexpr (NamedEnum<T>) {
-    statement.bind(k, std::string(enum_name(value)));
-  } else if constexpr (std::same_as<T, std::vector<std::string>>) {
-    statement.bind(k, join_lines(value));
-  } else if constexpr (std::same_as<T, Blob>) {
-    statement.bind(k, value.bytes.data(), static_cast<int>(value.bytes.size()));
-  } else {
-    statement.bind(k, std::string(value));
+struct ToParameter {
+  static constexpr Parameter::Type kType = std::integral<T>         ? Parameter::Type::kInteger
+                                           : std::floating_point<T> ? Parameter::Type::kReal
+                                           : std::same_as<T, Blob>  ? Parameter::Type::kBytes
+                                                                    : Parameter::Type::kText;
+
+  static Parameter of(const T& value) {
+    if constexpr (std::integral<T>) {
+      return {kType, static_cast<std::int64_t>(value)};
+    } else if constexpr (std::floating_point<T>) {
+      return {kType, static_cast<double>(value)};
+    } else if constexpr (NamedEnum<T>) {
+      return {kType, std::string(enum_name(value))};
+    } else if constexpr (std::same_as<T, std::vector<std::string>>) {
+      return {kType, join_lines(value)};
+    } else if constexpr (std::same_as<T, Blob>) {
+      return {kType, value.bytes};
+    } else {
+      return {kType, std::string(value)};
+    }
   }
-}
+};
 /// None is NULL.
 template <class T>
-void bind(SQLite::Statement& statement, int k, const std::optional<T>& value) {
-  value ? bind(statement, k, *value) : statement.bind(k);
-}
+struct ToParameter<std::optional<T>> {
+  static Parameter of(const std::optional<T>& value) {
+    return value ? ToParameter<T>::of(*value) : Parameter{ToParameter<T>::kType};
+  }
+};
 
 /// The columns of a row, read from left to right. A struct has `auto columns()`, which gives
 /// std::tie() of its fields in the order of the columns.
 class Row {
  public:
-  explicit Row(SQLite::Statement& statement) : statement_(statement) {}
+  explicit Row(const Rows& rows) : rows_(rows) {}
 
   /// read(), for a T that all columns belong to.
   template <class T>
   void read_whole(T& value) {
     read(value);
-    EN_CHECK_EQ(column_, statement_.getColumnCount());
+    EN_CHECK_EQ(column_, rows_.columns());
   }
 
   template <class T>
@@ -66,23 +75,23 @@ class Row {
       auto fields = value.columns();
       read(fields);
     } else if constexpr (std::integral<T>) {
-      value = static_cast<T>(next().getInt64());
+      value = static_cast<T>(rows_.integer(column_++));
     } else if constexpr (std::floating_point<T>) {
-      value = next().getDouble();
+      value = rows_.real(column_++);
     } else if constexpr (NamedEnum<T>) {
-      const auto found = find_enum<T>(next().getString());
+      const auto found = find_enum<T>(rows_.text(column_++));
       if (!found) throw Error("the database has a name that this program does not know");
       value = *found;
     } else if constexpr (std::same_as<T, std::vector<std::string>>) {
-      value = split_lines(next().getString());
+      value = split_lines(rows_.text(column_++));
     } else {
-      value = next().getString();
+      value = rows_.text(column_++);
     }
   }
   template <class T>
   void read(std::optional<T>& value) {
     value.reset();
-    if (statement_.isColumnNull(column_)) {
+    if (rows_.is_null(column_)) {
       ++column_;
     } else {
       read(value.emplace());
@@ -94,9 +103,7 @@ class Row {
   }
 
  private:
-  SQLite::Column next() { return statement_.getColumn(column_++); }
-
-  SQLite::Statement& statement_;
+  const Rows& rows_;
   int column_ = 0;
 };
 

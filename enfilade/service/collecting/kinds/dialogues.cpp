@@ -246,8 +246,9 @@ void finish(store::Database& db, const Place& place, const std::vector<Turn>& tu
   for (const auto& task : {place.dialogue.navigator, place.dialogue.oracle}) {
     if (!task) continue;
     db.run(
-        "UPDATE task SET state = 'submitted', content = ?2, digest = ?3, seconds = max(?4 - "
-        "leased, 0), error = ?5, submitted = ?4, draft = '' WHERE id = ?1 AND state IN "
+        "UPDATE task SET state = 'submitted', content = ?2, digest = ?3, seconds = CASE "
+        "WHEN ?4 > leased THEN ?4 - leased ELSE 0 END, error = ?5, submitted = ?4, draft = '' "
+        "WHERE id = ?1 AND state IN "
         "('leased', 'lapsed')",
         *task, content, detail::sha256(content), db.now(), error);
   }
