@@ -81,8 +81,8 @@ fs::path make_first_homes() {
   return own;
 }
 
-void submit_first_agents(const fs::path& data, const service::Site& site, const std::string& database,
-                         const std::string& server) {
+void submit_first_agents(const fs::path& data, const service::Site& site,
+                         const std::string& database, const std::string& server) {
   const dataset::Dataset dataset(data);
   for (const FirstAgent& first : kAgents) {
     const auto agent = agents::make_agent(first.name);

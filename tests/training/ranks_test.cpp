@@ -198,11 +198,11 @@ TEST_F(RankedTraining, RandomRanksKilledTwentyTimesTheWeightsAreTheSameToTheBit)
     Run run(training(killed, killing), size);
     const int victim = static_cast<int>(rng.below(static_cast<std::uint64_t>(size)));
     // Some before they are connected, the others in the middle of training.
-    const auto written = [&] {
-      std::error_code none;
-      return fs::file_size(killed / "log.jsonl", none);
+    const auto written = [&]() -> std::uintmax_t {
+      const fs::path log = killed / "log.jsonl";
+      return fs::exists(log) ? fs::file_size(log) : 0;
     };
-    const auto before = fs::exists(killed / "log.jsonl") ? written() : 0;
+    const auto before = written();
     const auto began = std::chrono::steady_clock::now();
     const auto waited = [&] { return std::chrono::steady_clock::now() - began; };
     while (attempt % 5 != 0 && waited() < std::chrono::seconds(30) && written() <= before + 500) {
