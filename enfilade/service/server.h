@@ -28,7 +28,7 @@ struct RequestRecord {
 
 /// What a server serves, where, and within which limits.
 struct ServerConfig {
-  /// A file, created if it is missing, or postgresql://USER@HOST/NAME, a database of PostgreSQL:
+  /// A file, created if it is missing, or postgresql://USER\@HOST/NAME, a database of PostgreSQL:
   /// several servers of one data set may share it.
   std::string database;
   std::string host = "127.0.0.1";  ///< interface to listen on
