@@ -25,7 +25,7 @@ enum ExitCode : int {
   kUsage = 2,        ///< the command line cannot be understood or is contradictory
   kInput = 3,        ///< a file or folder is missing, unreadable, broken, or cannot be written
   kInternal = 4,     ///< Enfilade itself failed; please report it
-  kAgain = 75,       ///< cut short, by another process's end; the same command goes on (EX_TEMPFAIL)
+  kAgain = 75,       ///< cut short by another process's end; the same command goes on (EX_TEMPFAIL)
 };
 
 /// Thrown by verbs for a command line that CLI11 accepts but that is contradictory. Exit code

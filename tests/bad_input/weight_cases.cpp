@@ -167,6 +167,16 @@ Case elsewhere(std::string input, std::string says, const std::function<void(Fil
   return made;
 }
 
+// A seq2seq agent's training is gone on with otherwise.
+Case begun(std::string input, const std::string& options, std::string says) {
+  const std::string train =
+      "train --data {} --splits made --validation made --inputs none --iterations 1 --batch 2 "
+      "--hidden 2 --max-steps 2 --threads 1 -o model ";
+  Case made = walks(std::move(input), train + options, 2, std::move(says));
+  made.first = train;
+  return made;
+}
+
 std::vector<Case> models_elsewhere() {
   const std::string begin =
       "train --data {} --splits made --validation made --agent duet --inputs none -o new ";
@@ -194,6 +204,10 @@ std::vector<Case> models_elsewhere() {
       walks("a choice of walks where nobody walks",
             "train --data {} --agent duet --stage pretrain --feedback teacher -o new", 2,
             "--feedback: not an option of --stage pretrain"),
+      walks("a batch in no parts", begin + "--parts 0", 2, "--parts: "),
+      walks("parts, and a part a process", begin + "--parts 8 --all-reduce", 2,
+            "--parts excludes --all-reduce"),
+      begun("a model that was begun in other parts", "--parts 2", "parts: none, not 2"),
       walks("a model to begin with that is another agent's", begin + "--from model", 2,
             "model: training cannot begin with the weights of this model"),
       walks("a model to begin with that is none", begin + "--from r2r", 3,
