@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
@@ -81,6 +82,19 @@ class Ranks {
  private:
   std::unique_ptr<Impl> impl_;
 };
+
+/// Calls work(); where it throws, the others are told why before the exception is passed on.
+template <class Work>
+void tell_failures(Ranks& ranks, const Work& work) {
+  try {
+    work();
+  } catch (const LostRank&) {  // which the others notice themselves
+    throw;
+  } catch (const std::exception& error) {
+    ranks.tell_failure(error.what());
+    throw;
+  }
+}
 
 /// The parts of a batch (TrainConfig::parts) for so many processes, if nobody says: 8, so that 1,
 /// 2, 4 and 8 processes give the same weights; others where 8 cannot be shared.

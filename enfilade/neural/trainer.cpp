@@ -483,14 +483,7 @@ bool train(const models::TrainConfig& config, const TrainingData& data, const fs
   if (none) {
     throw ArgumentError(fmt::format("split {}: no episode to train on", data.training.split));
   }
-  try {
-    return Training(config, data, directory, computing, listener, from).run();
-  } catch (const LostRank&) {
-    throw;
-  } catch (const std::exception& error) {
-    if (computing.ranks != nullptr) computing.ranks->tell_failure(error.what());
-    throw;
-  }
+  return Training(config, data, directory, computing, listener, from).run();
 }
 
 }  // namespace enfilade::neural

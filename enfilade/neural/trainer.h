@@ -69,7 +69,8 @@ struct TrainingListener {
 /// Where several processes train together (Computing::ranks, with TrainConfig::parts), all call
 /// this with the same arguments and see the same `directory`. Rank 0 writes, and alone calls
 /// `listener`. With the same parts and threads a process any number of them gives the same bits,
-/// also where training is continued by another number. A process that ends or differs ends all.
+/// also where training is continued by another number. A process that ends or differs ends all:
+/// call this within tell_failures().
 ///
 /// \param from the directory of another model of duet with the same sizes: training begins with its
 /// weights and reads its words. To be given again to go on.

@@ -165,14 +165,7 @@ void run(const Options& options) {
   if (kind == models::AgentKind::kSeq2SeqCe) return evaluate_continuous(options);
   if (!options.meshes.empty()) throw UsageError("--meshes: of an agent that walks freely only");
   if (kind == models::AgentKind::kSpeaker) return evaluate_speaker(options);
-  try {
-    evaluate_walker(options, ranks);
-  } catch (const neural::LostRank&) {
-    throw;
-  } catch (const std::exception& error) {
-    ranks.tell_failure(error.what());
-    throw;
-  }
+  tell_failures(ranks, [&] { evaluate_walker(options, ranks); });
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {

@@ -197,11 +197,9 @@ std::string device_of(const Options& options, const std::optional<neural::RankPl
   return fmt::format("cuda:{}", place->local_rank);
 }
 
-void run(const Options& options) {
-  keep_freed_memory();
+void train(const Options& options, const std::optional<neural::RankPlace>& place,
+           neural::Ranks& ranks) {
   models::TrainConfig config = config_of(options);
-  const std::optional<neural::RankPlace> place = neural::find_place();
-  neural::Ranks ranks = join_ranks(place, options.ranks, options.threads);
   if (!config.parts) config.parts = parts_of(options, ranks, place.has_value());
   const neural::TrainingData data = load_data(options, config);
   if (data.continuous) fix_updates(config, data.continuous->training.episodes.size());
@@ -220,6 +218,13 @@ void run(const Options& options) {
   }
   fmt::print("{}: trained, {} iterations; environment and data took {:.1f} % of training\n",
              options.output, config.iterations, 100 * reporter.data_share());
+}
+
+void run(const Options& options) {
+  keep_freed_memory();
+  const std::optional<neural::RankPlace> place = neural::find_place();
+  neural::Ranks ranks = join_ranks(place, options.ranks, options.threads);
+  tell_failures(ranks, [&] { train(options, place, ranks); });
 }
 
 void add_data(CLI::App& verb, Options& options) {
