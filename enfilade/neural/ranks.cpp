@@ -258,6 +258,24 @@ std::string first_line(const char* text) {
   return std::string(all.substr(0, all.find('\n')));
 }
 
+// Of the options of a store, which newer versions of libtorch want another event loop for than
+// Debian has built theirs with.
+template <class Options>
+void plain_sockets(Options& options) {
+  if constexpr (requires { options.useLibUV; }) options.useLibUV = false;
+}
+
+// \param place its rank 0 opens the store
+c10::intrusive_ptr<c10d::TCPStore> store_of(const RankPlace& place, milliseconds timeout) {
+  c10d::TCPStoreOptions options;
+  options.port = place.port;
+  options.isServer = place.rank == 0;
+  options.waitWorkers = false;
+  options.timeout = timeout;
+  plain_sockets(options);
+  return c10::make_intrusive<c10d::TCPStore>(place.host, options);
+}
+
 }  // namespace
 
 struct Ranks::Impl {
@@ -271,21 +289,14 @@ struct Ranks::Impl {
   bool alone() const noexcept { return place.size == 1; }
 
   void connect() {
-    c10d::TCPStoreOptions options;
-    options.port = place.port;
-    options.isServer = place.rank == 0;
-    options.waitWorkers = false;
-    options.timeout = timeout;
     try {
-      store = c10::make_intrusive<c10d::PrefixStore>(
-          "enfilade", c10::make_intrusive<c10d::TCPStore>(place.host, options));
+      store = c10::make_intrusive<c10d::PrefixStore>("enfilade", store_of(place, timeout));
     } catch (const std::exception& error) {
       throw ArgumentError(
           fmt::format("rank {}: the store at {}:{}, by which the processes of {} find each other, "
-                      "cannot be {}: "
-                      "{}",
+                      "cannot be {}: {}",
                       place.rank, place.host, place.port, place.launcher,
-                      options.isServer ? "opened" : "reached", first_line(error.what())));
+                      place.rank == 0 ? "opened" : "reached", first_line(error.what())));
     }
     guarded([this] {
       const std::string own = fmt::format("rank {} ({}, process {})", place.rank, host_name(),
@@ -419,7 +430,10 @@ void Ranks::tell_failure(std::string_view why) noexcept {
 
 RanksReport examine_ranks() {
   try {
-    c10d::ProcessGroupGloo::createDeviceForHostname("127.0.0.1");
+    RankPlace here;
+    here.host = "127.0.0.1";
+    store_of(here, seconds(5))->set("doctor", bytes_of("works"));
+    c10d::ProcessGroupGloo::createDeviceForHostname(here.host);
     return {true, fmt::format("c10d's Gloo, of libtorch {}", TORCH_VERSION)};
   } catch (const std::exception& error) {
     return {false, first_line(error.what())};
