@@ -3,9 +3,6 @@
 #include <ATen/ATen.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <exception>
@@ -19,6 +16,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/neural/detail/batches.h"
 #include "enfilade/neural/detail/gradient_sum.h"
+#include "tests/support/free_port.h"
 
 namespace enfilade::neural {
 namespace {
@@ -119,22 +117,9 @@ TEST(FirstHost, OfSlurmsLists) {
   EXPECT_EQ(first_host("rack1-node[3]"), "rack1-node3");
 }
 
-std::uint16_t free_port() {
-  const int descriptor = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof address;
-  auto* const name = reinterpret_cast<sockaddr*>(&address);
-  bind(descriptor, name, length);
-  getsockname(descriptor, name, &length);
-  close(descriptor);
-  return ntohs(address.sin_port);
-}
-
 // Calls body for each rank in a thread of its own, connected as processes are.
 void in_ranks(int size, const std::function<void(Ranks&)>& body) {
-  const std::uint16_t port = free_port();
+  const std::uint16_t port = tests::free_port();
   std::vector<std::exception_ptr> failures(static_cast<std::size_t>(size));
   std::vector<std::thread> threads;
   for (int k = 0; k < size; ++k) {

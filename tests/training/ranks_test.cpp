@@ -1,8 +1,6 @@
 // Training and evaluation in several processes: the real program, the real signal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <chrono>
 #include <cstdint>
@@ -14,6 +12,7 @@
 
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
+#include "tests/support/free_port.h"
 #include "tests/support/process.h"
 #include "tests/support/small_homes.h"
 #include "tests/support/temporary_folder.h"
@@ -27,20 +26,6 @@ using tests::Process;
 using Words = std::vector<std::string>;
 
 constexpr int kAgain = 75;
-
-// A port that nobody listens on now.
-std::string free_port() {
-  const int descriptor = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof address;
-  auto* const name = reinterpret_cast<sockaddr*>(&address);
-  bind(descriptor, name, length);
-  getsockname(descriptor, name, &length);
-  close(descriptor);
-  return std::to_string(ntohs(address.sin_port));
-}
 
 class RankedTraining : public ::testing::Test {
  protected:
@@ -69,7 +54,7 @@ class RankedTraining : public ::testing::Test {
   class Run {
    public:
     Run(const Words& words, int size, const Words& last = {}) : size_(size) {
-      const std::string port = free_port();
+      const std::string port = std::to_string(tests::free_port());
       for (int k = 0; k < size; ++k) {
         Words own = words;
         if (k + 1 == size) own.insert(own.end(), last.begin(), last.end());
