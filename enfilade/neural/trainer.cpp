@@ -215,7 +215,7 @@ class Training {
         learner_(make_learner(model_.training, words_, computing.device, files_, listener)) {}
 
   bool run() {
-    ranks_.agree(facts_of(model_));
+    if (!ranks_.alone()) ranks_.agree(facts_of(model_));
     if (fs::exists(files_.config())) {
       check_same_model(files_, model_, words_);
       load_checkpoint();

@@ -142,7 +142,7 @@ void GradientSum::ready(std::size_t weight, const at::Tensor& gradient) {
   }
   --buckets_[bucket_of_[weight]].missing;
   if (ranks_.alone()) return;
-  std::size_t complete = 0;
+  std::size_t complete = to_send_;  // which this thread alone changes
   while (complete < buckets_.size() && buckets_[complete].missing == 0) ++complete;
   {
     const std::lock_guard lock(mutex_);

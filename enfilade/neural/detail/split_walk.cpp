@@ -4,15 +4,24 @@
 
 namespace enfilade::neural::detail {
 
+namespace {
+
+// What goes over, in this order.
+void for_fields(auto& trajectory, const auto& visit) {
+  visit(trajectory.episode);
+  visit(trajectory.points);
+  visit(trajectory.actions);
+  visit(trajectory.turning_point);
+  visit(trajectory.object);
+  visit(trajectory.point);
+}
+
+}  // namespace
+
 std::string packed_trajectories(std::span<const tasks::Trajectory> trajectories) {
   Packer packer;
   for (const tasks::Trajectory& one : trajectories) {
-    packer.add(one.episode);
-    packer.add(one.points);
-    packer.add(one.actions);
-    packer.add(one.turning_point);
-    packer.add(one.object);
-    packer.add(one.point);
+    for_fields(one, [&](const auto& field) { packer.add(field); });
   }
   return packer.take();
 }
@@ -21,13 +30,7 @@ std::vector<tasks::Trajectory> unpacked_trajectories(std::span<const std::string
   std::vector<tasks::Trajectory> trajectories;
   for (const std::string& batch : batches) {
     for (Unpacker unpacker(batch); !unpacker.done();) {
-      tasks::Trajectory& one = trajectories.emplace_back();
-      unpacker.read(one.episode);
-      unpacker.read(one.points);
-      unpacker.read(one.actions);
-      unpacker.read(one.turning_point);
-      unpacker.read(one.object);
-      unpacker.read(one.point);
+      for_fields(trajectories.emplace_back(), [&](auto& field) { unpacker.read(field); });
     }
   }
   return trajectories;
