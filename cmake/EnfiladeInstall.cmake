@@ -19,6 +19,6 @@ configure_package_config_file(cmake/enfiladeConfig.cmake.in
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/enfilade)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/enfiladeConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
-install(FILES cmake/FindRecast.cmake cmake/FindTorch.cmake
+install(FILES cmake/FindRecast.cmake cmake/FindTorch.cmake cmake/TorchNccl.cmake
   ${PROJECT_BINARY_DIR}/enfiladeConfig.cmake ${PROJECT_BINARY_DIR}/enfiladeConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/enfilade)

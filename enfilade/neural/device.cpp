@@ -6,6 +6,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <torch/cuda.h>
 #include <torch/version.h>
 #include <algorithm>
 #include <array>
@@ -79,6 +80,8 @@ TorchKind torch_kind() {
   if (const std::string blas = blas_kind(); !blas.empty()) instructions += ", OpenBLAS " + blas;
   return {TORCH_VERSION, instructions};
 }
+
+int card_count() { return static_cast<int>(torch::cuda::device_count()); }
 
 std::string_view to_string(Precision value) noexcept {
   return kPrecisions[static_cast<std::size_t>(value)];

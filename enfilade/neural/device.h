@@ -32,6 +32,8 @@ struct TorchKind {
 };
 TorchKind torch_kind();
 
+int card_count();  ///< cards that libtorch can use here; 0 if none
+
 /// Below this speed training takes too long: an optimised BLAS is ten times as fast on any machine
 /// of today, the reference BLAS is slower on all.
 inline constexpr double kSlowBlas = 30;  ///< GFLOP/s

@@ -23,6 +23,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include "enfilade/neural/detail/card_link.h"
 
 #include <torch/csrc/distributed/c10d/PrefixStore.hpp>
 #include <torch/csrc/distributed/c10d/ProcessGroupGloo.hpp>
@@ -32,6 +33,7 @@
 namespace enfilade::neural {
 namespace {
 
+using namespace std::string_view_literals;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
@@ -283,10 +285,12 @@ struct Ranks::Impl {
   milliseconds timeout{};
   c10::intrusive_ptr<c10d::Store> store;
   c10::intrusive_ptr<c10d::ProcessGroupGloo> group;
+  std::unique_ptr<detail::CardLink> cards;
   std::vector<std::string> names;  // "rank 2 (host, process 123)", by rank
   bool told = false;
 
   bool alone() const noexcept { return place.size == 1; }
+  bool sends_by_cards(const at::Tensor& tensor) const { return cards && !tensor.is_cpu(); }
 
   void connect() {
     try {
@@ -325,6 +329,7 @@ struct Ranks::Impl {
       const std::string reason = first_line(error.what());
       // Whoever waits for this rank has to notice now, while the store is there to be asked.
       group.reset();
+      cards.reset();
       throw LostRank(fmt::format("rank {}: {}", place.rank, who_is_missing(reason)));
     }
   }
@@ -387,32 +392,63 @@ Ranks::Ranks(const RankPlace& place, seconds timeout) : Ranks() {
 
 namespace detail {
 
-at::Tensor exchange(Ranks& ranks, const at::Tensor& given) {
-  at::Tensor received = at::empty_like(given);
+void connect_cards(Ranks& ranks, c10::Device card) {
   Ranks::Impl& impl = ranks.implementation();
+  if (impl.alone() || impl.cards) return;
+  const char* const wanted = std::getenv("ENFILADE_NCCL");
+  const bool without = CardLink::library().empty() || (wanted != nullptr && wanted == "0"sv);
+  const std::vector<std::string> all = ranks.gather(without ? "" : CardLink::identity(card));
+  const std::set<std::string> cards(all.begin(), all.end());
+  if (cards.contains("") || cards.size() != all.size()) return;
+  try {
+    impl.cards =
+        std::make_unique<CardLink>(c10::make_intrusive<c10d::PrefixStore>("cards", impl.store),
+                                   impl.place.rank, impl.place.size, card, impl.timeout);
+  } catch (const std::exception& error) {
+    throw Error(fmt::format(
+        "rank {}: the cards cannot be connected by {}: {}; with ENFILADE_NCCL=0 gradients go "
+        "through the processor's memory",
+        impl.place.rank, CardLink::library(), first_line(error.what())));
+  }
+}
+
+at::Tensor exchange(Ranks& ranks, const at::Tensor& given) {
+  Ranks::Impl& impl = ranks.implementation();
+  if (impl.sends_by_cards(given)) {
+    const at::Tensor received = at::empty_like(given);
+    impl.guarded([&] { impl.cards->exchange(given, received); });
+    return received;
+  }
+  at::Tensor in = given.cpu(), received = at::empty_like(in);
   impl.guarded([&] {
-    at::Tensor out = received, in = given;
     std::vector<std::int64_t> equal;
-    impl.group->alltoall_base(out, in, equal, equal)->wait();
+    impl.group->alltoall_base(received, in, equal, equal)->wait();
   });
-  return received;
+  return received.to(given.device());
 }
 
 void collect(Ranks& ranks, const at::Tensor& given, const at::Tensor& out) {
   Ranks::Impl& impl = ranks.implementation();
+  if (impl.sends_by_cards(given)) {
+    return impl.guarded([&] { impl.cards->collect(given, out); });
+  }
+  const at::Tensor all = out.is_cpu() ? out : at::empty_like(out, at::TensorOptions(at::kCPU));
   impl.guarded([&] {
-    std::vector<std::vector<at::Tensor>> outputs{out.view({ranks.size(), given.numel()}).unbind(0)};
-    std::vector<at::Tensor> inputs{given};
+    std::vector<std::vector<at::Tensor>> outputs{all.view({ranks.size(), given.numel()}).unbind(0)};
+    std::vector<at::Tensor> inputs{given.cpu()};
     impl.group->allgather(outputs, inputs)->wait();
   });
+  if (!out.is_cpu()) out.copy_(all);
 }
 
 void add_up(Ranks& ranks, const at::Tensor& values) {
   Ranks::Impl& impl = ranks.implementation();
-  impl.guarded([&] {
-    std::vector<at::Tensor> all{values};
-    impl.group->allreduce(all)->wait();
-  });
+  if (impl.sends_by_cards(values)) {
+    return impl.guarded([&] { impl.cards->add_up(values); });
+  }
+  std::vector<at::Tensor> all{values.cpu()};
+  impl.guarded([&] { impl.group->allreduce(all)->wait(); });
+  if (!values.is_cpu()) values.copy_(all.front());
 }
 
 }  // namespace detail
@@ -434,7 +470,9 @@ RanksReport examine_ranks() {
     here.host = "127.0.0.1";
     store_of(here, seconds(5))->set("doctor", bytes_of("works"));
     c10d::ProcessGroupGloo::createDeviceForHostname(here.host);
-    return {true, fmt::format("c10d's Gloo, of libtorch {}", TORCH_VERSION)};
+    const std::string nccl = detail::CardLink::library();
+    return {true, fmt::format("c10d's Gloo, of libtorch {}{}", TORCH_VERSION,
+                              nccl.empty() ? "" : ", and cards by " + nccl)};
   } catch (const std::exception& error) {
     return {false, first_line(error.what())};
   }
@@ -454,6 +492,7 @@ Ranks::Ranks(const RankPlace& place, seconds /*timeout*/) : Ranks() {
 }
 
 namespace detail {
+void connect_cards(Ranks& /*ranks*/, c10::Device /*card*/) {}
 at::Tensor exchange(Ranks& /*ranks*/, const at::Tensor& given) { return given; }
 void collect(Ranks& /*ranks*/, const at::Tensor& given, const at::Tensor& out) {
   out.copy_(given.view_as(out));

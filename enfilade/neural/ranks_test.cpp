@@ -285,7 +285,7 @@ void expect_the_tree(Ranks& ranks, std::size_t bucket) {
   std::optional<GradientSum> sum;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Made made(seed);
-    if (!sum) sum.emplace(ranks, own, made.sizes, bucket);
+    if (!sum) sum.emplace(ranks, own, made.sizes, at::kCPU, bucket);
     for (std::size_t k = own.first; k < own.first + own.count; ++k) {
       sum->begin_part(0.125);
       // The last ones first, as autograd comes to them; one is left to end_part().

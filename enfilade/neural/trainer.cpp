@@ -204,6 +204,7 @@ class Training {
            const Computing& computing, const TrainingListener& listener,
            const std::optional<fs::path>& from)
       : data_(data),
+        device_kind_(computing.device.substr(0, computing.device.find(':'))),
         precision_(computing.precision),
         files_{directory},
         listener_(listener),
@@ -215,7 +216,7 @@ class Training {
         learner_(make_learner(model_.training, words_, computing.device, files_, listener)) {}
 
   bool run() {
-    if (!ranks_.alone()) ranks_.agree(facts_of(model_));
+    if (!ranks_.alone()) ranks_.agree(facts());
     if (fs::exists(files_.config())) {
       check_same_model(files_, model_, words_);
       load_checkpoint();
@@ -250,9 +251,10 @@ class Training {
   }
 
   // By field, so that what differs is named.
-  static RankFacts facts_of(const models::ModelConfig& model) {
-    RankFacts facts;
-    const nlohmann::json fields = nlohmann::json::parse(to_json(model)).flatten();
+  RankFacts facts() const {
+    RankFacts facts{{"--device", device_kind_},
+                    {"--precision", std::string(to_string(precision_))}};
+    const nlohmann::json fields = nlohmann::json::parse(to_json(model_)).flatten();
     for (const auto& [path, value] : fields.items()) {
       facts[path] = value.dump();
     }
@@ -414,6 +416,7 @@ class Training {
   }
 
   const TrainingData& data_;
+  std::string device_kind_;  // "cpu" or "cuda"
   Precision precision_;
   models::ModelFiles files_;
   const TrainingListener& listener_;

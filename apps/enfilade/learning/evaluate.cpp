@@ -134,8 +134,9 @@ std::optional<models::AgentKind> kind_of(const Options& options) {
   return models::load_model_config(files.config()).training.agent;
 }
 
-void evaluate_walker(const Options& options, neural::Ranks& ranks) {
-  const auto agent = neural::load_trained_agent(options.model, options.device);
+void evaluate_walker(const Options& options, const std::optional<neural::RankPlace>& place,
+                     neural::Ranks& ranks) {
+  const auto agent = neural::load_trained_agent(options.model, device_of(options.device, place));
   std::optional<features::FeatureSet> file;
   if (agent->config().training.network.inputs.vision && !options.features.empty()) {
     file = without_class_scores(features::FeatureSet::open(options.features),
@@ -155,7 +156,8 @@ void evaluate_walker(const Options& options, neural::Ranks& ranks) {
 }
 
 void run(const Options& options) {
-  neural::Ranks ranks = join_ranks(neural::find_place(), options.ranks, options.threads);
+  const std::optional<neural::RankPlace> place = neural::find_place();
+  neural::Ranks ranks = join_ranks(place, options.ranks, options.threads);
   const auto kind = kind_of(options);
   if (!ranks.alone() &&
       (kind == models::AgentKind::kSeq2SeqCe || kind == models::AgentKind::kSpeaker)) {
@@ -165,7 +167,7 @@ void run(const Options& options) {
   if (kind == models::AgentKind::kSeq2SeqCe) return evaluate_continuous(options);
   if (!options.meshes.empty()) throw UsageError("--meshes: of an agent that walks freely only");
   if (kind == models::AgentKind::kSpeaker) return evaluate_speaker(options);
-  tell_failures(ranks, [&] { evaluate_walker(options, ranks); });
+  tell_failures(ranks, [&] { evaluate_walker(options, place, ranks); });
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {

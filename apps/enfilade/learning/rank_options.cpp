@@ -1,5 +1,6 @@
 #include "apps/enfilade/learning/rank_options.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
 #include <string>
@@ -30,6 +31,11 @@ neural::Ranks join_ranks(const std::optional<neural::RankPlace>& place, const Ra
                {"instructions of the processor", torch.instructions},
                {"threads", std::to_string(own)}});
   return ranks;
+}
+
+std::string device_of(const std::string& device, const std::optional<neural::RankPlace>& place) {
+  if (device != "cuda" || !place || place->local_size == 1) return device;
+  return fmt::format("cuda:{}", place->local_rank % std::max(neural::card_count(), 1));
 }
 
 }  // namespace enfilade::apps

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "enfilade/neural/ranks.h"
 
@@ -20,5 +21,9 @@ void add_rank_options(CLI::App& verb, RankOptions& options);
 /// machine's cores \throws as Ranks, and Ranks::agree()
 neural::Ranks join_ranks(const std::optional<neural::RankPlace>& place, const RankOptions& options,
                          int threads);
+
+/// "cuda" is a card of its own for each process of a machine; a launcher may show a process no
+/// other than its own. What names a card, or none, stays.
+std::string device_of(const std::string& device, const std::optional<neural::RankPlace>& place);
 
 }  // namespace enfilade::apps

@@ -191,12 +191,6 @@ std::optional<std::size_t> parts_of(const Options& options, const neural::Ranks&
   return neural::usual_parts(ranks.size());
 }
 
-// Of several processes on a machine each takes a card of its own.
-std::string device_of(const Options& options, const std::optional<neural::RankPlace>& place) {
-  if (options.device != "cuda" || !place || place->local_size == 1) return options.device;
-  return fmt::format("cuda:{}", place->local_rank);
-}
-
 void train(const Options& options, const std::optional<neural::RankPlace>& place,
            neural::Ranks& ranks) {
   models::TrainConfig config = config_of(options);
@@ -206,7 +200,7 @@ void train(const Options& options, const std::optional<neural::RankPlace>& place
   Reporter reporter(fs::path(options.output).filename().string(), options.output);
   std::optional<fs::path> from;
   if (!options.from.empty()) from = options.from;
-  const neural::Computing computing{device_of(options, place),
+  const neural::Computing computing{device_of(options.device, place),
                                     neural::parse_precision(options.precision), &ranks};
   const neural::TrainingListener listener =
       ranks.is_first() ? reporter.listener() : neural::TrainingListener();

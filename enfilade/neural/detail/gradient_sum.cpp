@@ -2,6 +2,8 @@
 
 #include <ATen/ATen.h>
 #include <c10/core/GradMode.h>
+#include <c10/core/StreamGuard.h>
+#include <c10/core/impl/VirtualGuardImpl.h>
 #include <fmt/format.h>
 #include <torch/csrc/autograd/function.h>
 #include <torch/csrc/autograd/function_hook.h>
@@ -52,9 +54,23 @@ std::span<const std::size_t> part_of(std::span<const std::size_t> batch, std::si
   return batch.subspan(begin, end - begin);
 }
 
+void Handover::give(c10::Device device) {
+  if (device.is_cpu()) return;
+  if (!event_) event_.emplace(device.type());
+  event_->record(c10::impl::VirtualGuardImpl(device.type()).getStream(device));
+}
+
+void Handover::take(c10::Device device) const {
+  if (event_) event_->block(c10::impl::VirtualGuardImpl(device.type()).getStream(device));
+}
+
 GradientSum::GradientSum(Ranks& ranks, const BatchParts& parts, std::vector<std::int64_t> sizes,
-                         std::size_t bucket)
-    : ranks_(ranks), parts_(parts), sizes_(std::move(sizes)), bucket_bytes_(bucket) {
+                         c10::Device device, std::size_t bucket)
+    : ranks_(ranks),
+      parts_(parts),
+      sizes_(std::move(sizes)),
+      device_(device),
+      bucket_bytes_(bucket) {
   sizes_.push_back(std::ssize(sizes_) + 1);
   notes_ = at::zeros({sizes_.back()}, at::kFloat);
   // Autograd comes to the weights that were used last first; the first batch shows the true order.
@@ -62,7 +78,9 @@ GradientSum::GradientSum(Ranks& ranks, const BatchParts& parts, std::vector<std:
   std::iota(order.rbegin(), order.rend(), std::size_t{0});
   order.push_back(sizes_.size() - 1);
   lay_out(order);
-  if (!ranks_.alone()) sender_ = std::thread([this] { communicate(); });
+  if (ranks_.alone()) return;
+  if (!device_.is_cpu()) connect_cards(ranks_, device_);
+  sender_ = std::thread([this] { communicate(); });
 }
 
 GradientSum::~GradientSum() {
@@ -98,8 +116,8 @@ void GradientSum::lay_out(const std::vector<std::size_t>& order) {
     end += sizes_[weight];
   }
   close();
-  own_ = at::zeros({end}, at::kFloat);
-  total_ = ranks_.alone() ? own_ : at::zeros({end}, at::kFloat);
+  own_ = at::zeros({end}, at::TensorOptions(device_));
+  total_ = ranks_.alone() ? own_ : at::zeros_like(own_);
   earlier_.clear();
   spare_.clear();
 }
@@ -143,7 +161,9 @@ void GradientSum::ready(std::size_t weight, const at::Tensor& gradient) {
   --buckets_[bucket_of_[weight]].missing;
   if (ranks_.alone()) return;
   std::size_t complete = to_send_;  // which this thread alone changes
-  while (complete < buckets_.size() && buckets_[complete].missing == 0) ++complete;
+  while (complete < buckets_.size() && buckets_[complete].missing == 0) {
+    buckets_[complete++].complete.give(device_);
+  }
   {
     const std::lock_guard lock(mutex_);
     if (complete == to_send_) return;
@@ -209,6 +229,11 @@ void GradientSum::send(const Bucket& bucket) {
 
 void GradientSum::communicate() {
   const c10::NoGradGuard no_gradients;
+  // A stream of its own, as that of the gradients has the rest of them to compute.
+  std::optional<c10::StreamGuard> stream;
+  if (!device_.is_cpu()) {
+    stream.emplace(c10::impl::VirtualGuardImpl(device_.type()).getStreamFromGlobalPool(device_));
+  }
   for (;;) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return stopping_ || sent_buckets_ < to_send_; });
@@ -217,6 +242,7 @@ void GradientSum::communicate() {
     lock.unlock();
     std::exception_ptr failure;
     try {
+      bucket.complete.take(device_);
       send(bucket);
     } catch (...) {
       failure = std::current_exception();
@@ -243,7 +269,7 @@ GradientSum::Sums GradientSum::finish() {
   for (at::Tensor& one : earlier_) spare_.push_back(std::move(one));
   earlier_.clear();
   Sums sums;
-  const at::Tensor notes = slice(total_, sizes_.size() - 1);
+  const at::Tensor notes = slice(total_, sizes_.size() - 1).cpu();
   for (std::size_t k = 0; k + 1 < sizes_.size(); ++k) {
     const bool any = notes.data_ptr<float>()[k] > 0;
     sums.gradients.push_back(any ? slice(total_, k) : at::Tensor());

@@ -2,12 +2,15 @@
 /// processes.
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
+#include <c10/core/Event.h>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <thread>
 #include <vector>
@@ -31,6 +34,18 @@ BatchParts share_parts(std::size_t parts, const Ranks& ranks);
 std::span<const std::size_t> part_of(std::span<const std::size_t> batch, std::size_t k,
                                      std::size_t n);
 
+/// What one thread has queued on a card, for another thread's stream to come after. On the CPU
+/// there is nothing to wait for.
+class Handover {
+ public:
+  void give(c10::Device device);  ///< all that this thread has queued in its stream
+  /// What this thread queues from now on comes after that.
+  void take(c10::Device device) const;
+
+ private:
+  std::optional<c10::Event> event_;
+};
+
 /// Adds the gradients of parts in a tree that does not depend on who computed them: parts that
 /// follow each other are added in pairs, these in pairs, and so on. A process adds its own; what
 /// the processes have is sent in buckets while the last own part is still followed back: each adds
@@ -40,9 +55,11 @@ std::span<const std::size_t> part_of(std::span<const std::size_t> batch, std::si
 class GradientSum {
  public:
   /// \param sizes numbers of each weight \param ranks outlives *this
+  /// \param device where gradients are and are added: the CPU in all ranks, or a card in all
   /// \param bucket bytes of a bucket, at least; a weight is never divided
+  /// \throws Error if cards cannot be connected
   GradientSum(Ranks& ranks, const BatchParts& parts, std::vector<std::int64_t> sizes,
-              std::size_t bucket = std::size_t{1} << 20U);
+              c10::Device device = c10::kCPU, std::size_t bucket = std::size_t{1} << 20U);
   ~GradientSum();
   GradientSum(const GradientSum&) = delete;
   GradientSum& operator=(const GradientSum&) = delete;
@@ -58,8 +75,8 @@ class GradientSum {
   void end_part(std::span<const at::Tensor> gradients, double loss);
   /// What all parts of all processes come to.
   struct Sums {
-    /// By weight, flat, on the CPU, valid until the next begin_part(); undefined where no part had
-    /// a gradient.
+    /// By weight, flat, on the device, valid until the next begin_part(); undefined where no part
+    /// had a gradient.
     std::vector<at::Tensor> gradients;
     double loss = 0;  ///< added up in float32, as the gradients
   };
@@ -71,6 +88,7 @@ class GradientSum {
     std::int64_t begin = 0, length = 0;  // a multiple of the processes
     std::size_t missing = 0;             // weights of it that are not ready
     std::vector<std::size_t> weights;
+    Handover complete;
   };
 
   void lay_out(const std::vector<std::size_t>& order);
@@ -84,13 +102,15 @@ class GradientSum {
   Ranks& ranks_;
   BatchParts parts_;
   std::vector<std::int64_t> sizes_;  // of the weights, then of the notes
+  c10::Device device_;
   std::size_t bucket_bytes_;
   std::vector<std::int64_t> begins_;         // by weight
   std::vector<std::size_t> bucket_of_;       // by weight
   std::vector<Bucket> buckets_;              // in the order in which they are sent
   at::Tensor own_, total_;                   // flat
   std::vector<at::Tensor> earlier_, spare_;  // sums of own parts before: of falling powers of two
-  // Of a part: by weight, 1: it has a gradient; then the loss. Added up like another weight's.
+  // Of a part: by weight, 1: it has a gradient; then the loss. Added up like another weight's, but
+  // written on the CPU.
   at::Tensor notes_;
   double share_ = 1;
   std::vector<std::uint8_t> is_ready_;   // by weight, in the last part

@@ -14,7 +14,7 @@ PartedLearning::PartedLearning(Ranks& ranks, std::size_t parts, const Weights& w
   if (shared.parts == 1) return;
   std::vector<std::int64_t> sizes;
   for (const auto& [name, weight] : weights) sizes.push_back(weight.numel());
-  sum_.emplace(ranks, shared, std::move(sizes));
+  sum_.emplace(ranks, shared, std::move(sizes), weights.begin()->second.device());
   if (!ranks.alone()) watch_.emplace(weights, *sum_);
 }
 
@@ -50,7 +50,7 @@ double PartedLearning::learn(std::span<const std::size_t> batch, std::uint64_t i
   for (const auto& [name, weight] : weights_) {
     const at::Tensor& sum = sums.gradients[k++];
     if (!sum.defined()) continue;
-    at::Tensor(weight).mutable_grad() = sum.view(weight.sizes()).to(weight.device());
+    at::Tensor(weight).mutable_grad() = sum.view(weight.sizes());
   }
   optimizer_.update(weights_);
   return sums.loss;
