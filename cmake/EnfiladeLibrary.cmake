@@ -3,8 +3,8 @@
 set(EN_COLD_OPTIONS $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 set(EN_HOT_OPTIONS $<$<CONFIG:Release>:-O3> $<$<CONFIG:RelWithDebInfo>:-O2>)
 
-# Headers that most sources include, parsed once for all libraries: a build for users takes a seventh less.
-# Developers' builds have none, so that each source includes what it uses. gcc takes a precompiled header
+# Headers that most sources include, parsed once for all libraries and once for all tests: a build for users takes
+# a seventh less. The presets dev and lint's have none, so that each source includes what it uses. gcc takes a precompiled header
 # where macros that appear in it, and options such as -fPIC, are the same; of another level of -O too, but gcc 12
 # may crash then.
 if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
@@ -29,6 +29,21 @@ if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECO
     endif()
     target_precompile_headers(enfilade_${kind}_headers PRIVATE ${EN_STANDARD_HEADERS} ${${kind}_headers})
   endforeach()
+endif()
+
+# What is checked is the library: GoogleTest's macros take three times as long with -O1 and sanitizers, and twice
+# with -O2 -g; lines of a failure's stack are there all the same.
+if(EN_SANITIZE)
+  set(EN_TEST_OPTIONS -O0)
+else()
+  set(EN_TEST_OPTIONS $<$<CONFIG:RelWithDebInfo>:-O1;-g1>)
+endif()
+if(EN_SHARED_HEADERS AND EN_BUILD_TESTS)
+  add_library(enfilade_test_headers OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/shared_headers.cpp)
+  target_compile_features(enfilade_test_headers PRIVATE cxx_std_20)
+  target_link_libraries(enfilade_test_headers PRIVATE enfilade_compile GTest::gmock GTest::gtest_main fmt::fmt)
+  target_compile_options(enfilade_test_headers PRIVATE ${EN_TEST_OPTIONS})
+  target_precompile_headers(enfilade_test_headers PRIVATE ${EN_STANDARD_HEADERS} <gmock/gmock.h> <gtest/gtest.h>)
 endif()
 
 # One folder of enfilade/ = one static library = one target enfilade::<name> = one test program.
@@ -96,7 +111,7 @@ function(enfilade_unity target)
   endif()
 endfunction()
 
-# Sources of TARGET begin with the shared headers of a KIND, plain, json or (-O1) cold, where there are any.
+# Sources of TARGET begin with the shared headers of a KIND, plain, json, (-O1) cold or test, where there are any.
 function(enfilade_shared_headers target kind)
   if(EN_SHARED_HEADERS)
     target_precompile_headers(${target} REUSE_FROM enfilade_${kind}_headers)
@@ -137,13 +152,8 @@ function(enfilade_test name)
   target_compile_definitions(${name} PRIVATE EN_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     ${arg_DEFINITIONS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test)
-  if(EN_SANITIZE)
-    # What is checked is the library; GoogleTest's macros take three times as long with -O1.
-    target_compile_options(${name} PRIVATE -O0)
-  else()
-    # Half the time of compiling with -O2 -g; lines of a failure's stack are there all the same.
-    target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1;-g1>)
-  endif()
+  target_compile_options(${name} PRIVATE ${EN_TEST_OPTIONS})
+  enfilade_shared_headers(${name} test)
   set(label "")
   set(seconds 300)
   if(arg_SLOW)
