@@ -357,6 +357,28 @@ void add_backup(CLI::App& serve_verb, int& status) {
   });
 }
 
+void add_copy(CLI::App& serve_verb, int& status) {
+  struct Copy {
+    std::string database, file;
+  };
+  CLI::App& verb = *serve_verb.add_subcommand(
+      "copy", "Copy a file's content into a database of PostgreSQL, while no server uses either");
+  const auto copy = std::make_shared<Copy>();
+  verb.add_option("file", copy->file, "What `serve` has kept so far; it stays")
+      ->required()
+      ->type_name("FILE");
+  verb.add_option("--db", copy->database,
+                  "Where no server has written yet (default: ENFILADE_DATABASE)")
+      ->type_name("URL");
+  set_examples(verb, {"enfilade serve copy vln.sqlite --db postgresql://enfilade@db/vln"});
+  verb.callback([copy, &status] {
+    const std::int64_t rows = service::copy_to_postgres(copy->file, database_of(copy->database),
+                                                        progress_bar("rows copied"));
+    fmt::print("{} rows copied\n", rows);
+    status = kSuccess;
+  });
+}
+
 }  // namespace
 
 void add_serve(CLI::App& app, int& status) {
@@ -369,13 +391,15 @@ void add_serve(CLI::App& app, int& status) {
   add_revoke(verb, status);
   add_approve(verb, status);
   add_backup(verb, status);
+  add_copy(verb, status);
   verb.require_subcommand(0, 1);
   set_examples(verb, {"enfilade serve", "enfilade homes -o homes && enfilade serve homes",
                       "enfilade serve homes --db vln.sqlite --phases phases.json --port 9000",
                       "enfilade serve token --db vln.sqlite --label Ada",
                       "enfilade serve revoke --db vln.sqlite --label Ada",
                       "enfilade serve approve --db vln.sqlite --team 'A team'",
-                      "enfilade serve backup --db vln.sqlite vln-monday.sqlite"});
+                      "enfilade serve backup --db vln.sqlite vln-monday.sqlite",
+                      "enfilade serve copy vln.sqlite --db postgresql://enfilade@db/vln"});
   verb.callback([&verb, options, &status] {
     if (verb.get_subcommands().empty()) status = serve(*options);
   });

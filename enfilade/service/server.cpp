@@ -12,6 +12,7 @@
 #include "enfilade/service/http/transport.h"
 #include "enfilade/service/http/web_files.h"
 #include "enfilade/service/store/sqlite.h"
+#include "enfilade/service/store/transfer.h"
 
 namespace enfilade::service {
 namespace {
@@ -104,6 +105,20 @@ void back_up_database(const std::string& database, const std::filesystem::path& 
   }
   check_exists(database);
   store::back_up(database, copy);
+}
+
+std::int64_t copy_to_postgres(const std::string& file, const std::string& url,
+                              const Progress& progress) {
+  if (store::is_url(file)) {
+    throw ArgumentError(fmt::format("{}: a file is copied, not a database", store::shown(file)));
+  }
+  if (!store::is_url(url)) {
+    throw ArgumentError(fmt::format(
+        "{}: a file is copied into PostgreSQL, postgresql://USER@HOST/NAME; `backup` makes a file",
+        url));
+  }
+  check_exists(file);
+  return store::transfer(file, url, progress);
 }
 
 }  // namespace enfilade::service

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/core/progress.h"
 #include "enfilade/service/site.h"
 
 namespace enfilade::service {
@@ -137,5 +138,11 @@ void set_approval(const std::string& database, const std::string& team, Approval
 /// Copies a database's file, also while a server uses it; the copy is written to the side and
 /// renamed. \throws FileError; ArgumentError for PostgreSQL, which has pg_dump
 void back_up_database(const std::string& database, const std::filesystem::path& copy);
+
+/// Copies all that a file has into a database of PostgreSQL that no server has used: all of it, or
+/// nothing. No server may use the file meanwhile; it stays as it is, but for its schema.
+/// \returns how many rows there were \throws FileError; ArgumentError for other places than those
+std::int64_t copy_to_postgres(const std::string& file, const std::string& url,
+                              const Progress& progress);
 
 }  // namespace enfilade::service
