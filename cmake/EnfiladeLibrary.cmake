@@ -124,7 +124,7 @@ endfunction()
 # gcc 12 does not know any more that precompiled headers are the system's, and warns of what it inlines.
 function(enfilade_quiet_headers target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
-    target_compile_options(${target} PRIVATE -Wno-stringop-overflow)
+    target_compile_options(${target} PRIVATE -Wno-stringop-overflow -Wno-array-bounds)
   endif()
 endfunction()
 
