@@ -9,6 +9,7 @@
 #include "enfilade/core/rng.h"
 #include "tests/service/program.h"
 #include "tests/support/emulated.h"
+#include "tests/support/kills.h"
 #include "tests/support/served_data.h"
 #include "tests/support/worker.h"
 
@@ -20,17 +21,12 @@ using testing::count_methods;
 using testing::make_team;
 using testing::Program;
 using testing::Worker;
+using tests::kills;
 
 constexpr std::size_t kClients = 4;
 
 /// What was acknowledged, or what is there: how often, by a name of the test's.
 using Counts = std::map<std::string, int>;
-
-// ENFILADE_KILLS=50 is the long run; each takes a second or so.
-int kills() {
-  const char* given = std::getenv("ENFILADE_KILLS");
-  return given == nullptr ? 5 : std::atoi(given);
-}
 
 /// Each client works until the server is gone, and gives the names of what was acknowledged to it.
 using Client = std::function<Counts(int port, std::size_t client)>;
