@@ -7,7 +7,9 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 #include <cerrno>
+#include <chrono>
 #include <system_error>
+#include <thread>
 #include <unordered_map>
 #include <utility>
 
@@ -16,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSqliteFull = 13;  // SQLITE_FULL of <sqlite3.h>
+constexpr int kSqliteBusy = 5, kSqliteFull = 13;  // SQLITE_BUSY and SQLITE_FULL of <sqlite3.h>
 
 constexpr mode_t kOwnersRights = S_IRUSR | S_IWUSR | S_IXUSR;
 
@@ -125,7 +127,7 @@ class SqliteConnection final : public Connection {
   explicit SqliteConnection(const fs::path& file)
       : file_(file), db_(open_or_create(file)), identity_(identity_of(file)) {
     told([this] {
-      db_.exec("PRAGMA journal_mode = WAL");
+      use_log();
       // Acknowledged changes survive a power failure, not only a crash of the process.
       db_.exec("PRAGMA synchronous = FULL");
       db_.exec("PRAGMA foreign_keys = ON");
@@ -176,6 +178,21 @@ class SqliteConnection final : public Connection {
  private:
   void exec(const std::string& sql) {
     told([&] { db_.exec(sql); });
+  }
+  // Of two programs that turn a new file's log on at once, each would wait for the other, so that
+  // SQLite does not let them wait.
+  void use_log() {
+    const auto end =
+        std::chrono::steady_clock::now() + std::chrono::milliseconds(kBusyMilliseconds);
+    for (;;) {
+      try {
+        db_.exec("PRAGMA journal_mode = WAL");
+        return;
+      } catch (const SQLite::Exception& error) {
+        if (error.getErrorCode() != kSqliteBusy || std::chrono::steady_clock::now() > end) throw;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
   }
   void set_application_id() { exec(fmt::format("PRAGMA application_id = {}", kApplicationId)); }
   Use prepare(const std::string& sql, std::span<const Parameter> values) {
