@@ -311,7 +311,8 @@ struct ReadyWatch::Accumulators {
     at::Tensor leaf;
   };
   struct Hooked {
-    std::shared_ptr<torch::autograd::Node> node;
+    // Of another kind in libtorch 2.15 than in 2.11.
+    decltype(torch::autograd::impl::grad_accumulator(at::Tensor())) node;
     std::uintptr_t key = 0;
   };
   std::vector<Hooked> hooked;
