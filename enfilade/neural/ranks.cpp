@@ -415,7 +415,7 @@ void connect_cards(Ranks& ranks, c10::Device card) {
 at::Tensor exchange(Ranks& ranks, const at::Tensor& given) {
   Ranks::Impl& impl = ranks.implementation();
   if (impl.sends_by_cards(given)) {
-    const at::Tensor received = at::empty_like(given);
+    at::Tensor received = at::empty_like(given);
     impl.guarded([&] { impl.cards->exchange(given, received); });
     return received;
   }

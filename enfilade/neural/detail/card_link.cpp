@@ -78,13 +78,15 @@ CardLink::~CardLink() {
   if constexpr (requires { impl_->group->abort(); }) impl_->group->abort();
 }
 
-void CardLink::exchange(at::Tensor given, at::Tensor out) {
+void CardLink::exchange(const at::Tensor& given, const at::Tensor& out) {
+  at::Tensor from = given, to = out;
   std::vector<std::int64_t> equal;
-  impl_->group->alltoall_base(out, given, equal, equal)->wait();
+  impl_->group->alltoall_base(to, from, equal, equal)->wait();
 }
 
-void CardLink::collect(at::Tensor given, at::Tensor out) {
-  impl_->group->_allgather_base(out, given)->wait();
+void CardLink::collect(const at::Tensor& given, const at::Tensor& out) {
+  at::Tensor from = given, to = out;
+  impl_->group->_allgather_base(to, from)->wait();
 }
 
 void CardLink::add_up(const at::Tensor& values) {
@@ -104,8 +106,8 @@ CardLink::CardLink(const c10::intrusive_ptr<c10d::Store>& /*store*/, int /*rank*
   throw Error("this build has no NCCL");
 }
 CardLink::~CardLink() = default;
-void CardLink::exchange(at::Tensor /*given*/, at::Tensor /*out*/) {}
-void CardLink::collect(at::Tensor /*given*/, at::Tensor /*out*/) {}
+void CardLink::exchange(const at::Tensor& /*given*/, const at::Tensor& /*out*/) {}
+void CardLink::collect(const at::Tensor& /*given*/, const at::Tensor& /*out*/) {}
 void CardLink::add_up(const at::Tensor& /*values*/) {}
 
 #endif

@@ -26,8 +26,8 @@ class CardLink {
   CardLink& operator=(const CardLink&) = delete;
 
   /// As the functions of rank_tensors.h.
-  void exchange(at::Tensor given, at::Tensor out);
-  void collect(at::Tensor given, at::Tensor out);
+  void exchange(const at::Tensor& given, const at::Tensor& out);
+  void collect(const at::Tensor& given, const at::Tensor& out);
   void add_up(const at::Tensor& values);
 
  private:

@@ -52,7 +52,7 @@ std::vector<tasks::Trajectory> walk_and_write(Network& network, Split& split,
         }
         return packed_trajectories(trajectories);
       });
-  const std::vector<tasks::Trajectory> trajectories = unpacked_trajectories(batches);
+  std::vector<tasks::Trajectory> trajectories = unpacked_trajectories(batches);
   if (!options.results.empty() && ranks.is_first()) {
     make_folder(options.results.parent_path());
     write_file_atomically(options.results, to_json(trajectories, set));
