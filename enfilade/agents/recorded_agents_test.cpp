@@ -98,7 +98,7 @@ class DuetWalk {
     for (std::size_t i = 0; i < panorama.candidates.size(); ++i) {
       const sim::Candidate& ours = panorama.candidates[i];
       const Json& theirs = step["candidates"][i];
-      EXPECT_EQ(graph_.id(ours.viewpoint), theirs[0]) << what_;
+      EXPECT_EQ(graph_.id(ours.viewpoint), theirs[0].get<std::string>()) << what_;
       EXPECT_EQ(ours.view, theirs[1].get<std::uint32_t>()) << what_;
       const Radians right(ours.heading.value - heading_.value);
       const Radians up(ours.elevation.value - elevation_.value);
@@ -114,7 +114,7 @@ class DuetWalk {
     std::size_t pair = 0;
     EXPECT_EQ(step["step_ids"][0], 0) << what_;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      EXPECT_EQ(graph_.id(map_.viewpoint(rows[i])), step["nodes"][i]) << what_;
+      EXPECT_EQ(graph_.id(map_.viewpoint(rows[i])), step["nodes"][i].get<std::string>()) << what_;
       EXPECT_EQ(map_.visited(rows[i]), step["visited"][i].get<int>() != 0) << what_;
       EXPECT_EQ(map_.step_id(rows[i]), step["step_ids"][i + 1].get<std::uint32_t>()) << what_;
       for (std::size_t j = i + 1; j < rows.size(); ++j) {
@@ -166,7 +166,7 @@ class DuetWalk {
     map_.path(from, map_.find(viewpoint(step["go_to"])).value(), path);
     ASSERT_EQ(path.size(), step["walked"].size()) << what_;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      EXPECT_EQ(graph_.id(path[i]), step["walked"][i]) << what_;
+      EXPECT_EQ(graph_.id(path[i]), step["walked"][i].get<std::string>()) << what_;
     }
     const ViewpointIndex last = path.size() > 1 ? path[path.size() - 2] : here_;
     const auto view = arrival_view(cache_.at({scan_, last}), path.back());
@@ -185,11 +185,14 @@ class DuetWalk {
                                               : LastAction::kNothingOpen;
     std::vector<ViewpointIndex> back;
     final_walk(map_, map_.find(here_).value(), stops_, last, FinalStop::kAlways, back);
-    EXPECT_EQ(graph_.id(back.empty() ? here_ : back.back()), episode_["stop_node"]) << what_;
+    EXPECT_EQ(graph_.id(back.empty() ? here_ : back.back()),
+              episode_["stop_node"].get<std::string>())
+        << what_;
     if (back.empty()) return;
     const Json& entry = episode_["trajectory"].back();
     ASSERT_EQ(back.size(), entry.size()) << what_;
-    for (std::size_t i = 0; i < back.size(); ++i) EXPECT_EQ(graph_.id(back[i]), entry[i]) << what_;
+    for (std::size_t i = 0; i < back.size(); ++i)
+      EXPECT_EQ(graph_.id(back[i]), entry[i].get<std::string>()) << what_;
   }
 
   const Json& episode_;
@@ -239,7 +242,7 @@ TEST(RecordedEnvDrop, CandidatesMovesAndTeacherAreTheRecordedOnes) {
       ASSERT_EQ(panorama.candidates.size(), step["candidates"].size()) << what;
       for (std::size_t i = 0; i < panorama.candidates.size(); ++i) {
         const sim::Candidate& ours = panorama.candidates[i];
-        EXPECT_EQ(graph.id(ours.viewpoint), step["candidates"][i][0]) << what;
+        EXPECT_EQ(graph.id(ours.viewpoint), step["candidates"][i][0].get<std::string>()) << what;
         EXPECT_EQ(ours.view, step["candidates"][i][1].get<std::uint32_t>()) << what;
         // Relative heading, absolute elevation.
         expect_near(step["candidate_angles"][i],
