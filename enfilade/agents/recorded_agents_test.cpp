@@ -70,7 +70,7 @@ class DuetWalk {
     for (const Json& step : episode_["steps"]) {
       what_ = episode_["instr_id"].get<std::string>() + " step " + step["t"].dump();
       here_ = walked_.back();
-      ASSERT_EQ(graph_.id(here_), step["viewpoint"]) << what_;
+      ASSERT_EQ(graph_.id(here_), step["viewpoint"].get<std::string>()) << what_;
       const Panorama& panorama = cache_.at({scan_, here_});
       map_.arrive(graph_, here_, panorama.candidates, step["t"].get<std::uint32_t>());
       heading_ = Radians(step["heading"].get<double>());
