@@ -178,7 +178,8 @@ class ReleasedAgentsTest : public ::testing::Test {
       std::vector<std::string> recorded;
       for (const json& part : (*record)["trajectory"]) {
         for (const json& viewpoint : part) {
-          if (recorded.empty() || recorded.back() != viewpoint) recorded.push_back(viewpoint);
+          if (recorded.empty() || recorded.back() != viewpoint.get<std::string>())
+            recorded.push_back(viewpoint);
         }
       }
       EXPECT_EQ(viewpoints_of(walked[i], episodes.graph_of(episode)), recorded)
