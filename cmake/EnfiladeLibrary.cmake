@@ -4,9 +4,9 @@ set(EN_COLD_OPTIONS $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 set(EN_HOT_OPTIONS $<$<CONFIG:Release>:-O3> $<$<CONFIG:RelWithDebInfo>:-O2>)
 
 # Headers that most sources include, parsed once for all libraries and once for all tests: a build for users takes
-# a seventh less. The presets dev and lint's have none, so that each source includes what it uses. gcc takes a precompiled header
-# where macros that appear in it, and options such as -fPIC, are the same; of another level of -O too, but gcc 12
-# may crash then.
+# a seventh less. The preset dev and the linter have none, so that each source includes what it uses. gcc takes a
+# precompiled header where macros that appear in it, and options such as -fPIC, are the same; of another level of -O
+# too, but gcc 12 may crash then.
 if(EN_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
   set(EN_SHARED_HEADERS ON)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shared_headers.cpp CONTENT "")

@@ -395,20 +395,20 @@ namespace detail {
 void connect_cards(Ranks& ranks, c10::Device card) {
   Ranks::Impl& impl = ranks.implementation();
   if (impl.alone() || impl.cards) return;
+  const std::string identity = identity_of_card(card);
   const char* const wanted = std::getenv("ENFILADE_NCCL");
-  const bool without = CardLink::library().empty() || (wanted != nullptr && wanted == "0"sv);
-  const std::vector<std::string> all = ranks.gather(without ? "" : CardLink::identity(card));
+  const bool without = identity.empty() || (wanted != nullptr && wanted == "0"sv);
+  const std::vector<std::string> all = ranks.gather(without ? "" : identity);
   const std::set<std::string> cards(all.begin(), all.end());
   if (cards.contains("") || cards.size() != all.size()) return;
   try {
-    impl.cards =
-        std::make_unique<CardLink>(c10::make_intrusive<c10d::PrefixStore>("cards", impl.store),
-                                   impl.place.rank, impl.place.size, card, impl.timeout);
+    impl.cards = link_cards(c10::make_intrusive<c10d::PrefixStore>("cards", impl.store),
+                            impl.place.rank, impl.place.size, card, impl.timeout);
   } catch (const std::exception& error) {
     throw Error(fmt::format(
         "rank {}: the cards cannot be connected by {}: {}; with ENFILADE_NCCL=0 gradients go "
         "through the processor's memory",
-        impl.place.rank, CardLink::library(), first_line(error.what())));
+        impl.place.rank, nccl_version(), first_line(error.what())));
   }
 }
 
@@ -470,7 +470,7 @@ RanksReport examine_ranks() {
     here.host = "127.0.0.1";
     store_of(here, seconds(5))->set("doctor", bytes_of("works"));
     c10d::ProcessGroupGloo::createDeviceForHostname(here.host);
-    const std::string nccl = detail::CardLink::library();
+    const std::string nccl = detail::nccl_version();
     return {true, fmt::format("c10d's Gloo, of libtorch {}{}", TORCH_VERSION,
                               nccl.empty() ? "" : ", and cards by " + nccl)};
   } catch (const std::exception& error) {

@@ -178,8 +178,8 @@ class ReleasedAgentsTest : public ::testing::Test {
       std::vector<std::string> recorded;
       for (const json& part : (*record)["trajectory"]) {
         for (const json& viewpoint : part) {
-          if (recorded.empty() || recorded.back() != viewpoint.get<std::string>())
-            recorded.push_back(viewpoint);
+          const auto id = viewpoint.get<std::string>();
+          if (recorded.empty() || recorded.back() != id) recorded.push_back(id);
         }
       }
       EXPECT_EQ(viewpoints_of(walked[i], episodes.graph_of(episode)), recorded)

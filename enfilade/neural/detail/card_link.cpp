@@ -1,20 +1,19 @@
 #ifdef EN_WITH_C10D
 #include "enfilade/neural/detail/card_link.h"
 
+#include "enfilade/core/check.h"
+#ifdef EN_WITH_NCCL
 #include <ATen/ATen.h>
 #include <fmt/format.h>
-
-#include <vector>
-
-#include "enfilade/core/check.h"
-#include "enfilade/core/errors.h"
-#ifdef EN_WITH_NCCL
 #include <torch/version.h>
 
 #include <cstdint>
 #include <cstdlib>
 #include <iterator>
 #include <torch/csrc/distributed/c10d/ProcessGroupNCCL.hpp>
+#include <vector>
+
+#include "enfilade/core/errors.h"
 #endif
 
 namespace enfilade::neural::detail {
@@ -30,7 +29,7 @@ void check_version() {
   const std::uint64_t found = torch::cuda::nccl::version();
   if (found >> 16U == kBuilt >> 16U) return;
   throw Error(fmt::format("libtorch has NCCL {}.{}, but the headers were of {}", found >> 32U,
-                          found >> 16U & 0xffffU, CardLink::library()));
+                          found >> 16U & 0xffffU, nccl_version()));
 }
 
 // A call then returns when the card is done, and throws what went wrong; c10d's other way is to end
@@ -44,71 +43,79 @@ void wait_in_calls() {
   setenv(kName, "1", 1);
 }
 
-}  // namespace
+class NcclLink final : public CardLink {
+ public:
+  NcclLink(const c10::intrusive_ptr<c10d::Store>& store, int rank, int size, c10::Device card,
+           std::chrono::milliseconds timeout) {
+    check_version();
+    wait_in_calls();
+    const auto options = c10d::ProcessGroupNCCL::Options::create();
+    options->timeout = timeout;
+    group_ = c10::make_intrusive<c10d::ProcessGroupNCCL>(store, rank, size, options);
+    // The cards are connected by the first call.
+    const at::Tensor ones = at::ones({1}, at::TensorOptions(card));
+    add_up_now(ones);
+    EN_CHECK_EQ(ones.item<float>(), static_cast<float>(size));
+  }
+  ~NcclLink() override {
+    // Calls of a rank that is lost would be waited for.
+    abort(*group_);
+  }
+  NcclLink(const NcclLink&) = delete;
+  NcclLink& operator=(const NcclLink&) = delete;
 
-struct CardLink::Impl {
-  c10::intrusive_ptr<c10d::ProcessGroupNCCL> group;
+  void exchange(const at::Tensor& given, const at::Tensor& out) override {
+    at::Tensor from = given, to = out;
+    std::vector<std::int64_t> equal;
+    group_->alltoall_base(to, from, equal, equal)->wait();
+  }
+  void collect(const at::Tensor& given, const at::Tensor& out) override {
+    at::Tensor from = given, to = out;
+    group_->_allgather_base(to, from)->wait();
+  }
+  void add_up(const at::Tensor& values) override { add_up_now(values); }
+
+ private:
+  // Older versions have no abort().
+  template <class Group>
+  static void abort(Group& group) {
+    if constexpr (requires { group.abort(); }) group.abort();
+  }
+  void add_up_now(const at::Tensor& values) {
+    std::vector<at::Tensor> all{values};
+    group_->allreduce(all)->wait();
+  }
+
+  c10::intrusive_ptr<c10d::ProcessGroupNCCL> group_;
 };
 
-std::string CardLink::library() {
+}  // namespace
+
+std::string nccl_version() {
   return fmt::format("NCCL {}.{}.{}", NCCL_MAJOR, NCCL_MINOR, NCCL_PATCH);
 }
 
-std::string CardLink::identity(c10::Device card) {
+std::string identity_of_card(c10::Device card) {
   const auto& bytes = at::cuda::getDeviceProperties(card.index())->uuid.bytes;
   return {std::begin(bytes), std::end(bytes)};
 }
 
-CardLink::CardLink(const c10::intrusive_ptr<c10d::Store>& store, int rank, int size,
-                   c10::Device card, std::chrono::milliseconds timeout)
-    : impl_(std::make_unique<Impl>()) {
-  check_version();
-  wait_in_calls();
-  const auto options = c10d::ProcessGroupNCCL::Options::create();
-  options->timeout = timeout;
-  impl_->group = c10::make_intrusive<c10d::ProcessGroupNCCL>(store, rank, size, options);
-  // The cards are connected by the first call.
-  const at::Tensor ones = at::ones({1}, at::TensorOptions(card));
-  add_up(ones);
-  EN_CHECK_EQ(ones.item<float>(), static_cast<float>(size));
-}
-
-CardLink::~CardLink() {
-  // Calls of a rank that is lost would be waited for.
-  if constexpr (requires { impl_->group->abort(); }) impl_->group->abort();
-}
-
-void CardLink::exchange(const at::Tensor& given, const at::Tensor& out) {
-  at::Tensor from = given, to = out;
-  std::vector<std::int64_t> equal;
-  impl_->group->alltoall_base(to, from, equal, equal)->wait();
-}
-
-void CardLink::collect(const at::Tensor& given, const at::Tensor& out) {
-  at::Tensor from = given, to = out;
-  impl_->group->_allgather_base(to, from)->wait();
-}
-
-void CardLink::add_up(const at::Tensor& values) {
-  std::vector<at::Tensor> all{values};
-  impl_->group->allreduce(all)->wait();
+std::unique_ptr<CardLink> link_cards(const c10::intrusive_ptr<c10d::Store>& store, int rank,
+                                     int size, c10::Device card,
+                                     std::chrono::milliseconds timeout) {
+  return std::make_unique<NcclLink>(store, rank, size, card, timeout);
 }
 
 #else
 
-struct CardLink::Impl {};
-
-std::string CardLink::library() { return {}; }
-std::string CardLink::identity(c10::Device /*card*/) { return {}; }
-
-CardLink::CardLink(const c10::intrusive_ptr<c10d::Store>& /*store*/, int /*rank*/, int /*size*/,
-                   c10::Device /*card*/, std::chrono::milliseconds /*timeout*/) {
-  throw Error("this build has no NCCL");
+std::string nccl_version() { return {}; }
+std::string identity_of_card(c10::Device /*card*/) { return {}; }
+std::unique_ptr<CardLink> link_cards(const c10::intrusive_ptr<c10d::Store>& /*store*/, int /*rank*/,
+                                     int /*size*/, c10::Device /*card*/,
+                                     std::chrono::milliseconds /*timeout*/) {
+  EN_CHECK(false);
+  return nullptr;
 }
-CardLink::~CardLink() = default;
-void CardLink::exchange(const at::Tensor& /*given*/, const at::Tensor& /*out*/) {}
-void CardLink::collect(const at::Tensor& /*given*/, const at::Tensor& /*out*/) {}
-void CardLink::add_up(const at::Tensor& /*values*/) {}
 
 #endif
 

@@ -14,25 +14,20 @@ namespace enfilade::neural::detail {
 /// All functions \throw std::exception of c10d's where a rank or its card fails, or none answers.
 class CardLink {
  public:
-  /// "NCCL 2.28.9", or empty: this build has none.
-  static std::string library();
-  /// Tells a card from all others, of this machine and of others.
-  static std::string identity(c10::Device card);
-
-  CardLink(const c10::intrusive_ptr<c10d::Store>& store, int rank, int size, c10::Device card,
-           std::chrono::milliseconds timeout);
-  ~CardLink();
-  CardLink(const CardLink&) = delete;
-  CardLink& operator=(const CardLink&) = delete;
-
+  virtual ~CardLink() = default;
   /// As the functions of rank_tensors.h.
-  void exchange(const at::Tensor& given, const at::Tensor& out);
-  void collect(const at::Tensor& given, const at::Tensor& out);
-  void add_up(const at::Tensor& values);
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  virtual void exchange(const at::Tensor& given, const at::Tensor& out) = 0;
+  virtual void collect(const at::Tensor& given, const at::Tensor& out) = 0;
+  virtual void add_up(const at::Tensor& values) = 0;
 };
+
+/// "NCCL 2.28.9", or empty: this build has none.
+std::string nccl_version();
+/// Tells a card from all others, of this machine and of others; empty if this build has no NCCL.
+std::string identity_of_card(c10::Device card);
+/// Connects the ranks' cards. \pre this build has NCCL \throws as CardLink; Error if the library is
+/// of another version than its headers
+std::unique_ptr<CardLink> link_cards(const c10::intrusive_ptr<c10d::Store>& store, int rank,
+                                     int size, c10::Device card, std::chrono::milliseconds timeout);
 
 }  // namespace enfilade::neural::detail

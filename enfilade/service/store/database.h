@@ -104,6 +104,9 @@ class Database {
   /// \pre *this outlives the lock
   std::unique_lock<std::recursive_mutex> hold() { return std::unique_lock(mutex_); }
 
+  /// For statements whose columns are known at run time alone. \pre within transact()
+  Connection& connection() noexcept { return *connection_; }
+
   /// The place, as logs and messages may have it.
   const std::string& shown_place() const noexcept { return shown_; }
   /// Connection's functions of the same names, also from any thread.

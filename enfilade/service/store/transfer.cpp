@@ -174,37 +174,19 @@ class Transfer {
   std::int64_t total_ = 0;
 };
 
-/// A transaction that is rolled back, unless it was committed.
-class Change {
- public:
-  explicit Change(Connection& connection) : connection_(connection) { connection_.begin(); }
-  ~Change() {
-    if (!committed_) connection_.roll_back();
-  }
-  Change(const Change&) = delete;
-  Change& operator=(const Change&) = delete;
-  void commit() {
-    connection_.commit();
-    committed_ = true;
-  }
-
- private:
-  Connection& connection_;
-  bool committed_ = false;
-};
-
 }  // namespace
 
 std::int64_t transfer(const std::string& file, const std::string& url, const Progress& progress) {
-  for (const std::string& place : {file, url}) Database{place};  // of the newest schema
+  Database from(file), to(url);
   try {
-    const auto from = connect(file), to = connect(url);
-    Change held(*from), change(*to);
-    const std::int64_t rows = Transfer(*from, *to, progress).run(shown(url));
-    change.commit();
-    return rows;
+    return from.transact([&] {  // so that nobody else changes it
+      return to.transact([&] {
+        return Transfer(from.connection(), to.connection(), progress).run(to.shown_place());
+      });
+    });
   } catch (const DatabaseError& error) {
-    throw FileError(fmt::format("{} into {}: {}", file, shown(url), error.what()));
+    throw FileError(
+        fmt::format("{} into {}: {}", from.shown_place(), to.shown_place(), error.what()));
   }
 }
 
