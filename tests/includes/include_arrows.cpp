@@ -322,7 +322,6 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
         {"seq2seq_ce", {"panoramic"}}}},
       {"render", {{"cpu", {}}, {"cuda", {"cpu"}}, {"gl", {"cpu"}}}},
       {"report", {{"parts", {}}}},
-      {"report", {{"page", {}}}},
       {"service", transitive_closure(
                       {{"store", {}},
                        {"accounts", {"store"}},
@@ -331,7 +330,7 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
                        {"evaluation", {"accounts", "store"}},
                        {"collecting", {"store"}},
                        {"http", {"accounts", "browsing", "evaluation", "collecting", "playing"}}})},
-      {"tasks", {{"formats", {}}, {"scorers", {}}}},
+      {"tasks", {{"formats", {}}, {"measures", {}}, {"paths", {"formats"}}, {"scorers", {}}}},
   };
   return kRooms;
 }
