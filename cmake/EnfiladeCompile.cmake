@@ -1,6 +1,9 @@
 # Compiler flags of every target of ours: link to enfilade_compile, privately.
 add_library(enfilade_compile INTERFACE)
 
+# Every read of a JSON value names its type: an implicit conversion that gcc 12 takes is ambiguous to gcc 14.
+target_compile_definitions(enfilade_compile INTERFACE JSON_USE_IMPLICIT_CONVERSIONS=0)
+
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   # The simulator reproduces recorded single-precision results bit for bit, so a*b+c must not
   # become one rounding on machines that could fuse it.
