@@ -215,7 +215,7 @@ TEST_P(RecordedDuet, MapsFeaturesAndExpertsAreTheRecordedOnes) {
   PanoramaCache cache(set);
   std::size_t steps = 0;
   for (const Json& episode : *episodes) {
-    const std::string scan = episode["scan"];
+    const auto scan = episode["scan"].get<std::string>();
     DuetWalk(episode, set->graph(scan), set->at(scan), cache).check();
     if (HasFatalFailure()) return;
     steps += episode["steps"].size();
@@ -231,7 +231,7 @@ TEST(RecordedEnvDrop, CandidatesMovesAndTeacherAreTheRecordedOnes) {
   const auto set = graphs();
   PanoramaCache cache(set);
   for (const Json& episode : *episodes) {
-    const std::string scan = episode["scan"];
+    const auto scan = episode["scan"].get<std::string>();
     const graph::NavGraph& graph = set->graph(scan);
     const auto goal = graph.find(episode["gt_path"].back().get<std::string>()).value();
     for (const Json& step : episode["steps"]) {
@@ -258,7 +258,7 @@ TEST(RecordedEnvDrop, CandidatesMovesAndTeacherAreTheRecordedOnes) {
       }
       if (!step.contains("moves") || step["moves"].empty()) continue;
       const sim::Candidate& chosen = panorama.candidates.at(step["action"].get<std::size_t>());
-      std::uint32_t view = step["view_index"];
+      auto view = step["view_index"].get<std::uint32_t>();
       std::size_t moves = 0;
       while (true) {
         const sim::Action action = step_towards(chosen, view);

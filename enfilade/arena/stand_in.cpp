@@ -137,6 +137,7 @@ struct StandIn::Impl {
         request.get_header_value("Authorization") != "Bearer " + config.key) {
       return refuse(401, "wrong key: " + request.get_header_value("Authorization"));
     }
+    if (config.most_answers > 0 && answers >= config.most_answers) return refuse(503, "stopping");
     const Json asked = Json::parse(request.body, nullptr, false);
     if (!asked.is_object() || !asked.contains("messages")) return refuse(400, "no messages");
     if (asked.contains("tools") && !config.with_tools) return refuse(400, "no tools here");

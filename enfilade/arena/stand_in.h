@@ -31,6 +31,8 @@ struct StandInConfig {
   std::vector<Fault> faults = {};
   std::uint32_t one_in = 3;
   double silence = 1;      ///< seconds
+  /// Answers before it refuses every request with status 503; 0: no limit.
+  std::size_t most_answers = 0;
   std::string key = {};    ///< asked for as `Authorization: Bearer`; empty: anybody may ask
   bool with_tools = true;  ///< false: requests with `tools` are refused with status 400
 };

@@ -133,7 +133,7 @@ TEST_F(RoamingTest, TheFloorIsTheNavigationMesh) {
     ASSERT_EQ(polygons[p].at("beyond").size(), polygon.size());
     EXPECT_EQ(polygons[p].at("area"), polygon.area);
     for (std::size_t k = 0; k < polygon.size(); ++k) {
-      const int beyond = polygons[p]["beyond"][k];
+      const int beyond = polygons[p]["beyond"][k].get<int>();
       EXPECT_EQ(static_cast<std::uint16_t>(beyond), polygon.beyond[k]) << p;  // -1 is kNone
       // A corner is where its lattice says, and as high as the floor is there.
       const auto [x, y, z] = floor_->corners[polygon.corners[k]];

@@ -251,7 +251,7 @@ void check_episodes(const AgentsFolder& folder, const std::string& task, AgentsT
   json recorded = folder.json(name);
   tally.equal("episodes", recorded.size(), ours.size());
   for (const json& result : ours) {
-    const std::string id = result["instr_id"];
+    const auto id = result["instr_id"].get<std::string>();
     const auto found = std::ranges::find_if(
         recorded, [&](const json& one) { return one["instr_id"] == result["instr_id"]; });
     tally.equal(id, found == recorded.end() ? json() : *found, result);

@@ -111,7 +111,7 @@ class VariantCheck {
     for (const json& iteration : about["iterations"]) check_iteration(iteration, optimizer);
     for (const auto& [name, weight] : network_.weights()) {
       if (is_noise(name, variant_)) continue;
-      const double length = about["after_two_steps"][name][1];
+      const auto length = about["after_two_steps"][name][1].get<double>();
       constexpr double kWeights = 1e-4;
       tally_.near(variant_ + " after two steps " + name, length,
                   weight.detach().to(at::kDouble).norm().item<double>(),
@@ -145,7 +145,7 @@ class VariantCheck {
     if (iteration.contains("gradients") && iteration["gradients"].is_object()) {
       check_gradients(iteration["gradients"], network_, variant_, tally_);
     }
-    const double norm = iteration["total_norm"];
+    const auto norm = iteration["total_norm"].get<double>();
     tally_.near(variant_ + " total_norm", norm, optimizer.update(network_.weights()), kNorm);
   }
 

@@ -417,7 +417,7 @@ DoubtfulInput doubtful_walk(const std::string& scorer, const Json& input, const 
   const Json& outcome = input.at("outcome").at(scorer);
   DoubtfulInput row{scorer, input.at("case"), "values", "the same values"};
   if (outcome.contains("error")) {
-    const std::string error = outcome["error"];
+    const auto error = outcome["error"].get<std::string>();
     row.theirs = error.substr(0, error.find(':'));
     row.ours = std::isnan(ours.at("spl")) ? "scored; SPL is not a number" : "scored";
     return row;
