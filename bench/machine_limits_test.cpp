@@ -9,7 +9,7 @@
 #include "bench/cpu_time.h"
 
 namespace enfilade::bench {
-namespace {
+namespace EN_UNIT {
 
 TEST(MachineLimits, AreThoseOfAComputer) {
   const MachineLimits limits = measure_machine_limits();
@@ -77,5 +77,5 @@ TEST(CpuTime, GrowsWithWorkAlone) {
   EXPECT_GE(process_cpu_seconds() - process, 0.009);  // the two clocks are not read at once
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::bench

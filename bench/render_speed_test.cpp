@@ -9,7 +9,7 @@
 #include "apps/common/program.h"
 
 namespace enfilade::bench {
-namespace {
+namespace EN_UNIT {
 
 const Buildings& buildings() {
   static const Buildings kBuildings = synthetic_buildings();
@@ -84,5 +84,5 @@ TEST(Measure, WalkMemoryGrowsWithTheCache) {
   EXPECT_GE(m.most.peak, m.most.anonymous);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::bench

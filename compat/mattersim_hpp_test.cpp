@@ -18,7 +18,7 @@
 #include "tests/support/panoramas.h"
 #include "tests/support/temporary_folder.h"
 
-namespace {
+namespace EN_UNIT {
 
 using enfilade::Radians;
 using enfilade::ScanIndex;
@@ -215,4 +215,4 @@ TEST_F(MatterSimHpp, RefusesWithTheOldTypes) {
   EXPECT_THROW(sim.initialize(), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace EN_UNIT

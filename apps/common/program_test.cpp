@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::apps {
-namespace {
+namespace EN_UNIT {
 
 TEST(ProcessorName, IsTheFirstOfTheSystemsList) {
   EXPECT_EQ(processor_name_in("processor\t: 0\nmodel name\t: A CPU @ 2 GHz\nflags\t\t: fpu\n\n"
@@ -27,5 +27,5 @@ TEST(ProcessorName, IsUnknownWhereTheSystemDoesNotSay) {
   EXPECT_NE(processor_name(), "");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::apps

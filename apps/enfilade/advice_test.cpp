@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::apps {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 
@@ -101,5 +101,5 @@ TEST(SpaceOf, LooksAtTheDisk) {
               HasSubstr("No such file"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::apps

@@ -22,7 +22,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::apps {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using tests::content_of;
@@ -230,5 +230,5 @@ TEST(HomeParts, AreReadByOurReaders) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::apps

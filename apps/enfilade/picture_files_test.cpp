@@ -7,7 +7,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::apps {
-namespace {
+namespace EN_UNIT {
 
 using scan::Layer;
 using ::testing::AllOf;
@@ -95,5 +95,5 @@ TEST(Encode, NameSaysHow) {
   EXPECT_EQ(encode(picture, "-").substr(1, 3), "PNG");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::apps

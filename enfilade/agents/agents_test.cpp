@@ -13,7 +13,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -209,5 +209,5 @@ TEST(PaperTable, RandomIsWithinTwoAndAHalfDeviations) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

@@ -12,7 +12,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -297,5 +297,5 @@ TEST(BatchEnvironment, RefusesWhatCannotBe) {
   EXPECT_THROW(environment.step(std::array<std::int64_t, 2>{0, 0}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

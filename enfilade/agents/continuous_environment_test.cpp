@@ -9,7 +9,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 using continuous::Action;
 using continuous::Building;
@@ -166,5 +166,5 @@ TEST(ContinuousEnvironment, SaysWhatIsWrongWithACall) {
   EXPECT_THROW(e.score(1), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

@@ -12,7 +12,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -134,5 +134,5 @@ TEST(EpisodeBatch, RefusesEpisodesThatAreNotThere) {
   EXPECT_EQ(batch.running(), 0U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

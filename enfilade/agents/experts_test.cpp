@@ -8,7 +8,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 ViewpointIndex v(std::size_t i) { return ViewpointIndex(i); }
 
@@ -63,5 +63,5 @@ TEST(Experts, RulesHaveNames) {
   EXPECT_THROW(parse_expert_rule("cls"), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

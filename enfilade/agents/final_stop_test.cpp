@@ -8,7 +8,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -63,5 +63,5 @@ TEST(FinalStop, TheFirstOfEqualsIsTakenAndALaterVisitReplaces) {
   EXPECT_EQ(memory.best(), std::nullopt);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

@@ -12,7 +12,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -173,5 +173,5 @@ TEST(Pilot, ASlotThatStandsElsewhereIsRefused) {
   EXPECT_TRUE(move[0].stop) << "nobody asked";
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

@@ -19,7 +19,7 @@
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -275,5 +275,5 @@ TEST(RecordedEnvDrop, CandidatesMovesAndTeacherAreTheRecordedOnes) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

@@ -12,7 +12,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 // Corners of a square of side 2 m, 0 to 3, each beside the next; it begins at 0 and looks east.
 tasks::EpisodeSet square_episodes() {
@@ -66,5 +66,5 @@ TEST(Route, RefusesWhatIsNoNeighbour) {
               ::testing::HasSubstr("cannot go to"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

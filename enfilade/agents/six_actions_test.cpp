@@ -5,7 +5,7 @@
 #include <string>
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 TEST(SixActions, AreNamedAsInTheReleasedCode) {
   std::string names;
@@ -32,5 +32,5 @@ TEST(SixActions, ComeBackFromTheDecisionThatTheyAre) {
   EXPECT_EQ(six_action_of(Decision::go(3)), SixAction::kForward);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

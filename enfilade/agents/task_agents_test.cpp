@@ -13,7 +13,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 using tasks::Task;
 using ::testing::HasSubstr;
@@ -255,5 +255,5 @@ TEST(BatchEnvironment, OfR2rBackHasTwoLegs) {
   EXPECT_EQ(back.outcome().success[0], 0);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

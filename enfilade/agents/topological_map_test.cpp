@@ -11,7 +11,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using Node = TopologicalMap::Node;
@@ -167,5 +167,5 @@ TEST(MapFeature, IsDirectionAndDistancesFromTheAgent) {
   near(map_feature(map, 0, 0, degrees(90), Radians(0)), {-1, 0, 0, 1, 1e-8F / 30, 0, 0});
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::agents

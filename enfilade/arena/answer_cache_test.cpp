@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using tests::refusal;
@@ -81,5 +81,5 @@ TEST(AnswerCacheTest, DamageIsTold) {
   EXPECT_THAT(fault(), HasSubstr(key));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

@@ -27,7 +27,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using arena::testing::episodes;
 using ::testing::HasSubstr;
@@ -315,5 +315,5 @@ TEST_F(Ask, PricesMakeMoney) {
   EXPECT_THAT(refusal<InvalidInput>([&] { load_prices(file); }), HasSubstr("bad-price"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

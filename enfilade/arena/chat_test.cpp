@@ -10,7 +10,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using arena::testing::episodes;
 using nlohmann::json;
@@ -165,5 +165,5 @@ TEST_F(ChatTest, PicturesAreFilledIn) {
             "data:image/jpeg;base64,/9gB");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

@@ -15,7 +15,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using arena::testing::episodes;
 using nlohmann::json;
@@ -177,5 +177,5 @@ TEST_F(Mcp, ConfigurationsAreChecked) {
   EXPECT_THAT(fault({.episodes = {0}, .pictures = Pictures::kStrip}), HasSubstr("pictures"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using tests::refusal;
@@ -132,5 +132,5 @@ TEST_F(ArenaPictures, KeysNameWhatIsShown) {
               HasSubstr("12 pixels, 64 to 2048"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

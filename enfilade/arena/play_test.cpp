@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using arena::testing::episodes;
 using nlohmann::json;
@@ -138,5 +138,5 @@ TEST_F(PlayTest, ValuesOutOfRangeAreRefused) {
               ::testing::ThrowsMessage<ArgumentError>(HasSubstr("steps")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

@@ -10,7 +10,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -110,5 +110,5 @@ TEST(Prompts, FaultsNameTheLine) {
   EXPECT_THAT(refusal<FileError>([] { Prompt::load("/nowhere.txt"); }), HasSubstr("nowhere"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

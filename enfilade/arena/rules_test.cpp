@@ -15,7 +15,7 @@
 #include "tests/support/room_world.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using arena::testing::episodes;
 using ::testing::HasSubstr;
@@ -113,5 +113,5 @@ TEST(Rules, OthersStopOrNeverDo) {
               HasSubstr("no rule \"second\"; there are first, random, oracle, stop"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

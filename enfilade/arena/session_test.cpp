@@ -14,7 +14,7 @@
 #include "tests/support/room_world.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using arena::testing::episodes;
 using arena::testing::room;
@@ -223,5 +223,5 @@ TEST(ContinuousSessions, WallsAreToldAndTheBenchmarksActionsAreLimited) {
   EXPECT_EQ(calls, 125);  // 500 actions
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using arena::testing::episodes;
 using ::testing::ElementsAre;
@@ -72,5 +72,5 @@ TEST(Subsets, OfRoomToRoomAreWhatTheyWere) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -96,5 +96,5 @@ TEST(Wire, CallsAreReadFromAnswers) {
   EXPECT_FALSE(read_answer_text("").call);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -179,5 +179,5 @@ TEST(FreeWords, LabelsNameWhatTheMeshHas) {
   EXPECT_THAT(tests::refusal<ArgumentError>([&] { blind->of(from); }), HasSubstr("no meshes"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::arena

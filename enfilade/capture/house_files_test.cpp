@@ -12,7 +12,7 @@
 #include "tests/support/furnished_room.h"
 
 namespace enfilade::capture {
-namespace {
+namespace EN_UNIT {
 
 using mesh::Mesh;
 
@@ -170,5 +170,5 @@ TEST(HouseFiles, RefuseWhatIsNoCategory) {
   EXPECT_THROW(make_house_files(mesh, tests::furnished_room_graph(), {}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::capture

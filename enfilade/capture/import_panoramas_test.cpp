@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::capture {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -103,5 +103,5 @@ TEST_F(ImportPanoramas, RefuseIdsAndCountsThatCannotBe) {
   EXPECT_THROW(import("home", {{"hall", {file("hall.jpg")}}}, options), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::capture

@@ -18,7 +18,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::capture {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -211,5 +211,5 @@ TEST(ObjectBoxes, RefuseOptionsOutOfRange) {
               HasSubstr("not finite"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::capture

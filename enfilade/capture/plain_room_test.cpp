@@ -11,7 +11,7 @@
 #include "enfilade/mesh/ray_tracer.h"
 
 namespace enfilade::capture {
-namespace {
+namespace EN_UNIT {
 
 /// Three tables whose legs end at different heights, and a lamp in the air.
 mesh::Mesh things() {
@@ -60,5 +60,5 @@ TEST(PlainRoom, RefusesWhatIsNoRoom) {
   EXPECT_THROW(add_plain_room(mesh, {std::numeric_limits<double>::quiet_NaN(), 3}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::capture

@@ -21,7 +21,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::capture {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -323,5 +323,5 @@ TEST(ScanFiles, RefuseArgumentsOutOfRange) {
   EXPECT_EQ(files_below(root.path()), 0U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::capture

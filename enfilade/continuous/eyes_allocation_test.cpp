@@ -24,7 +24,7 @@
 #endif
 
 #if !EN_TEST_SANITIZED  // sanitizers bring their own
-namespace {
+namespace EN_UNIT {
 thread_local std::size_t allocations = 0;
 
 void* counted(std::size_t size, std::size_t alignment) {
@@ -33,7 +33,7 @@ void* counted(std::size_t size, std::size_t alignment) {
   if (void* memory = std::aligned_alloc(alignment, whole)) return memory;
   throw std::bad_alloc();
 }
-}  // namespace
+}  // namespace EN_UNIT
 
 // Not inlined: gcc would see memory freed by one half of a pair and warn of a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
@@ -53,7 +53,7 @@ void* counted(std::size_t size, std::size_t alignment) {
 #endif
 
 namespace enfilade::continuous {
-namespace {
+namespace EN_UNIT {
 
 using namespace detail;
 
@@ -92,5 +92,5 @@ TEST(Eyes, DrawingAllocatesNothing) {
 #endif
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::continuous

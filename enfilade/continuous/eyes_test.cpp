@@ -16,7 +16,7 @@
 #include "enfilade/render/pictures.h"
 
 namespace enfilade::continuous {
-namespace {
+namespace EN_UNIT {
 
 using namespace detail;
 using ::testing::HasSubstr;
@@ -417,5 +417,5 @@ TEST(Eyes, MethodsHaveNames) {
   EXPECT_THAT(Eyes({room_scene()}, {Method::kRaster, 3}).description(), HasSubstr("3 threads"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::continuous

@@ -9,7 +9,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::continuous {
-namespace {
+namespace EN_UNIT {
 
 using mesh::testing::Maker;
 
@@ -108,5 +108,5 @@ TEST(Geodesics, AreMetric) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::continuous

@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::continuous {
-namespace {
+namespace EN_UNIT {
 
 using mesh::testing::Maker;
 
@@ -163,5 +163,5 @@ TEST(FloorPolygons, ThatDoNotFitTogetherAreRefused) {
   EXPECT_EQ(code([](auto& f) { f.cell = 0; }), "bad-number");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::continuous

@@ -18,7 +18,7 @@
 #include "enfilade/scan/panorama_source.h"
 
 namespace enfilade::continuous {
-namespace {
+namespace EN_UNIT {
 
 using namespace detail;
 using ::testing::HasSubstr;
@@ -274,5 +274,5 @@ TEST(Photographs, AppearancesHaveNames) {
   EXPECT_FALSE(parse_appearance("photos"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::continuous

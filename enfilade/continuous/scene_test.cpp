@@ -21,7 +21,7 @@
 #include "enfilade/mesh/capture.h"
 
 namespace enfilade::continuous {
-namespace {
+namespace EN_UNIT {
 
 using namespace detail;
 using ::testing::HasSubstr;
@@ -270,5 +270,5 @@ TEST_F(SceneFile, MistakesAreNamed) {
   EXPECT_THROW(Scene::lit(lit().tracer, lit().light, options), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::continuous

@@ -10,7 +10,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::continuous {
-namespace {
+namespace EN_UNIT {
 
 using mesh::testing::Maker;
 
@@ -237,5 +237,5 @@ TEST(ContinuousSimulator, IsTheSameInAnyBatchWithAnyThreads) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::continuous

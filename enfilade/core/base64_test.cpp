@@ -4,7 +4,7 @@
 #include <vector>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 std::string encoded(std::string_view bytes) {
   std::string text;
@@ -53,5 +53,5 @@ TEST(Base64, SaysWhereItIsBroken) {
   EXPECT_EQ(decoded("Zm\xffv"), "fault at 2");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace {
+namespace EN_UNIT {
 
 TEST(CheckDeathTest, ShowsExpressionAndBothValues) {
   const int found = 3;
@@ -16,4 +16,4 @@ TEST(Check, EvaluatesEachSideOnce) {
   EXPECT_EQ(calls, 1);
 }
 
-}  // namespace
+}  // namespace EN_UNIT

@@ -5,7 +5,7 @@
 #include <limits>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -39,5 +39,5 @@ TEST(InvalidInput, ListsErrorsOnlyAndCountsTheRest) {
   EXPECT_EQ(count(error.diagnostics(), Severity::kError), 12U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

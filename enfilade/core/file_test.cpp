@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -111,5 +111,5 @@ TEST_F(FileTest, AFullDiskIsAnError) {
               ThrowsMessage<FileError>(HasSubstr("No space left")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -72,5 +72,5 @@ TEST(Gzip, TextFilesAreReadPackedOrPlain) {
               ThrowsMessage<FileError>(HasSubstr("more than 49999 bytes")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 // From the definition: (-1)^s (1 + m / 1024) 2^(e - 15), and (-1)^s (m / 1024) 2^-14 for e = 0.
 double value_of(std::uint16_t half) {
@@ -93,5 +93,5 @@ TEST(Half, NeedNoAlignment) {
   EXPECT_EQ(odd, straight);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 static_assert(sizeof(ViewpointIndex) == sizeof(std::uint32_t));
 static_assert(std::is_trivially_copyable_v<ViewpointIndex>);
@@ -17,5 +17,5 @@ TEST(Index, OrdersByValue) {
   EXPECT_EQ(ViewpointIndex(7).at(), 7U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

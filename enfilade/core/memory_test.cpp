@@ -7,7 +7,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 
@@ -56,5 +56,5 @@ TEST(AvailableMemoryHere, IsMoreThanThisTestTakes) {
   EXPECT_GT(available_memory(), std::uint64_t{16} << 20);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 TEST(ParseNumber, ReadsIntegersInBaseTen) {
   EXPECT_EQ(parse_number<int>("0"), 0);
@@ -44,5 +44,5 @@ TEST(ParseNumber, RefusesWhatIsOutOfRange) {
   EXPECT_FALSE(parse_number<double>("1e999"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -11,7 +11,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -91,5 +91,5 @@ TEST_F(PartFileTest, AFullDiskIsAnError) {
   std::signal(SIGXFSZ, handler);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 TEST(Rng, SameNumbersOnEveryPlatform) {
   Rng rng(42, 1, 2);
@@ -63,5 +63,5 @@ TEST(Rng, ShuffleKeepsTheElements) {
   EXPECT_EQ(shuffled, values);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

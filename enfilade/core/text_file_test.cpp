@@ -9,7 +9,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 TEST(TextFile, HasTheTextOfSmallLargeAndPackedFiles) {
   const tests::TemporaryFolder folder("text_file");
@@ -34,5 +34,5 @@ TEST(TextFile, NamesWhatCannotBeRead) {
   EXPECT_THROW(TextFile(folder.path()), FileError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 TEST(ParallelFor, VisitsEachItemOnceWhateverTheSplit) {
   for (const int threads : {0, 1, 2, 7}) {
@@ -34,5 +34,5 @@ TEST(ParallelFor, ThrowsOnTheCaller) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -5,7 +5,7 @@
 #include <array>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 TEST(Utf8Length, IsOneToFourBytesAtTheBordersOfTheForms) {
   EXPECT_EQ(utf8_length(std::string_view("\0", 1)), 1U);
@@ -45,5 +45,5 @@ TEST(Utf8, PrefixesEndBetweenCharacters) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::dataset {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
@@ -176,5 +176,5 @@ TEST(Dataset, MayBeSomeScansOnly) {
       ThrowsMessage<ArgumentError>(HasSubstr("\"a\" twice")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::dataset

@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::dataset {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -82,5 +82,5 @@ TEST_F(Views, SayWhatIsNotThere) {
       ThrowsMessage<LookupError>(HasSubstr("v1")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::dataset

@@ -9,7 +9,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -167,5 +167,5 @@ TEST(Legends, WorkForPicturesOfAnySize) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

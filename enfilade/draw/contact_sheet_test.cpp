@@ -10,7 +10,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -117,5 +117,5 @@ TEST(ContactSheet, RefusesWhatItCannotDraw) {
               ThrowsMessage<ArgumentError>(HasSubstr("at most 65500 along an edge")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

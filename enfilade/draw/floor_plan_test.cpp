@@ -13,7 +13,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using graph::NavGraph;
 using ::testing::HasSubstr;
@@ -213,5 +213,5 @@ TEST(FloorPlan, FitsEachRealBuildingOnASheet) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

@@ -7,7 +7,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using graph::NavGraph;
 using graph::testing::connectivity;
@@ -62,5 +62,5 @@ TEST(GraphComparisonSvg, RefusesEdgesOfAnotherGraph) {
   EXPECT_THROW(graph_comparison_svg(found, wrong), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 TEST(Escape, MakesTextSafe) {
   EXPECT_EQ(escape("<a href=\"x\">'&'</a>"),
@@ -21,5 +21,5 @@ TEST(Escape, ReplacesWhatXmlForbids) {
   EXPECT_EQ(escape("\xef\xbf\xbf"), "\uFFFD\uFFFD\uFFFD") << "U+FFFF";
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

@@ -9,7 +9,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using tasks::Direction;
 
@@ -165,5 +165,5 @@ TEST(Outlines, OfGoalsAreAroundTheirViewpoints) {
   EXPECT_TRUE(goal_outlines(graph, tasks::NearEnd(), ViewpointIndex(1), &objects).empty());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

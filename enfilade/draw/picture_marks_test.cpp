@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 image::Image8 grey() {
   image::Image8 picture(200, 100, 3);
@@ -55,5 +55,5 @@ TEST(Marks, OutsideAreLeftOut) {
   EXPECT_EQ(tiny, image::Image8(4, 4, 3));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

@@ -10,7 +10,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using mesh::testing::Maker;
 using testing::HasSubstr;
@@ -138,5 +138,5 @@ TEST(FloorPlan, RefusesAnUnderlayOfAnotherBuilding) {
   EXPECT_THROW(floor_plan_svg(one_room(), {}, options), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

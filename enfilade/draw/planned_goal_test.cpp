@@ -10,7 +10,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -161,5 +161,5 @@ TEST(EpisodeText, HasPiecesWithTheirPlacesAndNamedParts) {
                           "2. stop (viewpoint 2)", "3. there", "region: in the hall"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

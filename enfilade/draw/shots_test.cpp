@@ -6,7 +6,7 @@
 #include "tests/support/panoramas.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -64,5 +64,5 @@ TEST(Shots, AreDrawnInTheirOrder) {
   EXPECT_NE(pictures[0].picture.pixels, pictures[10].picture.pixels);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

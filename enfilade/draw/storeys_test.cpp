@@ -7,7 +7,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using graph::NavGraph;
 
@@ -94,5 +94,5 @@ TEST(FindStoreys, UsesEachViewpointOfTheRealGraphsOnce) {
   EXPECT_EQ(find_storeys(graphs->graph("V2XKFyX4ASd")).size(), 4U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

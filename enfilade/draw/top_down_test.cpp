@@ -10,7 +10,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::draw {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -53,5 +53,5 @@ TEST(TopDown, RefusesWhatCannotBeDrawn) {
   EXPECT_THROW(top_down_svg(floor, {}, {.pixels_per_metre = -1}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw

@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::exports {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -63,5 +63,5 @@ TEST(BoxFiles, NameThePlacesOfAMeshThatIsNotThere) {
                                HasSubstr("s/house_segmentations/s.house")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::exports

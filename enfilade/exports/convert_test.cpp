@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::exports {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using tasks::Task;
@@ -119,5 +119,5 @@ TEST(Convert, SoonsEntriesBecomeLinesWithoutWhatTiesThem) {
             read.paths);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::exports

@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::exports {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -229,5 +229,5 @@ TEST(LeRobot, GoesOnWhereItStopped) {
   EXPECT_EQ(read_file(table), before);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::exports

@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::exports {
-namespace {
+namespace EN_UNIT {
 
 using features::Hdf5Type;
 using ::testing::HasSubstr;
@@ -186,5 +186,5 @@ TEST(Numbers, ThoseTooLargeForSixteenBitsAreNamed) {
               HasSubstr("s_v: 70000 is no number of 16 bits"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::exports

@@ -12,7 +12,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::exports {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using ::testing::ElementsAre;
@@ -118,5 +118,5 @@ TEST(JsonText, NumbersAreFloatsAndReadBackEqual) {
   EXPECT_THROW(detail::json_string("\xff"), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::exports

@@ -11,7 +11,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::exports {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -57,5 +57,5 @@ TEST(Networkx, OneWayEdgesMakeADirectedGraph) {
                                HasSubstr("_pred"), HasSubstr("_succ")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::exports

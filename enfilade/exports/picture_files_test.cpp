@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::exports {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -69,5 +69,5 @@ TEST_F(PictureFiles, DepthsAreWrittenForEachViewpoint) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::exports

@@ -20,7 +20,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::features {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -579,5 +579,5 @@ TEST_F(FeatureSetTest, ShardsThatDoNotFitAreRefused) {
   EXPECT_THROW(convert_features({}, path("all.h5")), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::features

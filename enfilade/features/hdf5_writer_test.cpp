@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::features {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -106,5 +106,5 @@ TEST_F(Hdf5WriterTest, RefusesWhatTheFormatCannotHold) {
   EXPECT_THROW(Hdf5Writer(file("none") / "g.hdf5"), FileError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::features

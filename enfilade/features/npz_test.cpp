@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::features {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -102,5 +102,5 @@ TEST_F(NpzTest, AZipWithOtherFilesIsNone) {
               HasSubstr("data.pkl"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::features

@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::features {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -99,5 +99,5 @@ TEST_F(ObjectSetTest, WhatIsWrongIsNamedWithItsViewpoint) {
               HasSubstr("none.hdf5: cannot be read"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::features

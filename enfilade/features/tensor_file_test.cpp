@@ -17,7 +17,7 @@
 #include "tests/support/zip_bytes.h"
 
 namespace enfilade::features {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -456,5 +456,5 @@ TEST_F(TensorFileTest, ArchivesOfOtherKindsAreRefused) {
       HasSubstr("big-endian"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::features

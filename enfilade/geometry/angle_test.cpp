@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 TEST(WrapHeading, KeepsWhatIsInRangeToTheBit) {
   for (const double h : {0.0, 1e-300, 0.1, 3.0, 6.28}) EXPECT_EQ(wrap_heading(Radians(h)).value, h);
@@ -30,5 +30,5 @@ TEST(WrapDifference, TakesTheShorterWay) {
 
 TEST(Degrees, ComeBack) { EXPECT_NEAR(to_degrees(degrees(30)), 30, 1e-14); }  // two roundings
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

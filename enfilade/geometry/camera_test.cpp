@@ -8,7 +8,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -36,5 +36,5 @@ TEST(Camera, RefusesWhatCannotBeAPicture) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -7,7 +7,7 @@
 #include "enfilade/core/rng.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 // What a few operations on numbers of size 1 may lose.
 constexpr double kRounding = 1e-14;
@@ -99,5 +99,5 @@ TEST(CubeMap, TransposeUndoesARotation) {
   EXPECT_NEAR(length((transpose(rotation) * rotation) * v - v), 0, kRounding);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 TEST(HabitatFrame, TurnsUpIntoY) {
   EXPECT_EQ(to_habitat(Vec3d{1, 2, 3}), (Vec3d{1, 3, -2}));
@@ -30,5 +30,5 @@ TEST(HabitatFrame, KeepsTheDirectionOfAHeading) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -7,7 +7,7 @@
 #include "enfilade/geometry/cube_map.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 // A quarter turn about z takes x to y and y to -x.
 constexpr Mat3d kQuarter{{0, -1, 0, 1, 0, 0, 0, 0, 1}};
@@ -54,5 +54,5 @@ TEST(IsRotation, IsFalseForWhatIsNoNumber) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 TEST(Vec3, LengthAndDifference) {
   constexpr Vec3d kA{1, 2, 3};
@@ -52,5 +52,5 @@ TEST(Vec3, ChangesItsPrecision) {
   EXPECT_EQ(to_double({0.1F, 0.5F, -3}), (Vec3d{0.1F, 0.5, -3}));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

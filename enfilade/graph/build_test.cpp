@@ -14,7 +14,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::graph {
-namespace {
+namespace EN_UNIT {
 
 using mesh::RayTracer;
 using mesh::WalkableFloor;
@@ -355,5 +355,5 @@ TEST(BuildGraph, HangsTogetherWhereTheFloorDoes) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::graph

@@ -11,7 +11,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::graph {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -91,5 +91,5 @@ TEST(CheckFolder, CountsTheOdditiesOfTheRealGraphs) {
   EXPECT_EQ(counts["self-edge"], 0);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::graph

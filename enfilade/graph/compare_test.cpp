@@ -7,7 +7,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::graph {
-namespace {
+namespace EN_UNIT {
 
 using testing::connectivity;
 using ::testing::ElementsAre;
@@ -104,5 +104,5 @@ TEST(Compare, RefusesGraphsThatShareNothing) {
   EXPECT_THROW(compare(found, truth), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::graph

@@ -9,7 +9,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::graph {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -144,5 +144,5 @@ TEST(ApplyCorrections, RefusesOtherScansAndUnknownIdsAllAtOnce) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::graph

@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::graph {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -80,5 +80,5 @@ TEST(GraphSet, OfRefusesTwoOfOneName) {
   EXPECT_THROW(GraphSet::of(std::move(graphs)), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::graph

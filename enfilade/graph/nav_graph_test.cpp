@@ -13,7 +13,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::graph {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -123,5 +123,5 @@ TEST(NavGraph, RealGraphsHaveThePapersNumbers) {
   EXPECT_NEAR(double(edges) / double(viewpoints), 4.06, 0.005);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::graph

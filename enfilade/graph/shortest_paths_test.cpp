@@ -8,7 +8,7 @@
 #include "enfilade/core/rng.h"
 
 namespace enfilade::graph {
-namespace {
+namespace EN_UNIT {
 
 struct Rows {
   std::vector<std::uint32_t> first;
@@ -75,5 +75,5 @@ TEST(ShortestPaths, AgreeWithFloydWarshallAndTieToLowerIndices) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::graph

@@ -28,7 +28,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::homes {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -440,5 +440,5 @@ TEST(HomeSet, TwoHomesAreEnoughWithoutATestSplit) {
   EXPECT_FALSE(fs::exists(folder.path() / "hidden"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes

@@ -6,7 +6,7 @@
 #include "tests/support/home_passage.h"
 
 namespace enfilade::homes {
-namespace {
+namespace EN_UNIT {
 
 constexpr double kWidth = 0.4, kLowest = 0.35, kHighest = 1.55;
 
@@ -122,5 +122,5 @@ TEST(Passage, EveryDoorOfABareHomeIsPassable) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes

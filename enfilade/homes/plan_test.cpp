@@ -11,7 +11,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::homes {
-namespace {
+namespace EN_UNIT {
 
 std::string text_of(const Plan& plan) {
   std::string text;
@@ -145,5 +145,5 @@ TEST(Plan, OptionsOutOfRangeAreRefused) {
   EXPECT_THROW(make_plan({1, HomeKind::kHouse, 3U, 250}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 // Colours that say where they are: face, x, y.
 CubeMap<std::uint8_t> labelled(std::uint32_t size) {
@@ -137,5 +137,5 @@ TEST(WriteFace, LeavesTheBorderAlone) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

@@ -11,7 +11,7 @@
 #include "enfilade/image/codecs.h"
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -170,5 +170,5 @@ TEST(CubeFromEquirectangular, IsWithinTwoLevelsOfAPhotographsTrueCubeMap) {
   EXPECT_LT(sum / kCubeFaces, 1.6);  // measured 1.49
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

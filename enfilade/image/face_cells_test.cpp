@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 // A texel that says where it is.
 std::array<std::uint8_t, 3> label(std::ptrdiff_t x, std::ptrdiff_t y) {
@@ -120,5 +120,5 @@ TEST(ValueCells, GiveBackWhatWasWritten) {
   check_values<std::uint32_t>();
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

@@ -9,7 +9,7 @@
 #include "enfilade/image/codecs.h"
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -134,5 +134,5 @@ TEST(Hdr, ReadsRealPanoramas) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

@@ -8,7 +8,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -158,5 +158,5 @@ TEST(DepthUnits, AreRoundedAndNeverZero) {
   EXPECT_EQ(depth_units(1000), 65535);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

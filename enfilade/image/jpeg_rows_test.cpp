@@ -11,7 +11,7 @@
 #include "enfilade/image/detail/block_kernels.h"
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 using Jpeg = std::vector<std::uint8_t>;
 
@@ -312,5 +312,5 @@ TEST(BlockKernels, AreTheirPlainTwins) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

@@ -7,7 +7,7 @@
 #include "enfilade/image/codecs.h"
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -198,5 +198,5 @@ TEST(CutJpegStrip, RefusesADamagedStrip) {
   EXPECT_THROW(cut_jpeg_strip({}, "f"), InvalidInput);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

@@ -7,7 +7,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -78,5 +78,5 @@ TEST_F(LoadPicture, RefusesOtherFiles) {
   EXPECT_THROW(load_picture("/nowhere/at/all.jpg"), FileError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

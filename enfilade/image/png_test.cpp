@@ -5,7 +5,7 @@
 #include "enfilade/image/codecs.h"
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -128,5 +128,5 @@ TEST(Ids, AreNoColours) {
   EXPECT_THROW(decode_ids(encode_png(Image8(1, 1, 2)), "ids"), InvalidInput);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

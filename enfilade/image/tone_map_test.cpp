@@ -7,7 +7,7 @@
 #include "enfilade/image/codecs.h"
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 ImageF greys(std::initializer_list<float> values) {
   ImageF picture(static_cast<std::uint32_t>(values.size()), 1, 3);
@@ -53,5 +53,5 @@ TEST(ToneMap, TakesAnyNumbers) {
   EXPECT_THROW(tone_map(ImageF(1, 1, 1)), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::image {
-namespace {
+namespace EN_UNIT {
 
 TEST(Shoulder, IsStraightThenBendsTowardsOne) {
   EXPECT_EQ(shoulder(-0.5), 0.0);
@@ -51,5 +51,5 @@ TEST(Luminance, OfWhiteIsOne) {
   EXPECT_EQ(luminance(0.0F, 2.0F, 0.0F), 2 * 0.7152F);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::image

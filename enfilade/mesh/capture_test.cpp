@@ -12,7 +12,7 @@ namespace enfilade::mesh {
 
 using namespace detail;
 
-namespace {
+namespace EN_UNIT {
 
 // Heading about the vertical; the panorama's y is down.
 Mat3d upright(double heading) {
@@ -245,5 +245,5 @@ TEST(Capture, RefusesWhatMeansNothing) {
   EXPECT_THROW(capture_pinhole(mesh, {}), ArgumentError);  // no focal length
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

@@ -8,7 +8,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::mesh {
-namespace {
+namespace EN_UNIT {
 
 using testing::Maker;
 
@@ -147,5 +147,5 @@ TEST(FloorPolygons, AMeshWithoutAFloorSaysWhy) {
   EXPECT_THROW(polygons_of(wall), InvalidInput);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

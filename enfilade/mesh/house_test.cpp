@@ -7,7 +7,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::mesh {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -170,5 +170,5 @@ TEST(House, CutAnywhereIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

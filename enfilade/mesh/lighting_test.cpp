@@ -12,7 +12,7 @@ namespace enfilade::mesh {
 
 using namespace detail;
 
-namespace {
+namespace EN_UNIT {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
@@ -277,5 +277,5 @@ TEST(Lighting, RefusesWhatMeansNothing) {
   EXPECT_THROW(bake(0.3, 16, std::nanf("")), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

@@ -12,7 +12,7 @@
 #include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::mesh {
-namespace {
+namespace EN_UNIT {
 
 struct Built {
   Mesh mesh;
@@ -170,5 +170,5 @@ TEST(MeshBuilder, RefusesABadTextureSize) {
   EXPECT_THROW(built.builder.add_material({}, -1), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace enfilade::mesh {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -165,5 +165,5 @@ TEST(MeshCheck, WarnsOfAbsurdSizesAndFlatTriangles) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

@@ -14,7 +14,7 @@ namespace enfilade::mesh {
 
 using namespace detail;
 
-namespace {
+namespace EN_UNIT {
 
 // Distances are compared with EXPECT_FLOAT_EQ, which allows 4 units in the last place. Embree
 // multiplies by a reciprocal that it refines from the processor's estimate, and estimates differ
@@ -211,5 +211,5 @@ TEST(RayTracer, RefusesAMeshThatMeansNothing) {
   EXPECT_THROW(tracer_of(assembly), InvalidInput);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -163,5 +163,5 @@ TEST_F(HouseMesh, RefusesFilesThatDisagree) {
   EXPECT_THROW(read_house_mesh(folder_, "s"), FileError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

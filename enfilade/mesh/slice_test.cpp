@@ -7,7 +7,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::mesh {
-namespace {
+namespace EN_UNIT {
 
 double total(const std::vector<SliceLine>& lines) {
   double metres = 0;
@@ -53,5 +53,5 @@ TEST(Slice, SlopesGiveTheLineAtTheirHeight) {
   for (const SliceLine& line : lines) EXPECT_NEAR(line.from.x, 1.0, 1e-6);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

@@ -16,7 +16,7 @@ namespace enfilade::mesh {
 
 using namespace detail;
 
-namespace {
+namespace EN_UNIT {
 
 /// A floor of 4 x 4 m, a part of it below a sheet that keeps the sun off; no other light.
 LitMesh half_in_the_sun() {
@@ -130,5 +130,5 @@ TEST(VertexLight, ThreadsChangeNothingAndOptionsAreChecked) {
   EXPECT_THROW(with_vertex_light(lit, {.tolerance = 0}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

@@ -11,7 +11,7 @@
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::mesh {
-namespace {
+namespace EN_UNIT {
 
 using testing::Maker;
 
@@ -233,5 +233,5 @@ TEST(WalkableFloor, BelowOutsideIsNothing) {
   EXPECT_TRUE(floor.below({2, 2, 2.4F}));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

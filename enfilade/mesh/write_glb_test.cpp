@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh {
-namespace {
+namespace EN_UNIT {
 
 Material textured(std::uint32_t channels) {
   Material material;
@@ -105,5 +105,5 @@ TEST(WriteGlb, WritesVertexColoursAndMeshesWithoutNormals) {
   EXPECT_EQ(read.triangles, made.triangles);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh

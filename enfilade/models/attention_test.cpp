@@ -6,7 +6,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::models {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -72,5 +72,5 @@ INSTANTIATE_TEST_SUITE_P(
             "viewpoint": "v", "heading": 0, "elevation": 0}]}})",
             "bad-weight", "attention[0]"}));
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::models

@@ -12,7 +12,7 @@
 #include "tests/support/made_run.h"
 
 namespace enfilade::models {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::FloatNear;
@@ -223,5 +223,5 @@ TEST_F(Recorder, ShowsTheFirstTheBestAndTheWorst) {
   EXPECT_THAT(shown_episodes(walks_, episodes_, 100), ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::models

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::models {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -61,5 +61,5 @@ TEST(InstructionWords, IdsOfTheAnnotationsAreReadAsTheyAre) {
   EXPECT_THAT(InstructionWords(models::words()).encode(episode, 10), ElementsAre(5, 3, 4, 2));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::models

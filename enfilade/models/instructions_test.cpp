@@ -7,7 +7,7 @@
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade::models {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -76,5 +76,5 @@ TEST(RealData, TrainingEpisodesAndVocabulariesHaveTheirKnownSizes) {
   EXPECT_EQ(long_ones, 80U);  // of 80 tokens or more
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::models

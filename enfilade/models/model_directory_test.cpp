@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::models {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -304,5 +304,5 @@ TEST(TrainConfig, InputsAreReadByTheirNames) {
               ThrowsMessage<ArgumentError>(HasSubstr("\"smell\": one of none, language, vision")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::models

@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::models {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -262,5 +262,5 @@ TEST(SubwordsOfPackages, SentencePiecesAreSentencepieces) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::models

@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::models {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -207,5 +207,5 @@ TEST_F(TrainingLogTest, AFullDiskIsAnError) {
   EXPECT_THAT([&] { full.write("x"); }, ThrowsMessage<FileError>(HasSubstr("No space left")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::models

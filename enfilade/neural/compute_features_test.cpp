@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -136,5 +136,5 @@ TEST(Features, RefuseWhatMakesNoSense) {
               HasSubstr("nothing to do"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

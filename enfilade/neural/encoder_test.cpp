@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::Contains;
@@ -189,5 +189,5 @@ TEST(Torch, TellsItsBlasAndHowFastItIs) {
   EXPECT_TRUE(torch.blas.empty() || fs::exists(torch.blas)) << torch.blas;
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

@@ -12,7 +12,7 @@
 #include "tests/support/small_training.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 
@@ -133,5 +133,5 @@ TEST_F(EvaluationTest, AgentsThatSeeNeedFeaturesOfTheirSize) {
   EXPECT_THROW(agent->enter(split.episodes, nullptr), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

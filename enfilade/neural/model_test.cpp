@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -66,5 +66,5 @@ TEST_F(ModelTest, ABrokenByteOfWeightsIsFound) {
               ThrowsMessage<InvalidInput>(HasSubstr("its bytes are not those that were written")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -529,5 +529,5 @@ TEST(Network, NamesAllThatIsWrongWithAFile) {
   EXPECT_TRUE(equal(fixture.network.weights(), before));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

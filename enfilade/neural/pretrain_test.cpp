@@ -15,7 +15,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using tests::patchwork;
@@ -120,5 +120,5 @@ TEST(AveragePrecision, IsWorkedOutByHand) {
   EXPECT_TRUE(std::isnan(precision({0, 0, 0, 0})));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using tests::patchworks;
@@ -145,5 +145,5 @@ TEST(Probe, NamesWhatItLacks) {
               HasSubstr("viewpoints: 0"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

@@ -19,7 +19,7 @@
 #include "tests/support/free_port.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 using detail::BatchParts;
 using detail::GradientSum;
@@ -338,5 +338,5 @@ TEST_F(RanksTest, OtherNumbersOfPartsAreRefusedOrAdded) {
   });
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

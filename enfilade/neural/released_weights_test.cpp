@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using features::NamedArray;
@@ -232,5 +232,5 @@ TEST_F(ReleasedWeightsTest, CheckpointsOfThePublishedCodeAreRead) {
   EXPECT_EQ(listener.config.training.panoramic.hidden, 64U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

@@ -24,7 +24,7 @@
 #include "tests/support/small_training.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -475,5 +475,5 @@ TEST_F(TrainerTest, TellsHowFarItIs) {
   EXPECT_EQ(evaluations, 4U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

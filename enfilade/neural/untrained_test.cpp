@@ -9,7 +9,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 using models::AgentKind;
 using ::testing::HasSubstr;
@@ -44,5 +44,5 @@ TEST(UntrainedTest, OtherAgentsAreRefused) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

@@ -6,7 +6,7 @@
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 TEST(Equirectangular, EachPixelShowsItsDirection) {
   const auto cache = testing::made_cache(128);
@@ -50,5 +50,5 @@ TEST(Equirectangular, RefusesWrongSizes) {
   EXPECT_THROW(render_equirectangular(nullptr, view, 20, 10, out.outputs()), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

@@ -15,7 +15,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 using scan::Layer;
 
@@ -190,5 +190,5 @@ TEST(FaceCache, KeepsAShareOfTheMachinesMemoryIfNotTold) {
 
 TEST(FaceCache, NeedsPanoramas) { EXPECT_THROW(FaceCache(nullptr), ArgumentError); }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 constexpr std::uint32_t kWidth = 5, kHeight = 3;
 constexpr std::size_t kPixels = kWidth * kHeight, kViews = 2;
@@ -64,5 +64,5 @@ TEST(PackPixels, Planes) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

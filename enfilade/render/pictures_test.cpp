@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 TEST(Pictures, HaveRoomForTheLayersThatAreAskedFor) {
   Pictures pictures;
@@ -27,5 +27,5 @@ TEST(Pictures, HaveDepthInQuarterMillimetres) {
   EXPECT_EQ(outputs.depth->pixels.size(), 4U * 3 * 2);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

@@ -11,7 +11,7 @@
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 using testing::cache_of;
 using testing::direction_colour;
@@ -373,5 +373,5 @@ TEST(Renderer, BackendsHaveNames) {
   EXPECT_THAT([] { make_renderer(nullptr); }, ThrowsMessage<ArgumentError>(HasSubstr("null")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

@@ -16,7 +16,7 @@
 #include "tests/support/shared_memory.h"
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 using scan::Layer;
 using tests::in_child;
@@ -199,5 +199,5 @@ TEST_F(SharedCache, AFailureIsNotShared) {
   EXPECT_GT(broken->counters().shared_bytes, 0U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

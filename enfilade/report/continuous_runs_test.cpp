@@ -19,7 +19,7 @@
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -150,5 +150,5 @@ TEST_F(ContinuousRunsTest, ReportHasMapsAndNoPartsOfTheGraph) {
   EXPECT_EQ(page.find("\"gallery\":"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::report

@@ -17,7 +17,7 @@
 #include "tests/support/page.h"
 
 namespace enfilade::report {
-namespace {
+namespace EN_UNIT {
 
 using models::DecisionStep;
 using models::EpisodeDecisions;
@@ -181,5 +181,5 @@ TEST(Moments, SayHowAnEpisodeEnds) {
   EXPECT_FALSE(parts::moment_json(moments[0], graph)["choices"][1].contains("heading"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::report

@@ -12,7 +12,7 @@
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -76,5 +76,5 @@ TEST_F(Goals, ObjectsAreOutlinedInPictures) {
   EXPECT_NE(*plain, *outlined);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::report

@@ -18,7 +18,7 @@
 #include "tests/support/page.h"
 
 namespace enfilade::report {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using testing::data_of;
@@ -233,5 +233,5 @@ TEST(TrainingCurve, KeepsTheMeanAndTheNumberOfPoints) {
   EXPECT_EQ(parts::training_curve(records, 1000).size(), 1000U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::report

@@ -11,7 +11,7 @@
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -134,5 +134,5 @@ TEST(RealData, PublishedFiguresStandBesideTheRandomAgents) {
   EXPECT_FALSE(data->synthetic());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::report

@@ -8,7 +8,7 @@
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -100,5 +100,5 @@ TEST_F(RunDirectoryTest, MadeUpDataSaySo) {
   EXPECT_TRUE(dataset::Dataset(made_.data()).synthetic());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::report

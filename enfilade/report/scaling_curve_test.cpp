@@ -6,7 +6,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::report {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -62,5 +62,5 @@ TEST(ScalingCurve, RefusesNothingAndNoBuilding) {
   EXPECT_THAT(scaling_curve_svg(one), HasSubstr("cx=\"376.0\""));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::report

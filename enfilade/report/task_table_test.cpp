@@ -11,7 +11,7 @@
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
-namespace {
+namespace EN_UNIT {
 
 using tasks::Task;
 using ::testing::HasSubstr;
@@ -170,5 +170,5 @@ TEST(TableColumns, NameMetricsThatTheirScorersHave) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::report

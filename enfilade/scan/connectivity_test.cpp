@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
@@ -191,5 +191,5 @@ TEST(Connectivity, ReadsAllRealGraphs) {
   EXPECT_EQ(included, 10567U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -46,5 +46,5 @@ TEST(DataRoot, KnowsTheLayoutsInTheWild) {
   EXPECT_EQ(places.connectivity, root / "ours/connectivity");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

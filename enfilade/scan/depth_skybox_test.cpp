@@ -10,7 +10,7 @@
 #include "enfilade/geometry/cube_map.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 struct Box {
   Vec3d low, high;
@@ -253,5 +253,5 @@ TEST(DepthSkybox, IsEmptyWithoutPictures) {
   for (const auto& face : map) EXPECT_EQ(face, image::Image16(4, 4, 1));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

@@ -13,7 +13,7 @@
 #include "tests/support/zip_bytes.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -200,5 +200,5 @@ TEST(FileTree, NoticesThatAZipWasReplaced) {
               HasSubstr("x.zip:b: the zip file was changed while it was read"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

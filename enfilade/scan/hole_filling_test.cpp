@@ -7,7 +7,7 @@
 #include "enfilade/scan/depth_skybox.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using Depth = image::CubeMap<std::uint16_t>;
@@ -163,5 +163,5 @@ TEST(FillHoles, RefusesOtherSizesAndSigmas) {
               HasSubstr("pass 1: sigmas 0 texels"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

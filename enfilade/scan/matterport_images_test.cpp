@@ -17,7 +17,7 @@
 #include "tests/support/zip_bytes.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -412,5 +412,5 @@ TEST_F(MatterportImagesTest, NamesTheUndistortedFileThatIsMissingOrBroken) {
                         ": scan \"house\", viewpoint \"v0\", line 1: \"scan\" has 0 fields"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

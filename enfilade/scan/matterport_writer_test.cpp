@@ -14,7 +14,7 @@
 #include "enfilade/scan/undistorted_cameras.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -230,5 +230,5 @@ TEST(MatterportWriter, AgreesWithTheBuilderOfDepthSkyboxes) {
   EXPECT_LT(errors.back(), .02);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

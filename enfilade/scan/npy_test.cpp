@@ -8,7 +8,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -36,5 +36,5 @@ TEST(Npy, WhatIsNoArrayIsRefused) {
   EXPECT_THROW(NpyArray::parse(bytes), Error);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -74,5 +74,5 @@ TEST(PanoramaSet, TriesAgainAfterAFailure) {
   EXPECT_EQ(set->source(ScanIndex(0)).size(), 1U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

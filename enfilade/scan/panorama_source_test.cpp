@@ -9,7 +9,7 @@
 #include "tests/support/panoramas.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -136,5 +136,5 @@ TEST(MemoryPanoramas, RefusePicturesThatAreNoCubeMap) {
   EXPECT_THROW(MemoryPanoramas(testing::row_of_viewpoints("scan", 2), {good}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

@@ -7,7 +7,7 @@
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -60,5 +60,5 @@ TEST(RegionMap, ReadsTheRealMap) {
   EXPECT_EQ(map.viewpoints(), 10358U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

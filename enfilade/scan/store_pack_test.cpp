@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -367,5 +367,5 @@ TEST(Pack, RefusesWhatItCannotDo) {
   EXPECT_THROW(pack(*source, "/proc", {}), FileError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

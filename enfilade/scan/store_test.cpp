@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -478,5 +478,5 @@ TEST_F(Damage, ThatOnlyDecodingCanTellIsRefusedThere) {
   EXPECT_FALSE(store->verify().empty());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

@@ -6,7 +6,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -120,5 +120,5 @@ TEST(UndistortedCameras, KeepMessagesShortOnHostileInput) {
   EXPECT_THAT(faults_of(lines), HasSubstr("... and 90 more"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

@@ -9,7 +9,7 @@
 #include "enfilade/scan/file_tree.h"
 
 namespace enfilade::scan {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -34,5 +34,5 @@ TEST(ZipWriter, RefusesWhatAZipCannotSay) {
   EXPECT_THROW(zip(std::vector<ZipEntry>{{"a", "x"}, {"a", "y"}}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan

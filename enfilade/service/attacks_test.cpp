@@ -11,7 +11,7 @@
 #include "tests/support/worker.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using testing::connect_to;
 using testing::exchange;
@@ -416,5 +416,5 @@ TEST(Attacks, AFormulaInATeamsNameIsQuotedInTheSheet) {
               HasSubstr("\"'=HYPERLINK(1)\""));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -15,7 +15,7 @@
 #include "tests/support/small_homes.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using testing::Served;
@@ -206,5 +206,5 @@ TEST(Browsing, ABrokenListOfHomesIsToldAndNoPlan) {
   EXPECT_THAT(answer->body, HasSubstr("\"error\""));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

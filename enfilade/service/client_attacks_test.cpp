@@ -12,7 +12,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using testing::exchange;
 using ::testing::HasSubstr;
@@ -309,5 +309,5 @@ TEST(ClientAttacks, BeforeTheEndHeadersDoNotDependOnTheGoalsEither) {
   EXPECT_EQ(told.size(), 1U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -6,7 +6,7 @@
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::collection_body;
@@ -322,5 +322,5 @@ TEST_F(Collect, ProlificSendsIdsAndGetsItsCode) {
               HasSubstr("\"5f0c00000000000000000001\",\"60bb\",\"60aa\""));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

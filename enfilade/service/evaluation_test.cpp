@@ -10,7 +10,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -217,5 +217,5 @@ TEST(Evaluation, TheClientHandsIn) {
               HasSubstr("cannot be reached"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -9,7 +9,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -181,5 +181,5 @@ TEST(HostAttacks, SoAreThoseInAFolderThatThePicturesAreLinkedTo) {
               HasSubstr(fs::canonical(pictures).string()));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -25,7 +25,7 @@
 #endif
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AnyOf;
 using ::testing::Each;
@@ -495,5 +495,5 @@ TEST(MemoryAttacks, TwoHundredFilesOfFaultsTakeLittleAndOthersAreServed) {
   EXPECT_EQ(server.stop(), 0);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

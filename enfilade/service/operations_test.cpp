@@ -14,7 +14,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -246,5 +246,5 @@ TEST(Operations, PicturesThatWereSentAreGivenBack) {
   EXPECT_LT(tests::resident_bytes_of(file), 500'000U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -8,7 +8,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -163,5 +163,5 @@ TEST(Phases, TimesAreOfOneForm) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -16,7 +16,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -252,5 +252,5 @@ TEST_F(PlayingTest, ManyWalkAtOnce) {
   EXPECT_THAT(wrong, ::testing::Each(0));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -17,7 +17,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -376,5 +376,5 @@ TEST_F(ReplayTest, PagesAreToldWhetherThereAreRuns) {
   EXPECT_TRUE(other.json("/api/v1/runs").at("runs").empty());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

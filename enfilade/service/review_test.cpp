@@ -6,7 +6,7 @@
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::collection_body;
@@ -209,5 +209,5 @@ TEST_F(Review, AcceptedInstructionsAreExportedAsR2r) {
   EXPECT_EQ(served_.get("/api/v1/collections/pilot/export?split=none", organiser_)->status, 404);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -19,7 +19,7 @@
 #include "tests/support/small_homes.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -263,5 +263,5 @@ TEST_F(RoamingTest, EpisodesAreWalkedByRequests) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

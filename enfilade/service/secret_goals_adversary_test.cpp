@@ -15,7 +15,7 @@
 #include "tests/support/secret_phase.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using namespace testing;  // NOLINT(google-build-using-namespace)
@@ -383,5 +383,5 @@ TEST(SecretGoalsAdversary, WhoWaitsForTheEndLearnsLessThanIsStated) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

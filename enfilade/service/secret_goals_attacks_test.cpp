@@ -7,7 +7,7 @@
 #include "tests/support/secret_phase.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using namespace testing;  // NOLINT(google-build-using-namespace)
@@ -124,5 +124,5 @@ TEST(SecretGoalsAttacks, TheOrderOfEqualRowsTellsNothing) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

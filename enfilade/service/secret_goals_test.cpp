@@ -12,7 +12,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -338,5 +338,5 @@ TEST_F(SecretGoals, WhatIsGivenAwayIsToldInBits) {
   EXPECT_EQ(phases[1].at("leakage").at("used_bits"), std::ceil(std::log2(101)));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -12,7 +12,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -186,5 +186,5 @@ TEST(Server, TheDescriptionNamesEveryRouteAndNoOther) {
   EXPECT_THAT(described, ::testing::UnorderedElementsAreArray(routes));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -9,7 +9,7 @@
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::collection_body;
@@ -243,5 +243,5 @@ TEST_F(Walk, GoalsOfASecretPhaseAreSecretHereToo) {
   EXPECT_THAT(all, Not(HasSubstr("error_m")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -5,7 +5,7 @@
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::collection_body;
@@ -276,5 +276,5 @@ TEST_F(WorkAttacks, TooManyWhoComeFromAnAddressWait) {
   EXPECT_EQ(join("c"), 200);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

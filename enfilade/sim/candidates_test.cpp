@@ -12,7 +12,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::sim {
-namespace {
+namespace EN_UNIT {
 
 // Thirty viewpoints on two storeys, joined where they are near.
 std::shared_ptr<const graph::GraphSet> small_set() {
@@ -115,5 +115,5 @@ TEST(Candidates, OfAnUnknownViewpointAreRefused) {
   EXPECT_THROW(finder.find({ScanIndex(0), ViewpointIndex(100000)}), ActionError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::sim

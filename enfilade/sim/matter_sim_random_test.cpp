@@ -17,7 +17,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::sim {
-namespace {
+namespace EN_UNIT {
 
 TEST(MatterSimRandom, GeneratesTheStandardsNumbers) {
   for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{0}, std::uint64_t{42},
@@ -130,5 +130,5 @@ TEST(MatterSimRandom, RecordedEpisodesStartTheSameToTheBit) {
   EXPECT_GT(recorded.starts(), 900);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::sim

@@ -11,7 +11,7 @@
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::sim {
-namespace {
+namespace EN_UNIT {
 
 // The square of tests/support, with panoramas; agents walk it and see.
 struct World {
@@ -71,5 +71,5 @@ TEST(Observe, NeighboursAreDecodedAhead) {
   EXPECT_EQ(world.faces->counters().misses, 0U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::sim

@@ -11,7 +11,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::sim {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -404,5 +404,5 @@ TEST(SimulatorErrors, ConfigurationsAreChecked) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::sim

@@ -33,9 +33,9 @@
 #endif
 
 #if !EN_TEST_SANITIZED  // sanitizers bring their own
-namespace {
+namespace EN_UNIT {
 thread_local std::size_t allocations = 0;
-}  // namespace
+}  // namespace EN_UNIT
 
 // Not inlined: gcc would see malloc's memory freed by one half of a pair and warn of a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
@@ -48,7 +48,7 @@ thread_local std::size_t allocations = 0;
 #endif
 
 namespace enfilade::sim {
-namespace {
+namespace EN_UNIT {
 
 using graph::GraphSet;
 using graph::NavGraph;
@@ -343,5 +343,5 @@ TEST(SimulatorWalk, MatterSimsStartsOfOneAgentKeepItsHeading) {
   EXPECT_EQ(buffer.spans().heading[2], heading);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::sim

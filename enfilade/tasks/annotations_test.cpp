@@ -11,7 +11,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -186,5 +186,5 @@ TEST(Episodes, OfRealSplits) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -18,7 +18,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -306,5 +306,5 @@ TEST(TaskFiles, NamesAndPlaces) {
               ThrowsMessage<LookupError>(HasSubstr("r2r-back, r4r, rxr")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -7,7 +7,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -73,5 +73,5 @@ TEST(InstructionTokens, AreThoseOfAllRealFiles) {
   EXPECT_EQ(instructions, 16844U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -18,7 +18,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::AnyOf;
@@ -429,5 +429,5 @@ TEST(ObjectBoxes, AreSeenAtTheEndsOfPublishedPaths) {
 }
 /// @}
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -14,7 +14,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -216,5 +216,5 @@ TEST(PublicScorers, TakeMeansByTheirRules) {
   EXPECT_TRUE(std::isnan(summarise(duet, {})[0]));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

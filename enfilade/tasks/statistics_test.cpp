@@ -9,7 +9,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -177,5 +177,5 @@ TEST(Statistics, OfRoomToRoom) {
   EXPECT_EQ(s.all.path_length.count, 7189U - 1391U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -157,5 +157,5 @@ TEST(Vocabulary, IsTheReleasedOne) {
             std::set(released.words().begin(), released.words().end()));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -18,7 +18,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 
@@ -103,5 +103,5 @@ TEST_F(AskKill, AServerThatIsKilledIsWaitedFor) {
   EXPECT_EQ(files("run"), files("whole"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

@@ -8,7 +8,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace {
+namespace EN_UNIT {
 
 const std::filesystem::path kDocs = std::filesystem::path(EN_SOURCE_DIR) / "docs/bad_input.md";
 
@@ -45,7 +45,7 @@ TEST(BadInputDocs, PageIsWhatTheCasesMake) {
   EXPECT_EQ(read_file(kDocs), docs_page()) << "run: bad_input_test --write-docs";
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 
 // Prints what each case really gets, to look at while writing one.
 void show_outcomes() {

@@ -20,7 +20,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using tasks::Task;
@@ -136,5 +136,5 @@ INSTANTIATE_TEST_SUITE_P(Homes, EveryTask, ::testing::ValuesIn(kTasks), [](const
   return name;
 });
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

@@ -7,7 +7,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -41,5 +41,5 @@ TEST(AgentsTally, WhatIsNoNumberOrLacksElementsIsAMismatch) {
   EXPECT_THROW(golden_number(json("x")), Error);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

@@ -13,7 +13,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -147,5 +147,5 @@ TEST(Golden, ColourDifferenceIsMagnified) {
   EXPECT_EQ(*sheet.at(200, 0), 64);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

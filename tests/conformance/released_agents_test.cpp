@@ -23,7 +23,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -242,5 +242,5 @@ TEST_F(ReleasedAgentsTest, EnvDropsListenerWalksAsThePublishedCode) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

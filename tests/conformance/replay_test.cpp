@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -172,5 +172,5 @@ TEST_F(Traces, CompressedOnesAreReadAndCutOnesRefused) {
   EXPECT_THROW(TraceReader(path.parent_path()), FileError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

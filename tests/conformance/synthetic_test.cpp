@@ -4,7 +4,7 @@
 #include <array>
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -37,5 +37,5 @@ TEST(Synthetic, WordsAreThosePublished) {
   EXPECT_THAT(synthetic_words(" \n"), ElementsAre(1, 2));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

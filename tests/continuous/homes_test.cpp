@@ -22,7 +22,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 using namespace continuous;
 
@@ -185,5 +185,5 @@ TEST(ContinuousHomes, GraphAgentsWalkTheirTrajectories) {
                ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

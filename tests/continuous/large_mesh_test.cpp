@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 using namespace continuous;
 namespace fs = std::filesystem;
@@ -105,5 +105,5 @@ TEST(LargeMesh, TenMillionTrianglesAreTheSameHall) {
   EXPECT_LE(far_off, 10U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 
@@ -41,5 +41,5 @@ TEST(Doctor, TellsWhichDiskHasTooLittleRoomAndWhatToDo) {
   EXPECT_TRUE(disks["shared memory"].is_null() || disks["shared memory"].contains("works"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

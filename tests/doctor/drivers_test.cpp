@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -211,5 +211,5 @@ TEST_F(Library, DrawsOnADeviceThatAnotherProcessFoundGood) {
   EXPECT_THAT(renderer->description(), HasSubstr("gl ("));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

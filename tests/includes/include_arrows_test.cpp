@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace enfilade::tests {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -192,5 +192,5 @@ TEST(IncludeArrows, OfTheTableReachCoreFromEverywhere) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tests

@@ -4,7 +4,7 @@
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::collection_body;
@@ -128,5 +128,5 @@ TEST_F(ClockJumps, NobodyIsLockedOutForLonger) {
   EXPECT_EQ(guess(), 401);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -8,7 +8,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -135,5 +135,5 @@ TEST_F(FullDisk, NoServerStartsOnOne) {
   EXPECT_EQ(process.wait(), 3);  // a file that cannot be written
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

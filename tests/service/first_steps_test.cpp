@@ -12,7 +12,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -176,5 +176,5 @@ TEST_F(FirstVisit, TwoHomesAreMadeAlsoAfterAKill) {
   expect_two_agents();
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

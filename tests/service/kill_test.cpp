@@ -14,7 +14,7 @@
 #include "tests/support/worker.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::count_methods;
@@ -329,5 +329,5 @@ TEST_F(Kill, InstructionsAndWalksThatWereAcknowledgedAreThereOnce) {
   RecordProperty("walked", static_cast<int>(walked));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -9,7 +9,7 @@
 #include "tests/support/worker.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::Program;
@@ -211,5 +211,5 @@ TEST_F(TwoServers, CannotShareAPort) {
   EXPECT_EQ(http.Get("/healthz")->status, 200);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using tests::Process;
@@ -81,5 +81,5 @@ TEST_F(KillTest, KilledAtRandomMomentsTrainingGivesTheSameWeightsToTheBit) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

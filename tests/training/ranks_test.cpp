@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -273,5 +273,5 @@ TEST_F(RankedTraining, AllReduceLearnsTheSameButForRounding) {
   EXPECT_THAT(read_file(in("reduced") / "config.json"), HasSubstr("\"parts\": 0"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

@@ -11,7 +11,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -57,5 +57,5 @@ TEST_F(StudyTest, MakesAPageAndKeepsWhatIsDone) {
   EXPECT_EQ(run({"study", "-o", folder_.path(), "--homes", "30"}), 3);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade

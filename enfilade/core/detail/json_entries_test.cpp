@@ -5,7 +5,7 @@
 #include <algorithm>
 
 namespace enfilade::json {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -254,5 +254,5 @@ TEST(JsonMembers, LeaveLargeValuesToTheirReaders) {
   EXPECT_THROW(members.check_whole(), InvalidInput);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::json

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace enfilade::json {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -80,5 +80,5 @@ TEST(JsonRecords, AFaultOfAPartNamesTheLineOfTheFile) {
       ThrowsMessage<InvalidInput>(HasSubstr("a.jsonl:3")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::json

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::json {
-namespace {
+namespace EN_UNIT {
 
 using testing::HasSubstr;
 
@@ -131,5 +131,5 @@ TEST(JsonLimits, CountWhatTakesMemory) {
   EXPECT_EQ(excess(R"(["\\", [ [)", {20, 2}), "more than 2 levels");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::json

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace enfilade::draw::detail {
-namespace {
+namespace EN_UNIT {
 
 constexpr Rgb kBlack{0, 0, 0};
 constexpr Rgb kWhite{255, 255, 255};
@@ -78,5 +78,5 @@ TEST(BitmapText, WrapsAtBlanks) {
   EXPECT_TRUE(wrap_text(" ", 42, 1).empty());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw::detail

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::draw::plan {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -29,5 +29,5 @@ TEST(SvgTextWidth, CountsCharactersNotBytes) {
   EXPECT_EQ(text_width("\u00e9\u6771", 10), text_width("ab", 10));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw::plan

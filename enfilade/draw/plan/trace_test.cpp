@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::draw::plan {
-namespace {
+namespace EN_UNIT {
 
 std::vector<ViewpointIndex> route(std::initializer_list<std::size_t> places) {
   std::vector<ViewpointIndex> path;
@@ -42,5 +42,5 @@ TEST(Mix, GoesFromOneColourToTheOther) {
   EXPECT_EQ(hex(mix({0, 0, 0}, {200, 100, 0}, 0.5)), "#643200");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::draw::plan

@@ -11,7 +11,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::features::formats {
-namespace {
+namespace EN_UNIT {
 
 std::string refusal(const std::function<void()>& work) {
   return tests::refusal<InvalidInput>([&] { run_isolated("f.h5", "damaged", work); });
@@ -60,5 +60,5 @@ TEST(Isolated, NothingIsPrinted) {
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::features::formats

@@ -25,7 +25,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::homes::benchmarks {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using tasks::Annotations;
@@ -280,5 +280,5 @@ TEST(HomeBenchmarks, AGraphOfAnotherNameIsThereForOldCode) {
   EXPECT_TRUE(alias.included(*viewpoint));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::benchmarks

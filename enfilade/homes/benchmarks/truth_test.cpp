@@ -27,7 +27,7 @@
 #include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::homes::benchmarks {
-namespace {
+namespace EN_UNIT {
 
 using speaking::testing::Claim;
 using speaking::testing::Named;
@@ -483,5 +483,5 @@ TEST(Pieces, CoverThePathAndTheText) {
   EXPECT_GT(moves, instructions);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::benchmarks

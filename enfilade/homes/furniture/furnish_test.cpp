@@ -11,7 +11,7 @@
 #include "enfilade/homes/furniture/shapes.h"
 
 namespace enfilade::homes::furniture {
-namespace {
+namespace EN_UNIT {
 
 struct Workshop {
   mesh::Mesh mesh;
@@ -420,5 +420,5 @@ TEST(Furnish, GivesRoomsWhatTheirTypeNeeds) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::furniture

@@ -12,7 +12,7 @@
 #include "enfilade/mesh/ray_tracer.h"
 
 namespace enfilade::homes::looks {
-namespace {
+namespace EN_UNIT {
 
 /// A home without furniture.
 Home bare_home(const PlanOptions& options) {
@@ -177,5 +177,5 @@ TEST(Architecture, RoomSpacesKnowHolesAndLeaves) {
   EXPECT_EQ(holes, expected);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::looks

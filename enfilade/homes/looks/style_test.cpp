@@ -8,7 +8,7 @@
 #include <tuple>
 
 namespace enfilade::homes::looks {
-namespace {
+namespace EN_UNIT {
 
 Plan plan_of(const std::string& types, std::uint64_t seed) {
   Plan plan;
@@ -107,5 +107,5 @@ TEST(PaintPicture, DiffersFromDrawToDraw) {
   EXPECT_EQ(pictures.size(), 12U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::looks

@@ -11,7 +11,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::homes::speaking {
-namespace {
+namespace EN_UNIT {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -147,5 +147,5 @@ TEST(Phrases, JoinClausesWithoutTwoAnds) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::speaking

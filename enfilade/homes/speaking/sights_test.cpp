@@ -12,7 +12,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::homes::speaking {
-namespace {
+namespace EN_UNIT {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -97,5 +97,5 @@ TEST(Sights, KnowTheStorey) {
   EXPECT_EQ(sights.room(ViewpointIndex(3)), 6U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::speaking

@@ -15,7 +15,7 @@
 #include "enfilade/homes/speaking/testing/instruction_reader.h"
 
 namespace enfilade::homes::speaking {
-namespace {
+namespace EN_UNIT {
 
 constexpr std::size_t kHomes = 16, kPathsPerHome = 30;
 
@@ -110,5 +110,5 @@ TEST(DescribeHomes, AThousandInstructionsAreTrueAndRichInWords) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::speaking

@@ -17,7 +17,7 @@
 #include "enfilade/homes/speaking/testing/instruction_reader.h"
 
 namespace enfilade::homes::speaking {
-namespace {
+namespace EN_UNIT {
 
 struct Path {
   std::vector<ViewpointIndex> viewpoints;
@@ -204,5 +204,5 @@ TEST(Describe, IsWellWrittenAndTheSameForTheSameSeed) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::homes::speaking

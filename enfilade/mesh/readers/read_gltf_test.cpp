@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh::readers {
-namespace {
+namespace EN_UNIT {
 
 using testing::Contains;
 using testing::ElementsAre;
@@ -378,5 +378,5 @@ TEST(ReadMesh, ReadsTheTavern) {
   EXPECT_THAT(r.warnings, IsEmpty());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh::readers

@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh::readers {
-namespace {
+namespace EN_UNIT {
 
 using testing::Contains;
 using testing::ElementsAre;
@@ -225,5 +225,5 @@ TEST_F(ObjFolder, WritingWhereNoFolderCanBeIsAFileError) {
   EXPECT_THROW(write_obj(Mesh{}, folder_ / "file" / "x", "a"), FileError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh::readers

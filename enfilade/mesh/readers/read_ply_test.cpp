@@ -6,7 +6,7 @@
 #include "enfilade/mesh/read_mesh.h"
 
 namespace enfilade::mesh::readers {
-namespace {
+namespace EN_UNIT {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -146,5 +146,5 @@ TEST(ReadPly, CloudsHaveNoTriangles) {
       ThrowsMessage<InvalidInput>(HasSubstr("a cloud of points? [no-triangles]")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::mesh::readers

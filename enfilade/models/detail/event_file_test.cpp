@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::models::detail {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 
@@ -112,5 +112,5 @@ TEST(EventFile, IsReadBackByADecoderOfItsOwn) {
   EXPECT_EQ(fixed<float>(fields(fields(last[5])[1])[2], 0), -2.0F);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::models::detail

@@ -7,7 +7,7 @@
 #include <set>
 
 namespace enfilade::neural::detail {
-namespace {
+namespace EN_UNIT {
 
 std::vector<std::size_t> first_batches(EpisodeOrder order, std::uint64_t count) {
   std::vector<std::size_t> all;
@@ -44,5 +44,5 @@ TEST(EpisodeOrder, BatchesMayBeLargerThanTheSet) {
   EXPECT_EQ(std::ranges::count(all, std::size_t{0}), 7);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::detail

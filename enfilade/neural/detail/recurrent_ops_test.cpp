@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace enfilade::neural::detail {
-namespace {
+namespace EN_UNIT {
 
 // Sums of up to 90 products of numbers near 1, in another order.
 constexpr double kTolerance = 2e-5;
@@ -158,5 +158,5 @@ TEST(MemoryTest, WithoutGradientsGivesTheSame) {
   EXPECT_FALSE(memory.attend(query).first.requires_grad());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::detail

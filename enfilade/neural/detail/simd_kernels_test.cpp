@@ -13,7 +13,7 @@
 #include "enfilade/core/rng.h"
 
 namespace enfilade::neural::detail {
-namespace {
+namespace EN_UNIT {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -155,5 +155,5 @@ TEST(SimdKernels, FindsWhatIsNotFiniteAnywhere) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::detail

@@ -11,7 +11,7 @@
 #include "enfilade/neural/detail/dropout.h"
 
 namespace enfilade::neural::detail {
-namespace {
+namespace EN_UNIT {
 
 // Sums of up to 90 products of numbers near 1, in another order.
 constexpr double kTolerance = 2e-5;
@@ -225,5 +225,5 @@ TEST(TransformerOps, NotANumberIsNotLost) {
   EXPECT_TRUE(sum_norm(x, {}, {}, one, one, 1e-5)[0][2].isnan().all().item<bool>());
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::detail

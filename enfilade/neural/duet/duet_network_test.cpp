@@ -23,7 +23,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::duet {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using testing::integers;
@@ -251,5 +251,5 @@ TEST(DuetCheckpointTest, ARecordedCheckpointIsRead) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::duet

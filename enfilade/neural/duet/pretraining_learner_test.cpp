@@ -18,7 +18,7 @@
 #include "tests/support/small_training.h"
 
 namespace enfilade::neural {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using models::AgentKind;
@@ -157,5 +157,5 @@ TEST_F(PretrainingTest, RefusesAModelThatDoesNotFit) {
               ThrowsMessage<ArgumentError>(HasSubstr("stage pretrain")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural

@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::duet {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using testing::integers;
@@ -131,5 +131,5 @@ TEST(PretrainingNetworkTest, AnAgentsFileGetsNewHeadsAndHalfAHeadIsRefused) {
               HasSubstr("mlm_head.predictions.bias"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::duet

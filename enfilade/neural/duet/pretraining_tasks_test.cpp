@@ -19,7 +19,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::neural::duet {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -394,5 +394,5 @@ TEST_F(PretrainingTasksTest, EachTaskIsLearned) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::duet

@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::encoders {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -191,5 +191,5 @@ TEST(TransformerEncoder, NamesEveryFaultOfClipsWeights) {
       other, Contains(fault("vision_model.embeddings.position_embedding.weight", "missing-array")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::encoders

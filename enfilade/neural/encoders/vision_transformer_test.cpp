@@ -12,7 +12,7 @@
 #include "enfilade/neural/encoders/random_weights.h"
 
 namespace enfilade::neural::encoders {
-namespace {
+namespace EN_UNIT {
 
 using Row = std::vector<double>;
 using Rows = std::vector<Row>;
@@ -155,5 +155,5 @@ TEST_P(Twin, IsTheNetwork) {
 
 INSTANTIATE_TEST_SUITE_P(ViTAndClip, Twin, ::testing::Bool());
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::encoders

@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::panoramic {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -208,5 +208,5 @@ TEST(PanoramicConfig, RefusesSizesThatCannotBe) {
   EXPECT_THAT(tests::refusal<ArgumentError>([&] { validate(config); }), HasSubstr("dropout"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::panoramic

@@ -13,7 +13,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::neural::panoramic {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -283,5 +283,5 @@ TEST_F(PanoramicRolloutTest, MissingGoalsAndOtherSizesAreTheCallersMistake) {
   EXPECT_THROW(roll_out(network, batch_words(sentences), two, pictures, {}), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::panoramic

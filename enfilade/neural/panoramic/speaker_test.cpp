@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::panoramic {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::Each;
@@ -432,5 +432,5 @@ TEST(JoinWords, IsTakenApartIntoTheSameWords) {
   EXPECT_EQ(join_words(all[0]), "walk past the table, then stop.");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::panoramic

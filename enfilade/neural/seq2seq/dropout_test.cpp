@@ -5,7 +5,7 @@
 #include <vector>
 
 namespace enfilade::neural::seq2seq {
-namespace {
+namespace EN_UNIT {
 
 // 100,000 bits: the share errs by 0.0016 (1 sigma).
 TEST(Dropout, KeepsTheShareThatIsAsked) {
@@ -37,5 +37,5 @@ TEST(Dropout, EveryCounterNamesAnotherMask) {
   EXPECT_NE(mask(1, 2, Site::kWords, {3, 5}), first);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::seq2seq

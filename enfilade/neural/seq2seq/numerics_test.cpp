@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::seq2seq {
-namespace {
+namespace EN_UNIT {
 
 using tests::made_tokens;
 using tests::Script;
@@ -203,5 +203,5 @@ INSTANTIATE_TEST_SUITE_P(, Numerics,
                                          std::pair(models::Feedback::kTeacher, true),
                                          std::pair(models::Feedback::kSample, true)));
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::seq2seq

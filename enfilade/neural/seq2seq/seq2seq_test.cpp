@@ -12,7 +12,7 @@
 #include "tests/support/scripted_environment.h"
 
 namespace enfilade::neural::seq2seq {
-namespace {
+namespace EN_UNIT {
 
 using tests::made_tokens;
 using tests::Script;
@@ -202,5 +202,5 @@ TEST(Seq2Seq, NotANumberIsNotHiddenByTheCpusLoops) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::seq2seq

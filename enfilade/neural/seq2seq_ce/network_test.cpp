@@ -11,7 +11,7 @@
 #include "enfilade/neural/seq2seq_ce/gru.h"
 
 namespace enfilade::neural::seq2seq_ce {
-namespace {
+namespace EN_UNIT {
 
 // Sums of up to 300 products of numbers near 1, in single precision and another order.
 constexpr double kTolerance = 2e-5;
@@ -206,5 +206,5 @@ TEST(InflectionLoss, IsThatByHand) {
               ((std::log(2) + 2 * std::log(4)) / 3 + (std::log(4) + std::log(2)) / 2) / 2, 1e-6);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::seq2seq_ce

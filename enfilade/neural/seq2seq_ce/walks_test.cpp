@@ -22,7 +22,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::seq2seq_ce {
-namespace {
+namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -463,5 +463,5 @@ TEST_F(SeesTwoBuildings, BlindOnesNeedNoEyes) {
   EXPECT_EQ(walk(*agent, episodes()).size(), 5U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::neural::seq2seq_ce

@@ -17,7 +17,7 @@
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 using testing::cache_of;
 using testing::Pictures;
@@ -264,5 +264,5 @@ TEST(CpuRenderer, LargeBatchesAreStreamedToTheSameBytes) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

@@ -5,7 +5,7 @@
 #include "enfilade/core/rng.h"
 
 namespace enfilade::render::cpu {
-namespace {
+namespace EN_UNIT {
 
 // Pixels that the plan puts on another face than project_to_cube() does.
 std::size_t differing_pixels(const Camera& camera, const Mat3d& rotation) {
@@ -72,5 +72,5 @@ TEST(ViewPlan, LinesMeetTheirFace) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render::cpu

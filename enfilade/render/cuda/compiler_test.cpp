@@ -18,7 +18,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::render::cuda {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -123,5 +123,5 @@ TEST(CudaReport, TellsWhatIsMissing) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render::cuda

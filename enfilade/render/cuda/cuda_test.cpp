@@ -13,7 +13,7 @@
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render::cuda {
-namespace {
+namespace EN_UNIT {
 
 using testing::cache_of;
 using testing::Drawn;
@@ -203,5 +203,5 @@ TEST(OtherBackEnds, RefuseAStream) {
       ThrowsMessage<ArgumentError>(HasSubstr("outputs.stream")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render::cuda

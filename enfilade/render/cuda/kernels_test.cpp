@@ -17,7 +17,7 @@
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render::cuda {
-namespace {
+namespace EN_UNIT {
 
 using scan::Layer;
 using testing::cache_of;
@@ -188,5 +188,5 @@ TEST(CudaKernels, StripsHaveNeighboursWhereTheKernelsLookForThem) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render::cuda

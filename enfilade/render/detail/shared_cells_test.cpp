@@ -15,7 +15,7 @@
 #include "tests/support/shared_memory.h"
 
 namespace enfilade::render::detail {
-namespace {
+namespace EN_UNIT {
 
 using Found = SharedCells::Found;
 using ::testing::HasSubstr;
@@ -254,5 +254,5 @@ TEST(SharedCells, RefusesFilesThatAreNotItsOwn) {
   EXPECT_EQ(refusal(name.path()), "");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render::detail

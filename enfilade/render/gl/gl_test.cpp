@@ -16,7 +16,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::render {
-namespace {
+namespace EN_UNIT {
 
 using scan::Layer;
 using testing::HasSubstr;
@@ -558,5 +558,5 @@ TEST_F(Gl, TooLargePicturesAreRefusedWithTheLimit) {
               HasSubstr("1048576 x 1 pixels: the device draws at most"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render

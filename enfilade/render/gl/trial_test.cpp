@@ -10,7 +10,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::render::gl {
-namespace {
+namespace EN_UNIT {
 
 using How = ChildEnd::How;
 
@@ -121,5 +121,5 @@ TEST(Trial, ALimitThatIsNoNumberIsRefused) {
   unsetenv("ENFILADE_GL_SECONDS");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::render::gl

@@ -9,7 +9,7 @@
 #include "enfilade/core/rng.h"
 
 namespace enfilade::scan::detail {
-namespace {
+namespace EN_UNIT {
 
 template <class T>
 std::vector<T> made(std::uint32_t size, const std::function<std::uint64_t(int x, int y)>& value) {
@@ -102,5 +102,5 @@ TEST(FaceCoding, PacksASmoothFaceTightly) {
   EXPECT_LT(encode_texels<std::uint16_t>(plane, kSize).bytes.size(), 200U);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::scan::detail

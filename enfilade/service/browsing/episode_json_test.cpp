@@ -8,7 +8,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using testing::Served;
 
@@ -168,5 +168,5 @@ TEST(EpisodeJson, GoalsOfASecretSplitAreHiddenInEveryBenchmark) {
   EXPECT_EQ(body.find("66"), std::string::npos) << "the object";
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -8,7 +8,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 constexpr double kRounding = 1e-9;  // of degrees and radians converted once or twice
 
@@ -127,5 +127,5 @@ TEST(Site, SaysWhatABuildingHas) {
   EXPECT_FALSE(row.contains("rooms"));    // no file says which those are
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -7,7 +7,7 @@
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::collection_body;
@@ -330,5 +330,5 @@ TEST_F(Conditions, ChangesAreForOrganisersAndAnswersForWorkers) {
             400);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace enfilade::service::detail {
-namespace {
+namespace EN_UNIT {
 
 TEST(Addresses, AHomeOfIpv6IsOneAddress) {
   EXPECT_EQ(address_group("2001:db8:1:2:3:4:5:6"), "2001:db8:1:2::/64");
@@ -22,5 +22,5 @@ TEST(Addresses, WhatIsNoAddressStaysAsItIs) {
   EXPECT_EQ(address_group(""), "");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service::detail

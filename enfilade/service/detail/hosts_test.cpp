@@ -8,7 +8,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::service::detail {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -91,5 +91,5 @@ TEST(Hosts, WhatIsNoNameIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service::detail

@@ -10,7 +10,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -238,5 +238,5 @@ TEST(SecretGoalsOfBenchmarks, IdsThatNameTheObjectAreRefused) {
   EXPECT_THAT(of_lines, HasSubstr("$[0].id: \"7_66_0\" names the object that is secret"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

@@ -16,7 +16,7 @@
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -273,5 +273,5 @@ TEST_F(ContinuousPhases, ASiteSaysWhatKeepsAPhaseFromBeingScored) {
   EXPECT_THAT(fault(phase("val_seen", open)), HasSubstr("elsewhere"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service

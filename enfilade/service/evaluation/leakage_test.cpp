@@ -13,7 +13,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::service::evaluation {
-namespace {
+namespace EN_UNIT {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-9;  // of sums of some hundred logarithms, and far below a bit
@@ -168,5 +168,5 @@ TEST(Leakage, ARowOfAnotherBenchmarkHasItsColumns) {
   EXPECT_NEAR(team_bits(phase, 4, false), ladder_bits(4, 13), kRounding);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service::evaluation

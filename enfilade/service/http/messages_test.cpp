@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 namespace enfilade::service::http {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -28,5 +28,5 @@ TEST(Query, KeepsWhatIsUnusual) {
                           Pair("e", "%-1")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service::http

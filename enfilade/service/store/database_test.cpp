@@ -20,7 +20,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::service::store {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -411,5 +411,5 @@ TEST(Database, OneThatMayNotBeWrittenIsRefused) {
   EXPECT_THAT(said, HasSubstr("readonly"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service::store

@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::service::store {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -73,5 +73,5 @@ TEST_F(HealthTest, AFileThatIsOverwrittenOrCutOffIsNoticed) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service::store

@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::service::store {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -161,5 +161,5 @@ TEST_F(TransferTest, OtherPlacesAreRefused) {
               HasSubstr("none.sqlite"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service::store

@@ -12,7 +12,7 @@
 #include "enfilade/sim/detail/test_reference.h"
 
 namespace enfilade::sim::detail {
-namespace {
+namespace EN_UNIT {
 
 std::uint32_t bits(float x) { return std::bit_cast<std::uint32_t>(x); }
 
@@ -64,5 +64,5 @@ TEST(Atan2f, IsRightToTheLastBits) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::sim::detail

@@ -10,7 +10,7 @@
 #include "enfilade/core/rng.h"
 
 namespace enfilade::sim::detail {
-namespace {
+namespace EN_UNIT {
 
 std::uint32_t bits(float x) { return std::bit_cast<std::uint32_t>(x); }
 
@@ -57,5 +57,5 @@ TEST(CameraDirection, AnyNumberAtOnce) {
   for (std::size_t n = 0; n < 20; ++n) expect_defined_bits(std::vector<double>(n, 1.25));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::sim::detail

@@ -11,7 +11,7 @@
 #include "enfilade/sim/detail/atan2f.h"
 
 namespace enfilade::sim::detail {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
@@ -94,5 +94,5 @@ TEST(NavigableViews, AgentsDoNotMix) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::sim::detail

@@ -17,7 +17,7 @@
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::Each;
 using ::testing::ElementsAre;
@@ -374,5 +374,5 @@ INSTANTIATE_TEST_SUITE_P(Splits, RealVlnCe, ::testing::ValuesIn(kSplits), name_o
 INSTANTIATE_TEST_SUITE_P(Splits, RealVlnCeFromR2r, ::testing::ValuesIn(kSplits), name_of);
 INSTANTIATE_TEST_SUITE_P(Splits, RealExperts, ::testing::Values(kSplits[1], kSplits[2]), name_of);
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

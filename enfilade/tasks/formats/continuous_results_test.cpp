@@ -10,7 +10,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -222,5 +222,5 @@ TEST(RealContinuousResults, TellTheExpertsActionsFromItsPoses) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -12,7 +12,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks::formats {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -356,5 +356,5 @@ TEST(CvdnRecorded, TestInstancesHaveStartsAlone) {
             "<NAV> Should I go left? <ORA> You are close, look behind you. <TAR> plant");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks::formats

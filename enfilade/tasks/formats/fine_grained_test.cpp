@@ -11,7 +11,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks::formats {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -197,5 +197,5 @@ TEST(FineGrained, OfRealSplits) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks::formats

@@ -13,7 +13,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks::formats {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -128,5 +128,5 @@ TEST(TextPathIds, AreReadAndWritten) {
               HasSubstr("$[1].path_id: \"a\" stands at $[0] already"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks::formats

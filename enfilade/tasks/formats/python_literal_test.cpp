@@ -6,7 +6,7 @@
 #include <string>
 
 namespace enfilade::tasks::formats {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -101,5 +101,5 @@ TEST(PythonLiteral, IsReadBackEqual) {
   EXPECT_EQ(read(write_word_lists(lists)), lists);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks::formats

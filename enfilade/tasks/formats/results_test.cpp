@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -310,5 +310,5 @@ TEST(Results, AnEntryOfMegabytesIsRefusedAndTheRestIsRead) {
               HasSubstr("bytes; 1048576 are allowed"));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -11,7 +11,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -156,5 +156,5 @@ TEST(Results, APartOfASplitOnPurpose) {
                InvalidInput);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -14,7 +14,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks::formats {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::AnyOf;
@@ -316,5 +316,5 @@ TEST(Reverie, OfAPublishedFileThatIsCut) {
 }
 /// @}
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks::formats

@@ -15,7 +15,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks::formats {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -364,5 +364,5 @@ TEST(RxrRecorded, FollowersHaveTheMetricsOfTheirWalks) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks::formats

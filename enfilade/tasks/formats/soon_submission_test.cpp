@@ -17,7 +17,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -177,5 +177,5 @@ TEST(SoonSubmissionRecorded, SaysWhatDuetsFormSays) {
   EXPECT_EQ(read, 151U) << "the others jump";
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

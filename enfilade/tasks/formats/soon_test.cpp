@@ -12,7 +12,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks::formats {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -378,5 +378,5 @@ TEST(SoonRecorded, BothFormsHoldTheSamePaths) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks::formats

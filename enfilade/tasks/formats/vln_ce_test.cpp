@@ -9,7 +9,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -275,5 +275,5 @@ TEST(ExpertWalks, ReportFaultsWithTheirPaths) {
               AllOf(HasSubstr("gt.json: $: array, not an object"), HasSubstr("not-an-object")));
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -10,7 +10,7 @@
 #include "enfilade/core/rng.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -141,5 +141,5 @@ TEST(Bootstrap, RefusesWhatHasNoAnswer) {
   EXPECT_THROW(bootstrap_means(values, 1, groups, options), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -9,7 +9,7 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 ContinuousEpisodes three_episodes() {
   ContinuousEpisodes episodes;
@@ -71,5 +71,5 @@ TEST(ContinuousMeasures, NeedAScoreAWalk) {
   EXPECT_THROW(measure({}, {}, three_episodes()), ArgumentError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

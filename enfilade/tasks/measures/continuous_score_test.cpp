@@ -10,7 +10,7 @@
 #include "enfilade/core/rng.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 // Sums of single-precision lengths of the order of 1.
 constexpr double kSingle = 1e-6;
@@ -160,5 +160,5 @@ TEST(FastDtw, OfAListAndItselfIsNothing) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -7,7 +7,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 constexpr double kRadius = 3;
 
@@ -98,5 +98,5 @@ TEST(GoalDistance, OfBoxesIsToTheNearestViewpointThatHasOne) {
   EXPECT_EQ(nearest_goal(row(), path_with(Boxes{}), v(0)), v(2)) << "without boxes the end";
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -10,7 +10,7 @@
 #include "enfilade/tasks/public_scorer.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -73,5 +73,5 @@ TEST(Measures, AnUnknownScorerIsRefusedWithThoseThatThereAre) {
   EXPECT_THROW(measures(Task::kReverie, kOwnScorer), LookupError);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

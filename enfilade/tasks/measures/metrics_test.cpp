@@ -14,7 +14,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using graph::NavGraph;
 using Walk = std::vector<ViewpointIndex>;
@@ -241,5 +241,5 @@ TEST(Metrics, AgreeWithTheirDefinitionsOnRandomWalks) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -9,7 +9,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -113,5 +113,5 @@ TEST(ComparePaths, DrawnPathsAreNearRoomToRoom) {
   EXPECT_GT(viewpoints.all.length.statistic, 0.07) << "the rule matters";
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

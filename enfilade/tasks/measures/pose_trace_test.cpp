@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 
@@ -272,5 +272,5 @@ TEST(PoseTrace, HeadingZeroIsTheIdentity) {
   EXPECT_NEAR(snapshot.intrinsic[0], 1, 1e-6);  // tan 45 degrees
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -15,7 +15,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -245,5 +245,5 @@ TEST(RealDerivedEpisodes, AreNearVlnCesWithoutAMesh) {
   EXPECT_NEAR(share(vertical, 0.2), 0.985, 5e-4);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -15,7 +15,7 @@
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -318,5 +318,5 @@ TEST(SamplePaths, OfRealBuildingsObeyEveryRule) {
   }
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

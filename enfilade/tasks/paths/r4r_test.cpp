@@ -15,7 +15,7 @@
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks {
-namespace {
+namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -336,5 +336,5 @@ TEST_F(JoinOfRealSplits, IsTheSameOnAnyNumberOfThreadsAndReadBackEqual) {
   for (std::size_t i = 0; i < all.paths.size(); ++i) ASSERT_EQ(read.paths[i], all.paths[i].path);
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::tasks

@@ -12,7 +12,7 @@
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
-namespace {
+namespace EN_UNIT {
 
 using nlohmann::json;
 using testing::collection_body;
@@ -317,5 +317,5 @@ TEST_F(Kinds, ARegionOfCvdnIsAGoalToo) {
   EXPECT_EQ(task.at("start"), "v1");
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 }  // namespace enfilade::service
