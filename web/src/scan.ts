@@ -149,6 +149,20 @@ export interface Plan {
   readonly rooms: readonly Room[];
 }
 
+/** The viewpoint of a room that stands nearest to its middle. \pre it has one */
+export function roomCentre(scan: Scan, room: Room): number {
+  const mean = (which: number) => {
+    const values = room.outline.filter((_, k) => k % 2 === which);
+    return (Math.min(...values) + Math.max(...values)) / 2;
+  };
+  const [x, y] = [mean(0), mean(1)];
+  const away = (v: number) => {
+    const { position } = scan.viewpoints[v]!;
+    return Math.hypot(position[0] - x, position[1] - y);
+  };
+  return room.viewpoints.reduce((best, v) => (away(v) < away(best) ? v : best));
+}
+
 /** What the colours of a viewpoint's depth and classes mean. */
 export interface Legends {
   readonly depth: { readonly farthest: number; readonly colours: readonly string[] } | null;
