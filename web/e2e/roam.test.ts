@@ -4,7 +4,7 @@ import { join } from 'node:path';
 import { gunzipSync } from 'node:zlib';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import type { Vec3 } from '../src/geometry.ts';
+import type { Vec3 } from '../src/geometry/geometry.ts';
 import { Floor, type FloorData } from '../src/roam/floor.ts';
 import type { RoamView } from '../src/roam/roam_view.ts';
 import { type Action, Walker } from '../src/roam/walker.ts';

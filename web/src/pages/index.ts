@@ -1,8 +1,8 @@
 /** The first page: what this is, a look into a building, four doors, and all buildings. */
-import { formatLink } from '../deep_link.ts';
-import { icon, type IconName } from '../icons.ts';
-import { addHeader, api, byId, counted, empty, make, run, type Served } from '../page.ts';
-import { loadFaces, type Look, TurningPanorama } from '../turning.ts';
+import { formatLink } from '../viewer/deep_link.ts';
+import { icon, type IconName } from '../elements/icons.ts';
+import { addHeader, api, byId, counted, empty, make, run, type Served } from '../elements/page.ts';
+import { loadFaces, type Look, TurningPanorama } from '../viewer/turning_panorama.ts';
 
 interface Building {
   readonly scan: string;

@@ -1,11 +1,11 @@
 /** The page of a benchmark's phase: results, progress, rules. `/leaderboard?phase=P&sort=nav_error` */
-import { intervalBar, type Point, progressChart, scaleOf } from '../charts.ts';
-import { labelled, type Who } from '../forms.ts';
-import { markdown } from '../markdown.ts';
-import { addSiteHeader, api, byId, counted, empty, facts, loading, make, problems, run, table } from '../page.ts';
-import { benchmarkOf, leakageOf, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf } from '../phases.ts';
-import { bestText, type Column, type Direction, factorOf, firstDirection, format, places, type Row, sorted, unitOf, valueOf } from '../ranking.ts';
-import { ServerError } from '../scan.ts';
+import { intervalBar, type Point, progressChart, scaleOf } from '../elements/charts.ts';
+import { labelled, type Who } from '../elements/forms.ts';
+import { markdown } from '../elements/markdown.ts';
+import { addSiteHeader, api, byId, counted, empty, facts, loading, make, problems, run, table } from '../elements/page.ts';
+import { benchmarkOf, leakageOf, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf } from '../evaluation/phases.ts';
+import { bestText, type Column, type Direction, factorOf, firstDirection, format, places, type Row, sorted, unitOf, valueOf } from '../evaluation/ranking.ts';
+import { ServerError } from '../scan/scan.ts';
 
 interface Order {
   readonly by: Column;

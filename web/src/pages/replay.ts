@@ -2,12 +2,12 @@
  * Runs of the arena, step by step: `/replay` lists them, `/replay?run=NAME` a run's episodes, `/replay?run=NAME&episode=ID#3` shows a
  * step, and `&with=OTHER` another run's walk of the same episode beside it.
  */
-import { labelled } from '../forms.ts';
-import { addHeader, addSiteHeader, api, byId, counted, crumbs, empty, type Link, make, problems, run, type Served, table } from '../page.ts';
+import { labelled } from '../elements/forms.ts';
+import { addHeader, addSiteHeader, api, byId, counted, crumbs, empty, type Link, make, problems, run, type Served, table } from '../elements/page.ts';
 import { RunPanel } from '../replay/run_panel.ts';
 import { endText, type ListedEpisode, parseStep, type Replay, type Run } from '../replay/runs.ts';
-import { linkCopier } from '../share.ts';
-import { splitKey } from '../splits.ts';
+import { linkCopier } from '../elements/link_copier.ts';
+import { splitKey } from '../episodes/splits.ts';
 import type { Viewer } from '../viewer/enfilade-viewer.ts';
 import './replay.css';
 

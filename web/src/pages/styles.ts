@@ -1,9 +1,9 @@
 /** Every part of style.css with its name, in all its states. In development builds only. */
-import { intervalBar, progressChart } from '../charts.ts';
-import { field, form, labelled } from '../forms.ts';
-import { icon } from '../icons.ts';
-import { markdown } from '../markdown.ts';
-import { addHeader, byId, crumbs, empty, facts, loading, make, table, toast } from '../page.ts';
+import { intervalBar, progressChart } from '../elements/charts.ts';
+import { field, form, labelled } from '../elements/forms.ts';
+import { icon } from '../elements/icons.ts';
+import { markdown } from '../elements/markdown.ts';
+import { addHeader, byId, crumbs, empty, facts, loading, make, table, toast } from '../elements/page.ts';
 
 addHeader({ synthetic: true });
 const main = byId('main');

@@ -1,8 +1,8 @@
 /** Making a team, logging in, submitting, and a team's history. */
-import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../forms.ts';
-import { addSiteHeader, api, byId, dateTime, empty, json, make, problems, run, table } from '../page.ts';
-import { benchmarkOf, endOf, leakageOf, limitsOf, type Phase, type PhaseList, showingOf } from '../phases.ts';
-import { type Column, format, type Mean, unitOf, valueOf } from '../ranking.ts';
+import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../elements/forms.ts';
+import { addSiteHeader, api, byId, dateTime, empty, json, make, problems, run, table } from '../elements/page.ts';
+import { benchmarkOf, endOf, leakageOf, limitsOf, type Phase, type PhaseList, showingOf } from '../evaluation/phases.ts';
+import { type Column, format, type Mean, unitOf, valueOf } from '../evaluation/ranking.ts';
 
 interface Submission {
   readonly id: number;

@@ -1,11 +1,11 @@
 /** Following an instruction as agents do, for visitors: nothing is kept. `/try?split=S&id=I`; without them any episode. */
-import { distancesFrom, lengthOf } from '../distances.ts';
-import { addHeader, api, byId, empty, make, run, type Served } from '../page.ts';
-import { type Episode, viewpointIndex } from '../scan.ts';
-import type { Split } from '../splits.ts';
+import { distancesFrom, lengthOf } from '../scan/distances.ts';
+import { addHeader, api, byId, empty, make, run, type Served } from '../elements/page.ts';
+import { type Episode, viewpointIndex } from '../scan/scan.ts';
+import type { Split } from '../episodes/splits.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
-import { successDistance } from '../walk_errors.ts';
+import { successDistance } from '../episodes/navigation_errors.ts';
 
 declare global {
   interface Window {

@@ -4,11 +4,11 @@
  */
 import {
   type Action, applyCorrections, type Correction, correctionsFile, keepCorrections, keptCorrections,
-} from '../corrections.ts';
-import { formatLink, parseLink } from '../deep_link.ts';
-import { directionTo, norm, subtract } from '../geometry.ts';
-import { addHeader, api, byId, crumbs, make, run, table } from '../page.ts';
-import { type Scan, viewpointIndex } from '../scan.ts';
+} from '../scan/corrections.ts';
+import { formatLink, parseLink } from '../viewer/deep_link.ts';
+import { directionTo, norm, subtract } from '../geometry/geometry.ts';
+import { addHeader, api, byId, crumbs, make, run, table } from '../elements/page.ts';
+import { type Scan, viewpointIndex } from '../scan/scan.ts';
 import type { Mark } from '../viewer/discs.ts';
 import { MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
 

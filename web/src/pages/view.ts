@@ -1,12 +1,12 @@
 /** One building, first person: `/view?split=S&id=I#scan/viewpoint/heading/elevation`. */
-import { formatLink, parseLink } from '../deep_link.ts';
-import { addHeader, api, byId, make, run } from '../page.ts';
-import { type Episode, type Layer, type Plan, storeyOf, viewpointIndex } from '../scan.ts';
-import { linkCopier } from '../share.ts';
-import { episodesOf } from '../splits.ts';
+import { formatLink, parseLink } from '../viewer/deep_link.ts';
+import { addHeader, api, byId, make, run } from '../elements/page.ts';
+import { type Episode, type Layer, type Plan, storeyOf, viewpointIndex } from '../scan/scan.ts';
+import { linkCopier } from '../elements/link_copier.ts';
+import { episodesOf } from '../episodes/splits.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { Legend, MapPanel, MiniMap, storeyName, Viewer } from '../viewer/enfilade-viewer.ts';
-import { showEpisode } from './episode_panel.ts';
+import { showEpisode } from '../episodes/episode_panel.ts';
 import './view.css';
 
 declare global {

@@ -1,7 +1,7 @@
 /** One run's walk of an episode: the panorama where a step stood, the map with the way there, and what was thought, called and told. */
-import { degrees, wrapHeading } from '../geometry.ts';
-import { api, make } from '../page.ts';
-import { type Plan, viewpointIndex } from '../scan.ts';
+import { degrees, wrapHeading } from '../geometry/geometry.ts';
+import { api, make } from '../elements/page.ts';
+import { type Plan, viewpointIndex } from '../scan/scan.ts';
 import { MapPanel, MiniMap, type Outline, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type At, callText, endText, type Observation, placeText, type Replay, type Step, turnText } from './runs.ts';
 

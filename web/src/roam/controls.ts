@@ -1,5 +1,5 @@
 /** Keys, mouse and fingers of somebody who walks, and of the building from outside. */
-import { degrees } from '../geometry.ts';
+import { degrees } from '../geometry/geometry.ts';
 import type { RoamView } from './roam_view.ts';
 import type { Action, Walker } from './walker.ts';
 

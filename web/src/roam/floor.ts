@@ -1,5 +1,5 @@
 /** The floor that a body can walk on: convex polygons with heights, and how one slides along their rim. World frame, metres. */
-import type { Vec3 } from '../geometry.ts';
+import type { Vec3 } from '../geometry/geometry.ts';
 
 /** What the server tells of a floor (components/schemas/Floor). */
 export interface FloorData {

@@ -1,6 +1,6 @@
 /** Where somebody stands as a part of an address, and which viewpoint is near. */
-import type { Vec3 } from '../geometry.ts';
-import type { Scan } from '../scan.ts';
+import type { Vec3 } from '../geometry/geometry.ts';
+import type { Scan } from '../scan/scan.ts';
 
 /** "@1.25,-3.4,0": in the place of a viewpoint's id in `#scan/viewpoint/heading/elevation`. */
 export const formatPoint = (point: Vec3): string => `@${point.map((x) => Math.round(x * 100) / 100).join(',')}`;

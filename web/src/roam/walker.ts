@@ -1,5 +1,5 @@
 /** Somebody who walks on a floor: by the actions of R2R-CE, or freely. Knows no screen. */
-import { type Direction, type Vec3, wrapHeading } from '../geometry.ts';
+import { type Direction, type Vec3, wrapHeading } from '../geometry/geometry.ts';
 import type { Floor, FloorPoint } from './floor.ts';
 
 export type Action = 'forward' | 'left' | 'right' | 'up' | 'down';

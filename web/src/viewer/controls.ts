@@ -1,6 +1,6 @@
 /** Mouse, fingers and keys of a viewer, and the list of steps for those who use none of them. */
-import { type Camera, type Direction, degrees, toDegrees, wrapDifference } from '../geometry.ts';
-import type { Step } from '../navigation.ts';
+import { type Camera, type Direction, degrees, toDegrees, wrapDifference } from '../geometry/geometry.ts';
+import type { Step } from '../scan/navigation.ts';
 
 const keyTurn = degrees(10);
 const zoomStep = 1.1;

@@ -1,7 +1,7 @@
 /** The building from outside, without its roof: made of its plan's rooms. */
 import * as three from 'three';
-import { degrees } from '../geometry.ts';
-import { type Plan, type Room, roomCentre, storeyOf } from '../scan.ts';
+import { degrees } from '../geometry/geometry.ts';
+import { type Plan, type Room, roomCentre, storeyOf } from '../scan/scan.ts';
 import { pointsOf, things, wallsOf } from './house_shape.ts';
 import type { Viewer } from './viewer.ts';
 

@@ -6,8 +6,8 @@ import {
   subtract,
   wrapDifference,
   wrapHeading,
-} from '../geometry.ts';
-import type { Scan } from '../scan.ts';
+} from '../geometry/geometry.ts';
+import type { Scan } from '../scan/scan.ts';
 
 /** Radians and metres in a second, at speed 1: a walk, not a rush. */
 const turnSpeed = Math.PI / 2;

@@ -1,5 +1,5 @@
 /** The map with its storeys, its rooms to go to, and the building as a doll's house. */
-import { type Plan, roomCentre } from '../scan.ts';
+import { type Plan, roomCentre } from '../scan/scan.ts';
 import type { DollsHouse } from './dolls_house.ts';
 import type { MiniMap } from './mini_map.ts';
 import { storeyName } from './storey_name.ts';

@@ -1,5 +1,5 @@
 /** Boxes around objects in the view, and a mark where somebody points. */
-import { type Direction, project, toDegrees, unitVector, type Vec3 } from '../geometry.ts';
+import { type Direction, project, toDegrees, unitVector, type Vec3 } from '../geometry/geometry.ts';
 import type { Viewer } from './viewer.ts';
 
 const svgNamespace = 'http://www.w3.org/2000/svg';

@@ -11,9 +11,9 @@ import {
   type Vec3,
   worldFromCamera,
   wrapHeading,
-} from '../geometry.ts';
-import { halfFieldOfView, navigable, type Step } from '../navigation.ts';
-import { Api, type Layer, type Scan, viewpointIndex } from '../scan.ts';
+} from '../geometry/geometry.ts';
+import { halfFieldOfView, navigable, type Step } from '../scan/navigation.ts';
+import { Api, type Layer, type Scan, viewpointIndex } from '../scan/scan.ts';
 import { Controls } from './controls.ts';
 import { floorBelow, type Mark } from './discs.ts';
 import { Flight, type Moment } from './flight.ts';

@@ -1,6 +1,6 @@
 /** What a worker is told beside the organiser's texts: how much there is to do, how long it takes, what it pays. */
-import type { Collection, Kind } from '../collections.ts';
-import { counted, make } from '../page.ts';
+import type { Collection, Kind } from '../collecting/collections.ts';
+import { counted, make } from '../elements/page.ts';
 import type { Rejected, Visit } from './visit.ts';
 
 const taskTexts: Record<Kind, string> = {

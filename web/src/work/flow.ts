@@ -1,8 +1,8 @@
 /** From the link to the thanks: consent, questions, instructions, task after task, the end. */
-import type { Collection, Kind } from '../collections.ts';
-import { action } from '../forms.ts';
-import { markdown } from '../markdown.ts';
-import { addHeader, byId, make } from '../page.ts';
+import type { Collection, Kind } from '../collecting/collections.ts';
+import { action } from '../elements/forms.ts';
+import { markdown } from '../elements/markdown.ts';
+import { addHeader, byId, make } from '../elements/page.ts';
 import { questionForm } from './ask.ts';
 import { conditions, notAccepted, practised, progress } from './conditions.ts';
 import { ending } from './ending.ts';

@@ -1,8 +1,8 @@
 /** Guiding somebody along a path: one walks it and says what one sees and does, word by word with the time. */
-import type { Entry, TimedWord } from '../collections.ts';
-import { action, twice } from '../forms.ts';
-import { counted, make, say } from '../page.ts';
-import { ServerError, viewpointIndex } from '../scan.ts';
+import type { Entry, TimedWord } from '../collecting/collections.ts';
+import { action, twice } from '../elements/forms.ts';
+import { counted, make, say } from '../elements/page.ts';
+import { ServerError, viewpointIndex } from '../scan/scan.ts';
 import { Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
 import { type Desk, submit, taskPanel } from './flow.ts';

@@ -1,5 +1,5 @@
 /** At which viewpoints somebody has looked around. */
-import type { Direction } from '../geometry.ts';
+import type { Direction } from '../geometry/geometry.ts';
 
 const sectors = 12;
 /** So many twelfths of a turn are a look around, not a glance on the way: a quarter and what a view shows. */

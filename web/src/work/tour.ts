@@ -1,6 +1,6 @@
 /** Going along a path from place to place. */
-import { directionTo } from '../geometry.ts';
-import { make } from '../page.ts';
+import { directionTo } from '../geometry/geometry.ts';
+import { make } from '../elements/page.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { Looks } from './looks.ts';
 

@@ -1,7 +1,7 @@
 /** Writing directions for a path, or about an object at its end: its fly-through, its places, a text. */
-import { api, counted, make, say } from '../page.ts';
-import { action, twice } from '../forms.ts';
-import { ServerError, viewpointIndex } from '../scan.ts';
+import { api, counted, make, say } from '../elements/page.ts';
+import { action, twice } from '../elements/forms.ts';
+import { ServerError, viewpointIndex } from '../scan/scan.ts';
 import { MiniMap, Outlines, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';
 import { type Desk, submit, taskPanel } from './flow.ts';
