@@ -1,5 +1,6 @@
 /** Forms, and logging in with a token. */
-import { addSiteHeader, api, byId, json, make, problems } from './page.ts';
+import { api, json } from '../server/api.ts';
+import { addSiteHeader, byId, make, problems } from './page.ts';
 
 /** Who asks, as the server sees it. */
 export interface Who {

@@ -1,12 +1,5 @@
 /** What all pages have: making elements, the header, telling what went wrong. */
-import { Api, ServerError } from '../scan/scan.ts';
-
-export const api = new Api();
-
-/** How to send a body. */
-export const json = (body: unknown, method = 'POST') => ({
-  method, body: JSON.stringify(body), headers: { 'Content-Type': 'application/json' },
-});
+import { api, ServerError } from '../server/api.ts';
 
 type Child = Node | string;
 

@@ -1,12 +1,13 @@
 /** What is known of an episode, beside its building: text or dialogue, goal, reference path, somebody's walk. */
-import { distancesFrom, lengthOf } from '../scan/distances.ts';
 import { make } from '../elements/page.ts';
-import { EvenWalk, lengthOf as secondsOf, TraceWalk, wordAt } from './spoken_instruction.ts';
-import { keptResults } from './results.ts';
-import { type Episode, type Goal, type Part, viewpointIndex } from '../scan/scan.ts';
-import { endCounts } from './splits.ts';
+import { distancesFrom, lengthOf } from '../scan/distances.ts';
+import { viewpointIndex } from '../scan/scan.ts';
 import { type MiniMap, type Outline, Player, type Viewer } from '../viewer/enfilade-viewer.ts';
+import type { Episode, Goal, Part } from './episode.ts';
 import { successDistance } from './navigation_errors.ts';
+import { keptResults } from './results.ts';
+import { endCounts } from './splits.ts';
+import { EvenWalk, lengthOf as secondsOf, TraceWalk, wordAt } from './spoken_instruction.ts';
 
 const indicesOf = (viewer: Viewer, ids: readonly string[] = []): number[] => ids.map((id) => viewpointIndex(viewer.scan, id));
 

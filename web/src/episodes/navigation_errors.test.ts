@@ -1,5 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import { Api, type Episode, type Scan } from '../scan/scan.ts';
+import type { Scan } from '../scan/scan.ts';
+import { Api } from '../server/api.ts';
+import type { Episode } from './episode.ts';
 import { allEpisodes, ErrorMeter, errorsOf } from './navigation_errors.ts';
 
 /** Three viewpoints in a row, 2 m apart, and one that no edge leads to. */

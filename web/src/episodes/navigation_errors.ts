@@ -1,8 +1,10 @@
 /** Navigation errors of a results file, computed in the browser: the file never leaves it. */
 import { distancesFrom } from '../scan/distances.ts';
+import { type Scan, viewpointIndex } from '../scan/scan.ts';
+import type { Api } from '../server/api.ts';
+import type { Episode } from './episode.ts';
 import type { Results } from './results.ts';
 import { episodesOf } from './splits.ts';
-import { type Api, type Episode, type Scan, viewpointIndex } from '../scan/scan.ts';
 
 /** Metres; a walk that stops nearer to its goal is a success. The paper's. */
 export const successDistance = 3;

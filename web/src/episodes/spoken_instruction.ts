@@ -1,7 +1,8 @@
 /** An instruction that was spoken while walking, in its time: which word is said, and where one is then. */
 import { directionTo, norm, subtract, wrapDifference, wrapHeading } from '../geometry/geometry.ts';
-import { type Scan, type TimedWord, type Trace, viewpointIndex } from '../scan/scan.ts';
+import { type Scan, viewpointIndex } from '../scan/scan.ts';
 import type { Moment, Timeline } from '../viewer/flight.ts';
+import type { TimedWord, Trace } from './episode.ts';
 
 /** Of a leg, from its start on: while one turns to the next viewpoint. */
 const turning = 0.25;

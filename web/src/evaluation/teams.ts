@@ -1,6 +1,7 @@
 /** Teams of the evaluation, for organisers: who may submit where goals are secret. */
 import { action, field, form } from '../elements/forms.ts';
-import { api, dateTime, json, make, table } from '../elements/page.ts';
+import { dateTime, make, table } from '../elements/page.ts';
+import { api, json } from '../server/api.ts';
 
 interface Team {
   readonly id: number;

@@ -1,7 +1,8 @@
 /** The first page: what this is, a look into a building, four doors, and all buildings. */
-import { formatLink } from '../viewer/deep_link.ts';
 import { icon, type IconName } from '../elements/icons.ts';
-import { addHeader, api, byId, counted, empty, make, run, type Served } from '../elements/page.ts';
+import { addHeader, byId, counted, empty, make, run, type Served } from '../elements/page.ts';
+import { api } from '../server/api.ts';
+import { formatLink } from '../viewer/deep_link.ts';
 import { loadFaces, type Look, TurningPanorama } from '../viewer/turning_panorama.ts';
 
 interface Building {

@@ -2,10 +2,16 @@
 import { intervalBar, type Point, progressChart, scaleOf } from '../elements/charts.ts';
 import { labelled, type Who } from '../elements/forms.ts';
 import { markdown } from '../elements/markdown.ts';
-import { addSiteHeader, api, byId, counted, empty, facts, loading, make, problems, run, table } from '../elements/page.ts';
-import { benchmarkOf, leakageOf, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf } from '../evaluation/phases.ts';
-import { bestText, type Column, type Direction, factorOf, firstDirection, format, places, type Row, sorted, unitOf, valueOf } from '../evaluation/ranking.ts';
-import { ServerError } from '../scan/scan.ts';
+import {
+  addSiteHeader, byId, counted, empty, facts, loading, make, problems, run, table,
+} from '../elements/page.ts';
+import {
+  benchmarkOf, leakageOf, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf,
+} from '../evaluation/phases.ts';
+import {
+  bestText, type Column, type Direction, factorOf, firstDirection, format, places, type Row, sorted, unitOf, valueOf,
+} from '../evaluation/ranking.ts';
+import { api, ServerError } from '../server/api.ts';
 
 interface Order {
   readonly by: Column;

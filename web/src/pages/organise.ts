@@ -1,11 +1,12 @@
 /** Collections: making them, how far they are, their links and files. */
 import type { Collection, ExportReport, Kind, Progress } from '../collecting/collections.ts';
+import { consentGap, consentText, instructionsText } from '../collecting/default_texts.ts';
+import { parseQuestions } from '../collecting/questions.ts';
 import { action, field, form, labelled, loggedIn, onlyFor } from '../elements/forms.ts';
 import { markdown } from '../elements/markdown.ts';
-import { api, byId, counted, json, make, run } from '../elements/page.ts';
-import { parseQuestions } from '../collecting/questions.ts';
+import { byId, counted, make, run } from '../elements/page.ts';
 import { teamsBox } from '../evaluation/teams.ts';
-import { consentGap, consentText, instructionsText } from '../collecting/default_texts.ts';
+import { api, json } from '../server/api.ts';
 
 interface SplitList {
   readonly splits: readonly { split: string; paths: number; instructions: number; goals_hidden: boolean }[];

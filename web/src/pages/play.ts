@@ -3,10 +3,11 @@
  * `/play?task=r2r&split=val_unseen&episode=ID&view=text|marks`; without an episode one is chosen.
  */
 import { action, form, labelled, twice } from '../elements/forms.ts';
-import { addSiteHeader, api, byId, empty, facts, make, run } from '../elements/page.ts';
+import { addSiteHeader, byId, empty, facts, make, run } from '../elements/page.ts';
+import { episodesOf, parseKey, type Split, splitKey, splitTitle } from '../episodes/splits.ts';
 import { callOfKey, PlayedSession, type Wanted } from '../replay/plays.ts';
 import { endText, type Observation, placeText, type ToolUse, turnText } from '../replay/runs.ts';
-import { episodesOf, parseKey, type Split, splitKey, splitTitle } from '../episodes/splits.ts';
+import { api } from '../server/api.ts';
 import './play.css';
 
 type View = 'text' | 'marks';

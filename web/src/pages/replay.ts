@@ -3,11 +3,14 @@
  * step, and `&with=OTHER` another run's walk of the same episode beside it.
  */
 import { labelled } from '../elements/forms.ts';
-import { addHeader, addSiteHeader, api, byId, counted, crumbs, empty, type Link, make, problems, run, type Served, table } from '../elements/page.ts';
+import { linkCopier } from '../elements/link_copier.ts';
+import {
+  addHeader, addSiteHeader, byId, counted, crumbs, empty, type Link, make, problems, run, type Served, table,
+} from '../elements/page.ts';
+import { splitKey } from '../episodes/splits.ts';
 import { RunPanel } from '../replay/run_panel.ts';
 import { endText, type ListedEpisode, parseStep, type Replay, type Run } from '../replay/runs.ts';
-import { linkCopier } from '../elements/link_copier.ts';
-import { splitKey } from '../episodes/splits.ts';
+import { api } from '../server/api.ts';
 import type { Viewer } from '../viewer/enfilade-viewer.ts';
 import './replay.css';
 

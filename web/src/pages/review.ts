@@ -4,8 +4,9 @@
  */
 import type { Change, Collection, Kind, Turn, Work, WorkSummary } from '../collecting/collections.ts';
 import { action, field, labelled, loggedIn, onlyFor, type Who } from '../elements/forms.ts';
-import { api, byId, dateTime, json, make, problems, run, table } from '../elements/page.ts';
+import { byId, dateTime, make, problems, run, table } from '../elements/page.ts';
 import { viewpointIndex } from '../scan/scan.ts';
+import { api, json } from '../server/api.ts';
 import { MiniMap, Outlines, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 import { outlinesIn } from '../work/targets.ts';
 

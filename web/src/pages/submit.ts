@@ -1,8 +1,11 @@
 /** Making a team, logging in, submitting, and a team's history. */
 import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../elements/forms.ts';
-import { addSiteHeader, api, byId, dateTime, empty, json, make, problems, run, table } from '../elements/page.ts';
-import { benchmarkOf, endOf, leakageOf, limitsOf, type Phase, type PhaseList, showingOf } from '../evaluation/phases.ts';
+import { addSiteHeader, byId, dateTime, empty, make, problems, run, table } from '../elements/page.ts';
+import {
+  benchmarkOf, endOf, leakageOf, limitsOf, type Phase, type PhaseList, showingOf,
+} from '../evaluation/phases.ts';
 import { type Column, format, type Mean, unitOf, valueOf } from '../evaluation/ranking.ts';
+import { api, json } from '../server/api.ts';
 
 interface Submission {
   readonly id: number;

@@ -1,11 +1,13 @@
 /** Following an instruction as agents do, for visitors: nothing is kept. `/try?split=S&id=I`; without them any episode. */
-import { distancesFrom, lengthOf } from '../scan/distances.ts';
-import { addHeader, api, byId, empty, make, run, type Served } from '../elements/page.ts';
-import { type Episode, viewpointIndex } from '../scan/scan.ts';
+import { addHeader, byId, empty, make, run, type Served } from '../elements/page.ts';
+import type { Episode } from '../episodes/episode.ts';
+import { successDistance } from '../episodes/navigation_errors.ts';
 import type { Split } from '../episodes/splits.ts';
+import { distancesFrom, lengthOf } from '../scan/distances.ts';
+import { viewpointIndex } from '../scan/scan.ts';
+import { api } from '../server/api.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
-import { successDistance } from '../episodes/navigation_errors.ts';
 
 declare global {
   interface Window {

@@ -1,12 +1,14 @@
 /** One building, first person: `/view?split=S&id=I#scan/viewpoint/heading/elevation`. */
-import { formatLink, parseLink } from '../viewer/deep_link.ts';
-import { addHeader, api, byId, make, run } from '../elements/page.ts';
-import { type Episode, type Layer, type Plan, storeyOf, viewpointIndex } from '../scan/scan.ts';
 import { linkCopier } from '../elements/link_copier.ts';
-import { episodesOf } from '../episodes/splits.ts';
-import { keyHelp } from '../viewer/controls.ts';
-import { Legend, MapPanel, MiniMap, storeyName, Viewer } from '../viewer/enfilade-viewer.ts';
+import { addHeader, byId, make, run } from '../elements/page.ts';
+import type { Episode } from '../episodes/episode.ts';
 import { showEpisode } from '../episodes/episode_panel.ts';
+import { episodesOf } from '../episodes/splits.ts';
+import { type Layer, type Plan, storeyOf, viewpointIndex } from '../scan/scan.ts';
+import { api } from '../server/api.ts';
+import { keyHelp } from '../viewer/controls.ts';
+import { formatLink, parseLink } from '../viewer/deep_link.ts';
+import { Legend, MapPanel, MiniMap, storeyName, Viewer } from '../viewer/enfilade-viewer.ts';
 import './view.css';
 
 declare global {

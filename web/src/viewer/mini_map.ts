@@ -1,7 +1,8 @@
 /** A floor plan of one storey: rooms and walls where they are known, viewpoints, where one looks, a path. */
-import { toDegrees } from '../geometry/geometry.ts';
-import { type Api, type Plan, storeyOf } from '../scan/scan.ts';
 import { shape } from '../elements/svg.ts';
+import { toDegrees } from '../geometry/geometry.ts';
+import { type Plan, storeyOf } from '../scan/scan.ts';
+import type { Api } from '../server/api.ts';
 import { letters, margin, roomsOf, scaleBar, storeyShapes } from './plan_shapes.ts';
 import type { Viewer } from './viewer.ts';
 

@@ -1,7 +1,8 @@
 /** One viewpoint's panorama: its pictures, and drawing it as a box around its eye or as a relief. */
 import * as three from 'three';
 import { apply, type Mat3, transpose, type Vec3 } from '../geometry/geometry.ts';
-import type { Api, Layer } from '../scan/scan.ts';
+import type { Layer } from '../scan/scan.ts';
+import type { Api } from '../server/api.ts';
 import { Kept } from './kept.ts';
 import { cubeOrder, pointOfCube, Surround } from './surround.ts';
 

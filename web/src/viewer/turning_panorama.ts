@@ -3,9 +3,9 @@
  * browser turns by itself. It needs neither WebGL nor three.js, and nothing of it is there for
  * people who asked for less motion.
  */
-import { type Mat3, wrapDifference } from '../geometry/geometry.ts';
 import { make } from '../elements/page.ts';
-import type { Api } from '../scan/scan.ts';
+import { type Mat3, wrapDifference } from '../geometry/geometry.ts';
+import type { Api } from '../server/api.ts';
 
 /** Radians. */
 export interface Look {

@@ -1,19 +1,10 @@
 /** First person in a panorama, as a part of any page. */
 import {
-  apply,
-  type Camera,
-  degrees,
-  type Direction,
-  directionTo,
-  norm,
-  project,
-  subtract,
-  type Vec3,
-  worldFromCamera,
-  wrapHeading,
+  apply, type Camera, degrees, type Direction, directionTo, norm, project, subtract, type Vec3, worldFromCamera, wrapHeading,
 } from '../geometry/geometry.ts';
 import { halfFieldOfView, navigable, type Step } from '../scan/navigation.ts';
-import { Api, type Layer, type Scan, viewpointIndex } from '../scan/scan.ts';
+import { type Layer, type Scan, viewpointIndex } from '../scan/scan.ts';
+import { Api } from '../server/api.ts';
 import { Controls } from './controls.ts';
 import { floorBelow, type Mark } from './discs.ts';
 import { Flight, type Moment } from './flight.ts';

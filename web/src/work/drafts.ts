@@ -1,5 +1,5 @@
 /** What was done so far: in this browser at once, at the server soon after. */
-import { ServerError } from '../scan/scan.ts';
+import { ServerError } from '../server/api.ts';
 import type { Store } from './storage.ts';
 
 /** A draft, and whether the server has it. */

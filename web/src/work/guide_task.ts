@@ -2,9 +2,10 @@
 import type { Entry, TimedWord } from '../collecting/collections.ts';
 import { action, twice } from '../elements/forms.ts';
 import { counted, make, say } from '../elements/page.ts';
-import { ServerError, viewpointIndex } from '../scan/scan.ts';
+import { viewpointIndex } from '../scan/scan.ts';
+import { ServerError } from '../server/api.ts';
 import { Viewer } from '../viewer/enfilade-viewer.ts';
-import { type DraftState, Drafts } from './drafts.ts';
+import { Drafts, type DraftState } from './drafts.ts';
 import { type Desk, submit, taskPanel } from './flow.ts';
 import { tooShort, wordsIn } from './hints.ts';
 import { Looks } from './looks.ts';

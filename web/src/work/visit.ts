@@ -1,7 +1,7 @@
 /** A worker's visit: joining by a link, and asking the server as that worker. Shapes: /api/v1/openapi.json. */
 import type { Collection, Entry, Kind, Role, Target, TimedWord, Turn } from '../collecting/collections.ts';
 import type { Direction } from '../geometry/geometry.ts';
-import { api, json } from '../elements/page.ts';
+import { api, json } from '../server/api.ts';
 import { storage } from './storage.ts';
 
 export interface Task {

@@ -1,8 +1,8 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { degrees } from '../geometry/geometry.ts';
-import { ServerError } from '../scan/scan.ts';
-import { type DraftState, Drafts } from './drafts.ts';
 import { parseQuestions, writeQuestions } from '../collecting/questions.ts';
+import { degrees } from '../geometry/geometry.ts';
+import { ServerError } from '../server/api.ts';
+import { Drafts, type DraftState } from './drafts.ts';
 import { type Behaviour, hintsFor, tooShort, wordsIn } from './hints.ts';
 import { Looks } from './looks.ts';
 import { Recorder } from './recorder.ts';
