@@ -1,6 +1,6 @@
 /** Questions to workers as an organiser types them: a block each, its choices on lines of their own, a star before the right ones. */
 
-export interface AskedQuestion {
+interface AskedQuestion {
   readonly question: string;
   readonly choices: readonly string[];
   /** The right ones. */
@@ -19,7 +19,3 @@ export function parseQuestions(text: string): AskedQuestion[] {
     return { question, choices, accept };
   });
 }
-
-/** The inverse. */
-export const writeQuestions = (questions: readonly AskedQuestion[]): string =>
-  questions.map(({ question, choices, accept }) => [question, ...choices.map((one) => (accept.includes(one) ? `* ${one}` : one))].join('\n')).join('\n\n');

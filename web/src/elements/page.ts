@@ -104,7 +104,7 @@ export function toast(text: string): void {
 }
 
 /** scroll: a table wider than the screen moves under its edges; stack: on a phone each row is a card (style.css). */
-export type TableKind = 'scroll' | 'stack';
+type TableKind = 'scroll' | 'stack';
 
 /** A table that can be wider than the screen. A heading stands over its column's numbers as they do: to the right. */
 export function table(

@@ -76,7 +76,7 @@ function pieces(viewer: Viewer, parts: readonly Part[], path: readonly number[])
 }
 
 /** The middle of a rim: where one looks to see the object. */
-export function middleOf(rim: readonly number[]): { heading: number; elevation: number } {
+function middleOf(rim: readonly number[]): { heading: number; elevation: number } {
   let [x, y, z] = [0, 0, 0];
   for (let k = 0; k + 1 < rim.length; k += 2) {
     x += Math.sin(rim[k]!) * Math.cos(rim[k + 1]!);

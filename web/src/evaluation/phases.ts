@@ -1,7 +1,7 @@
 /** Phases of an evaluation, and what pages say about them in words. */
 import type { Column } from './ranking.ts';
 
-export interface Leakage {
+interface Leakage {
   readonly most_bits: number | null;
   readonly goal_bits: number | null;
   readonly used_bits?: number | null;

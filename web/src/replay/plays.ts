@@ -2,7 +2,7 @@
 import { type Api, ServerError } from '../server/api.ts';
 import type { Ending, Observation } from './runs.ts';
 
-export interface PlayState {
+interface PlayState {
   readonly session: number;
   readonly task: string;
   readonly split: string;

@@ -49,7 +49,7 @@ export interface Place {
   readonly seen_before: boolean;
   readonly what?: string;
 }
-export interface Thing {
+interface Thing {
   readonly name: string;
   readonly category: string;
   readonly turn: number;

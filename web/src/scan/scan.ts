@@ -17,7 +17,7 @@ export interface Viewpoint {
   readonly rotation?: Mat3;
 }
 
-export interface Storey {
+interface Storey {
   readonly floor: number;
   readonly viewpoints: readonly number[];
 }

@@ -1,7 +1,7 @@
 /** Requests to the server. Shapes: /api/v1/openapi.json. */
 import type { Layer, Legends, Plan, Scan } from '../scan/scan.ts';
 
-export interface Problem {
+interface Problem {
   readonly severity: 'note' | 'warning' | 'error';
   readonly where: string;
   readonly code: string;

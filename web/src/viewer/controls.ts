@@ -8,7 +8,7 @@ const zoomStep = 1.1;
 const clickSlack = 6;
 
 /** What controls need of the viewer that they steer. */
-export interface Steered {
+interface Steered {
   readonly element: HTMLElement;
   readonly pose: Direction & { readonly viewpoint: number; readonly vfov: number };
   readonly view: Camera;

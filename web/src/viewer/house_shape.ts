@@ -2,7 +2,7 @@
 import type { Lines, PlanStorey, Room } from '../scan/scan.ts';
 
 /** A part of a wall as seen from the room: from `a` to `b` in plan, between two heights above the floor. */
-export interface WallPart {
+interface WallPart {
   readonly a: readonly [number, number];
   readonly b: readonly [number, number];
   readonly low: number;

@@ -7,7 +7,7 @@ import { Kept } from './kept.ts';
 import { cubeOrder, pointOfCube, Surround } from './surround.ts';
 
 /** Distances as a texture, for shaders, and as numbers. */
-export class SurroundTexture {
+class SurroundTexture {
   readonly surround: Surround;
   readonly texture: three.CubeTexture;
 

@@ -25,7 +25,7 @@ const overlap = 1;
 export const turns = ['rotateX(-90deg) rotateZ(180deg)', 'rotateY(180deg)', 'rotateY(90deg)', '', 'rotateY(-90deg)', 'rotateX(90deg) rotateZ(180deg)'] as const;
 
 /** The world's heading of the panorama's front face. */
-export const frontHeading = (worldFromPanorama: Mat3): number => Math.atan2(worldFromPanorama[2], worldFromPanorama[5]);
+const frontHeading = (worldFromPanorama: Mat3): number => Math.atan2(worldFromPanorama[2], worldFromPanorama[5]);
 
 /** CSS that turns the box so that one looks there. CSS has x right, y down, z towards us, as the panorama has but for z. */
 export function boxTransform(focal: number, { heading, elevation }: Look, front: number): string {

@@ -24,14 +24,14 @@ export interface Desk {
 }
 
 /** A task on the page. */
-export interface TaskPage {
+interface TaskPage {
   /** Sends what is not sent yet. */
   save(): Promise<void>;
   dispose(): void;
 }
 
 /** Fills the page's main part with a task. */
-export type ShowTask = (main: HTMLElement, desk: Desk) => Promise<TaskPage>;
+type ShowTask = (main: HTMLElement, desk: Desk) => Promise<TaskPage>;
 
 const retryMs = 5000;
 

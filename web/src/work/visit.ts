@@ -153,7 +153,7 @@ export class WorkApi {
   }
 }
 
-export type Arrival =
+type Arrival =
   | { readonly preview: true; readonly collection: Collection; readonly example: Task | undefined }
   | { readonly preview: false; readonly collection: Collection; readonly visit: Visit; readonly api: WorkApi };
 
