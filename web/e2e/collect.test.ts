@@ -27,7 +27,7 @@ describe.skipIf(missing)('a collection', () => {
   beforeAll(async () => {
     home = await openHome();
     organiser = await openPage(home, `/organise#token=${newToken(home, 'Ada', 'organiser')}`); // as serve prints it
-    await organiser.waitForURL(({ hash }) => hash === ''); // for nobody who looks over a shoulder
+    await organiser.waitForURL(({ hash }) => hash === ''); // out of sight of others
     await organiser.getByRole('button', { name: 'Log in' }).click();
     await organiser.getByText('No collections yet.').waitFor();
   });
@@ -280,7 +280,7 @@ describe.skipIf(missing)('a collection', () => {
     await organiser.getByText('2 of 12').waitFor();
   });
 
-  it('keeps nobody out, whatever a worker comes to', async () => {
+  it('is accessible, whatever a worker comes to', async () => {
     const shown = async (page: Page, text: string, name: string) => {
       await page.getByText(text).first().waitFor();
       await inspect(page, name);

@@ -57,7 +57,7 @@ export interface Collection {
   readonly synthetic: boolean;
   /** As workers read it before they agree. */
   readonly pay?: string;
-  /** That a task takes, as workers are told. */
+  /** Minutes per task, as workers read it. */
   readonly minutes?: number;
   readonly per_item?: number;
   readonly lease_minutes?: number;
@@ -137,7 +137,7 @@ export interface Work {
   readonly object?: Target;
   /** Of a description: how many looked for the object by it. */
   readonly verified?: { readonly walked: number; readonly found: number };
-  /** Where somebody pointed, from the end of the walk; and the object there. */
+  /** Where the worker pointed, from the end of the walk; and the object there. */
   readonly point?: Direction;
   readonly pointed_at?: number | null;
   readonly words?: readonly TimedWord[];

@@ -37,7 +37,7 @@ Full sentences or not, both are good. Do not copy from other paths.
 
 const walkText = `# Follow directions
 
-You stand somewhere in a building. Somebody wrote how to get from here to a goal that you do not know.
+You stand somewhere in a building. Another person wrote how to get from here to a goal that you do not know.
 
 1. Read the directions, look around, and walk by the rings on the floor.
 2. You see what a robot would see: a view of a certain width, and only those rings that lie before you. Turn round for the others.
@@ -48,7 +48,7 @@ If you stop **less than 3 m** from the goal, this walk earns the bonus.
 
 const describeText = `# Describe an object
 
-A smart robot stands where the **green pole** is. It has never been in this building. Somebody wants it to do something with
+A smart robot stands where the **green pole** is. It has never been in this building. A person wants it to do something with
 the object in the **orange frame**, at the end of the path.
 
 1. Play the path, or go along it, and look at the object in its frame.
@@ -59,7 +59,7 @@ the object in the **orange frame**, at the end of the path.
 
 const findText = `# Find an object
 
-You stand somewhere in a building. Somebody wrote what should be done with an object that you do not see yet.
+You stand somewhere in a building. Another person wrote what should be done with an object that you do not see yet.
 
 1. Read it, look around, and walk by the rings on the floor until you see the object.
 2. Press **I see the object**, and click on it in the picture. By keys: turn until it is in the middle, and press *Point at the middle*.
@@ -68,13 +68,13 @@ You stand somewhere in a building. Somebody wrote what should be done with an ob
 If it is the right object, this task earns the bonus.
 `;
 
-const guideText = `# Guide somebody
+const guideText = `# Guide another person
 
-Somebody who has never been here will walk this path by your words alone, and hear them as you say them.
+A person who has never been here will walk this path by your words alone, and hear them as you say them.
 
 1. Walk from the **green pole** to the **red pole**, by the blue discs or the buttons.
 2. Say on the way what one should do, and what one sees just then. Type it, or speak, if your browser can write down speech.
-3. Say nothing of poles and discs: nobody else sees them. Where it ends has to be clear from your words.
+3. Say nothing of poles and discs: no one else sees them. Where it ends has to be clear from your words.
 
 Your look and the moment of each word are kept.
 `;

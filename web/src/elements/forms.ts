@@ -72,7 +72,7 @@ export const field = (id: string, text: string, attributes: Record<string, strin
 
 /**
  * The token of a link like "organise#token=…", which no server and no log gets to see. It is taken out of the address,
- * and logs nobody in before they press the button: anybody could send such a link.
+ * and does not log in before the button is pressed: anyone could send such a link.
  */
 function takeLinkedToken(): string {
   const linked = new URLSearchParams(location.hash.slice(1)).get('token');

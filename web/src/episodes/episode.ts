@@ -7,7 +7,7 @@ export interface TimedWord {
   readonly end?: number;
 }
 
-/** What one of two people said, after so many steps. */
+/** What one of two people said, and the number of steps before it. */
 export interface Turn {
   readonly role: string;
   readonly message: string;
@@ -32,7 +32,7 @@ export interface Goal {
   readonly outlines?: readonly { readonly viewpoint: string; readonly label: string; readonly rim: readonly number[] }[];
 }
 
-/** How somebody looked while speaking: lists of one length, in the order of time. */
+/** A guide's viewpoints and views while speaking: lists of one length, in the order of time. */
 export interface Trace {
   /** Seconds. */
   readonly times: readonly number[];

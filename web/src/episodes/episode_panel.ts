@@ -1,4 +1,4 @@
-/** What is known of an episode, beside its building: text or dialogue, goal, reference path, somebody's walk. */
+/** An episode beside its building: text or dialogue, goal, reference path, an agent's walk. */
 import { make } from '../elements/page.ts';
 import { distancesFrom, lengthOf } from '../scan/distances.ts';
 import { viewpointIndex } from '../scan/scan.ts';

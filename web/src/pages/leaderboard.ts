@@ -139,7 +139,7 @@ async function fill(box: HTMLElement, phase: Phase, organiser: boolean): Promise
   const [board, all] = await Promise.all([boardOf(phase, organiser, false), open ? boardOf(phase, organiser, true) : []]);
   const heading = make('h2', {}, 'Results');
   if (typeof board === 'string') return box.replaceChildren(heading, empty('No scores yet', board));
-  if (board.length === 0) return box.replaceChildren(heading, empty('No results yet', 'Nobody has submitted anything.'));
+  if (board.length === 0) return box.replaceChildren(heading, empty('No results yet', 'There are no submissions.'));
   const results = make('div');
   drawRows(results, board, phase, orderOf(new URLSearchParams(location.search).get('sort'), phase, primaryOf(phase)));
   const file = `/api/v1/leaderboards/${encodeURIComponent(phase.phase)}?format=csv&all=1`;

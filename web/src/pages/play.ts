@@ -34,7 +34,7 @@ async function startPage(main: HTMLElement): Promise<void> {
   main.append(make('div', { class: 'page-head' }, make('h1', {}, 'Walk as a model does'),
     make('p', { class: 'lead' }, 'You get what a language model gets at each step, and have the tools that it has.')));
   if (playable.length === 0) {
-    main.append(empty('No episodes', 'This data set has none that can be walked.', make('a', { href: '/', class: 'button' }, 'Buildings')));
+    main.append(empty('No episodes', 'This data set has no episode that can be walked.', make('a', { href: '/', class: 'button' }, 'Buildings')));
     return;
   }
   const [splitBox, split] = labelled('split', 'Split', make('select', {}, ...playable.map((one) => new Option(splitTitle(one), splitKey(one)))));

@@ -35,7 +35,7 @@ async function listRuns(main: HTMLElement): Promise<void> {
     make('p', { class: 'lead' }, 'Walks of language models, assistants and programs. Open one to see what it thought and did, step by step. ',
     make('a', { href: '/play' }, 'Walk as they do'), ', by the same words and tools.')));
   if (runs.length === 0) {
-    main.append(empty('No runs', 'A server shows those that it is started with: enfilade serve DATA --runs DIR.'));
+    main.append(empty('No runs', 'A server shows the runs that it is started with: enfilade serve DATA --runs DIR.'));
     return;
   }
   main.append(table(['Run', 'Split', 'Model', 'Prompt', make('th', { scope: 'col', class: 'number' }, 'Episodes')], runs.map((one) => [
@@ -59,7 +59,7 @@ async function listEpisodes(main: HTMLElement, name: string): Promise<void> {
     make('td', { class: 'wide' }, make('a', { href: address({ run: found.run, episode: one.episode }) }, one.episode)),
     'problem' in one ? make('td', { class: 'wide problem' }, one.problem) : make('td', { class: 'wide' }, endText(one))]);
   main.append(rows.length > 0 ? table(['Episode', 'How it ended'], rows, { kind: 'stack', label: `Episodes of ${found.run}` })
-    : empty('No episodes', 'This run has none that is done.'));
+    : empty('No episodes', 'This run has no finished episode.'));
   const turn = (text: string, to: number) => make('a', { class: 'button', href: address({ run: found.run, offset: String(to) }) }, text);
   if (found.episodes > perPage) {
     main.append(make('p', { class: 'pages' }, ...(offset > 0 ? [turn('Previous', Math.max(0, offset - perPage))] : []),

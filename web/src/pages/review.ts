@@ -159,7 +159,7 @@ class Reviewer {
     return this.load();
   }
 
-  /** All of them: the server gives so many at a time. */
+  /** All of them: the server sends a limited number per request. */
   private async summaries(by: 'workers' | 'paths'): Promise<WorkSummary[]> {
     const most = 1000;
     const all: WorkSummary[] = [];

@@ -1,4 +1,4 @@
-/** Walking freely in a building: `/roam?split=S&id=I#scan/viewpoint/heading/elevation`, or `@x,y,z` in the viewpoint's place. */
+/** Continuous walking in a building: `/roam?split=S&id=I#scan/viewpoint/heading/elevation`, or `@x,y,z` in the viewpoint's place. */
 import { addHeader, byId, facts, loading, make, run, say } from '../elements/page.ts';
 import { type Direction, directionTo, type Vec3 } from '../geometry/geometry.ts';
 import { houseHelp, keyHelp, RoamControls } from '../roam/controls.ts';
@@ -226,4 +226,4 @@ run(async () => {
   window.roaming = { walker, view };
   addEventListener('hashchange', () => location.reload());
   map.setPlan(await api.plan(name).catch(() => ({ storeys: [], rooms: [] })));
-}, 'This building cannot be walked in freely');
+}, 'This building cannot be walked in');

@@ -77,7 +77,7 @@ run(async () => {
   if (!chosen) {
     addHeader(await api.call<Served>('scans'));
     main.classList.remove('wide');
-    main.append(make('h1', {}, 'Follow an instruction'), empty('No instruction to follow', 'There is none with pictures and an open goal here.', make('a', { href: '/', class: 'button' }, 'Buildings')));
+    main.append(make('h1', {}, 'Follow an instruction'), empty('No instruction to follow', 'This data set has no episode with pictures and an open goal.', make('a', { href: '/', class: 'button' }, 'Buildings')));
     return;
   }
   const { split, episode } = chosen;

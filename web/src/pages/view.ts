@@ -39,9 +39,9 @@ function overlayControl(viewer: Viewer, legend: Legend): HTMLElement | undefined
   return make('label', { class: 'row' }, 'Show', select);
 }
 
-/** To where one can walk freely, from here and looking the same way; with the path of the episode that is shown. */
+/** A link to /roam at this position and heading; with the path of the episode that is shown. */
 function roamLink(viewer: Viewer): HTMLElement {
-  const link = make('a', { class: 'button' }, 'Walk freely');
+  const link = make('a', { class: 'button' }, 'Walk anywhere');
   const { split, id } = Object.fromEntries(new URLSearchParams(location.search)) as { split?: string; id?: string };
   // An instruction's id is its path's and a number; continuous episodes are of R2R's paths.
   const episode = split && !split.includes('/') && id ? `?${new URLSearchParams({ split, trajectory: id.replace(/_\d+$/, '') })}` : '';
@@ -90,7 +90,7 @@ function placeName(viewer: Viewer): HTMLElement {
   return name;
 }
 
-/** After the first picture, which nobody should wait for longer. */
+/** After the first picture, so as not to delay it. */
 async function showPlan(viewer: Viewer, panel: MapPanel): Promise<void> {
   const plan: Plan = await api.plan(viewer.scan.scan).catch(() => ({ storeys: [], rooms: [] })); // a map without walls
   viewer.setNames(new Map(plan.rooms.flatMap(({ name, viewpoints }) =>

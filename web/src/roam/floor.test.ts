@@ -122,7 +122,7 @@ describe('a walk', () => {
   });
 });
 
-describe('somebody who walks', () => {
+describe('a walker', () => {
   const started = (heading = 0) => {
     const floor = new Floor(angle);
     return new Walker(floor, at(floor, 1, 1), { heading, elevation: 0 });
@@ -157,7 +157,7 @@ describe('somebody who walks', () => {
     expect(one.position[1]).toBeCloseTo(2, 12);
   });
 
-  it('walks freely ahead and aside, and looks no higher than it can', () => {
+  it('walks smoothly ahead and aside, and looks no higher than it can', () => {
     const one = started(Math.PI / 2);
     one.glide(0.3, 0.1);
     expect(one.position[0]).toBeCloseTo(1.3, 12);

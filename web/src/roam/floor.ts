@@ -72,7 +72,7 @@ export class Floor {
     return this.polygons.length;
   }
 
-  /** The connected part that a polygon belongs to, the largest first: nobody walks from one to another. */
+  /** The connected part that a polygon belongs to, the largest first: no walk leads from one to another. */
   part(polygon: number): number {
     return this.polygons[polygon]!.area;
   }

@@ -1,4 +1,4 @@
-/** What is drawn on the floor: an episode's start, path and goal, and somebody's own walk. */
+/** What is drawn on the floor: an episode's start, path and goal, and the user's walk. */
 import * as three from 'three';
 import type { Vec3 } from '../geometry/geometry.ts';
 
@@ -79,7 +79,7 @@ export class Marks {
     this.trail.geometry = band(line, 0.09, lift * 1.5);
   }
 
-  /** Where somebody stands: seen from outside only. */
+  /** The user's position: seen from outside only. */
   setYou([x, y, z]: Vec3, heading: number): void {
     this.you.position.set(x, y, z + 1);
     this.you.rotation.z = -heading;

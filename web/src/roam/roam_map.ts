@@ -1,4 +1,4 @@
-/** The plan of the storey that somebody walks in: where one can walk, rooms, an episode's path, the own walk. */
+/** The plan of the user's storey: walkable floor, rooms, an episode's path, the user's walk. */
 import { toDegrees, type Vec3 } from '../geometry/geometry.ts';
 import type { Plan, Scan } from '../scan/scan.ts';
 import { shape } from '../elements/svg.ts';

@@ -1,4 +1,4 @@
-/** The picture: from the eyes of somebody who walks, or the building from outside. */
+/** The picture: from the eyes of the walker, or the building from outside. */
 import * as three from 'three';
 import { degrees, type Vec3, worldFromCamera } from '../geometry/geometry.ts';
 import { drawsWithoutGpu } from '../viewer/gpu.ts';

@@ -27,7 +27,7 @@ export interface Scan {
   readonly synthetic: boolean;
   /** Whether the server has runs to look at: /replay. */
   readonly runs?: boolean;
-  /** Whether one can walk freely in it: /roam. */
+  /** Whether it has a navigation mesh to walk on: /roam. */
   readonly roam?: boolean;
   readonly storeys: readonly Storey[];
   readonly viewpoints: readonly Viewpoint[];

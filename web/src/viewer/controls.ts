@@ -4,7 +4,7 @@ import type { Step } from '../scan/navigation.ts';
 
 const keyTurn = degrees(10);
 const zoomStep = 1.1;
-/** A press that moves less than so many pixels is a click. */
+/** A press that moves less than this many pixels is a click. */
 const clickSlack = 6;
 
 /** What controls need of the viewer that they steer. */

@@ -4,7 +4,7 @@ import { things, wallsOf } from './house_shape.ts';
 import { roundLength } from './plan_shapes.ts';
 
 const room: Room = { name: 'kitchen', storey: 0, floor: 0, outline: [0, 0, 4, 0, 4, 3, 0, 3], viewpoints: [] };
-/** Walls all around but for x from 1 to 2 in the south; a window in the north from 1 to 3. */
+/** Walls all around except for x from 1 to 2 in the south; a window in the north from 1 to 3. */
 const storey: PlanStorey = {
   floor: 0, doors: [], stairs: [], furniture: [],
   walls: [0, 0, 1, 0, 2, 0, 4, 0, 4, 0, 4, 3, 4, 3, 3, 3, 1, 3, 0, 3, 0, 3, 0, 0],

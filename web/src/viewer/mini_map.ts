@@ -47,7 +47,7 @@ export class MiniMap {
     if (plan) this.setPlan(names ? plan : { ...plan, rooms: plan.rooms.map((room) => ({ ...room, name: '' })) });
   }
 
-  /** A path, a walk that somebody took for it, and squares where the goal is seen; empty: none. */
+  /** A path, an agent's walk for it, and squares where the goal is seen; empty: none. */
   setPath(path: readonly number[], walk: readonly number[] = [], seen: readonly number[] = []): void {
     this.path = path;
     this.walk = walk;

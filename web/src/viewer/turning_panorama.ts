@@ -27,7 +27,7 @@ export const turns = ['rotateX(-90deg) rotateZ(180deg)', 'rotateY(180deg)', 'rot
 /** The world's heading of the panorama's front face. */
 const frontHeading = (worldFromPanorama: Mat3): number => Math.atan2(worldFromPanorama[2], worldFromPanorama[5]);
 
-/** CSS that turns the box so that one looks there. CSS has x right, y down, z towards us, as the panorama has but for z. */
+/** CSS that turns the box so that one looks there. CSS has x right, y down, z towards us, as the panorama has except for z. */
 export function boxTransform(focal: number, { heading, elevation }: Look, front: number): string {
   const turn = wrapDifference(heading - front);
   return `translateZ(${focal.toFixed(2)}px) rotateX(${elevation.toFixed(5)}rad) rotateY(${turn.toFixed(5)}rad)`;

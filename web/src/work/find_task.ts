@@ -1,4 +1,4 @@
-/** Finding an object by what somebody wrote: one walks as for an instruction, and points at it in the end. */
+/** Finding an object by its description: workers walk as for an instruction, and point at it in the end. */
 import { action } from '../elements/forms.ts';
 import { type Direction, wrapHeading } from '../geometry/geometry.ts';
 import { make } from '../elements/page.ts';

@@ -165,7 +165,7 @@ export function taskPanel({ collection, api, visit }: Desk): HTMLElement {
 /**
  * Submits a task's work; what was kept of it here is forgotten then. While the server is out of reach it is tried again:
  * sent twice, the same work is one.
- * @param waiting is told when it begins to wait
+ * @param waiting called when it begins to wait
  */
 export async function submit({ api, task, proceed }: Desk, drafts: { forget(): void }, work: Submission, waiting: () => void): Promise<void> {
   for (;;) {

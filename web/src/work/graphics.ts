@@ -1,4 +1,4 @@
-/** Whether this browser can show buildings, asked before anything else: nobody agrees to a task that can't be done. */
+/** Whether this browser can show buildings, checked first, before a worker agrees to a task that can't be done. */
 import { make } from '../elements/page.ts';
 
 export function canShowBuildings(): boolean {

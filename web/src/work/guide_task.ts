@@ -1,4 +1,4 @@
-/** Guiding somebody along a path: one walks it and says what one sees and does, word by word with the time. */
+/** Guiding along a path: workers walk it and say what they see and do, each word with its time. */
 import type { Entry, TimedWord } from '../collecting/collections.ts';
 import { action, twice } from '../elements/forms.ts';
 import { counted, make, say } from '../elements/page.ts';

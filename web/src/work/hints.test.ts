@@ -16,7 +16,7 @@ describe('hints', () => {
     expect(codes(text, { pasted: 40 })).toEqual(['pasted']);
     expect(codes(text, { goalSeen: false })).toEqual(['goal-not-seen']);
   });
-  it('are no wall but for what the server refuses', () => {
+  it('are no wall except for what the server refuses', () => {
     expect(tooShort('')).toContain('first');
     expect(tooShort('  Go left ')).toContain('too short');
     expect(tooShort('Go up to')).toContain('too short'); // eight characters

@@ -103,7 +103,7 @@ export class WriteTask {
       ...(object ? [make('h2', {}, 'The object'), make('p', {}, 'With an orange frame at the end of the path: ', make('strong', {}, object.name), '.'),
         this.outlines!.said] : []),
       make('h2', {}, make('label', { for: 'directions' }, object ? 'Your request' : 'Your directions')),
-      make('p', { class: 'note' }, object ? 'To somebody at the green pole, who should find this very object.' : 'From the start, the green pole, to the goal, the red one.'),
+      make('p', { class: 'note' }, object ? 'Write to a person at the green pole who should find this very object.' : 'From the start, the green pole, to the goal, the red one.'),
       this.text, this.refusal, make('p', { class: 'note beneath' }, this.count, ' ', this.draftSaid), this.advice, this.buttons(), this.said);
     return panel;
   }
