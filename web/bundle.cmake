@@ -12,6 +12,7 @@ elseif(NPM_PROGRAM)
   # Looked up when CMake runs, which ./enfilade.sh has it do each time: with CONFIGURE_DEPENDS a build
   # would not know its steps before it begins.
   file(GLOB_RECURSE web_sources ${web}/src/* ${web}/pages/*)
+  list(FILTER web_sources EXCLUDE REGEX "/testing/|[.]test[.]ts$")  # unit tests are in no page
   set(web_installed ${web}/node_modules/.package-lock.json)
   add_custom_command(OUTPUT ${web_installed}
     COMMAND ${CMAKE_COMMAND} -DWEB=${web} -DNPM=${NPM_PROGRAM} -P ${web}/install.cmake

@@ -52,5 +52,5 @@ export default defineConfig({
     proxy: { '/api': process.env['ENFILADE_SERVER'] ?? 'http://127.0.0.1:8080' },
   },
   // Unit tests; `--dir e2e` has those in the browser, which make homes and draw them without a GPU.
-  test: { root: here('.'), dir: 'test', testTimeout: 600_000, hookTimeout: 600_000, fileParallelism: false },
+  test: { root: here('.'), dir: 'src', testTimeout: 600_000, hookTimeout: 600_000, fileParallelism: false },
 });

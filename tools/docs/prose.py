@@ -2,8 +2,8 @@
 """Checks that prose is plain: words of the field, sentences of at most 25 words, lines of at most 120 characters.
 
 Reads the pages of the documentation, the comments of C++ headers and the docstrings of the Python package, and for
-forbidden words also messages: the string literals of C++, Python and TypeScript. The rule and its glossary:
-docs/conventions.md, "Words".
+forbidden words also messages: the string literals of C++ and Python, and the sources of web pages. The rule and its
+glossary: docs/conventions.md, "Words".
 
 Usage: tools/docs/prose.py [FILE...]     (none: the whole tree). Exit status: 0 clean, 1 faults, each named by line.
 """
@@ -179,7 +179,7 @@ def header(path: Path) -> list[Text]:
 
 
 def literals(path: Path) -> list[Text]:
-    """String literals of C++ and TypeScript, adjacent ones as one: messages and help. Not measured."""
+    """String literals of C++, adjacent ones as one: messages and help. Not measured."""
     texts = []
     source = path.read_text()
     for found in re.finditer(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*', source):
@@ -187,6 +187,11 @@ def literals(path: Path) -> list[Text]:
         if " " in text:
             texts.append(Text(source.count("\n", 0, found.start()) + 1, text, measured=False))
     return texts
+
+
+def lines(path: Path) -> list[Text]:
+    """Lines of a page's source: what it shows, and comments. Not measured."""
+    return [Text(number, line, measured=False) for number, line in enumerate(path.read_text().splitlines(), 1)]
 
 
 def docstrings(path: Path) -> list[Text]:
@@ -209,7 +214,7 @@ READERS = [
     (re.compile(r"^(enfilade|compat|apps)/.*\.h$"), header),
     (re.compile(r"^python/(?!tests/).*\.py$"), docstrings),
     (re.compile(r"^(enfilade|apps|compat|python)/(?!.*_test\.).*\.(cpp|h)$"), literals),
-    (re.compile(r"^web/(src|pages)/(?!.*\.test\.).*\.ts$"), literals),
+    (re.compile(r"^web/(src|pages)/(?!.*\.test\.).*\.(ts|html|css)$"), lines),
 ]
 
 

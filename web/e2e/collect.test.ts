@@ -3,8 +3,8 @@ import { mkdirSync, readFileSync, symlinkSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { distancesFrom } from '../src/distances.ts';
-import type { Scan } from '../src/scan.ts';
+import { distancesFrom } from '../src/scan/distances.ts';
+import type { Scan } from '../src/scan/scan.ts';
 import type { WalkTask } from '../src/work/walk_task.ts';
 import { goBack } from './browsers.ts';
 import { complaints, enfilade, type Home, inspect, keepScreenshot, makeCollection, missing, newToken, openHome, openPage, patience } from './harness.ts';
@@ -27,7 +27,7 @@ describe.skipIf(missing)('a collection', () => {
   beforeAll(async () => {
     home = await openHome();
     organiser = await openPage(home, `/organise#token=${newToken(home, 'Ada', 'organiser')}`); // as serve prints it
-    await organiser.waitForURL(({ hash }) => hash === ''); // for nobody who looks over a shoulder
+    await organiser.waitForURL(({ hash }) => hash === ''); // out of sight of others
     await organiser.getByRole('button', { name: 'Log in' }).click();
     await organiser.getByText('No collections yet.').waitFor();
   });
@@ -280,7 +280,7 @@ describe.skipIf(missing)('a collection', () => {
     await organiser.getByText('2 of 12').waitFor();
   });
 
-  it('keeps nobody out, whatever a worker comes to', async () => {
+  it('is accessible, whatever a worker comes to', async () => {
     const shown = async (page: Page, text: string, name: string) => {
       await page.getByText(text).first().waitFor();
       await inspect(page, name);

@@ -216,7 +216,7 @@ export async function inspect(page: Page, name: string): Promise<void> {
   await page.setViewportSize(before);
 }
 
-/** Into the folder ENFILADE_SCREENSHOTS, or of Firefox into firefox/ in it, where somebody wants to look at them. */
+/** Into the folder ENFILADE_SCREENSHOTS, or of Firefox into firefox/ in it, for a person to look at. */
 export async function keepScreenshot(page: Page, name: string, fullPage = false): Promise<void> {
   const folder = process.env['ENFILADE_SCREENSHOTS'];
   if (folder) await page.screenshot({ path: join(folder, isFirefox ? 'firefox' : '', `${name}.png`), fullPage });

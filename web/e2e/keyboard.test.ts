@@ -256,7 +256,7 @@ describe.skipIf(missing)('without a mouse', () => {
   // As above.
   it.skipIf(isFirefox)('results are handed in, found on the leaderboard and withdrawn', async () => {
     const page = await openPage(home, '/submit');
-    page.on('filechooser', () => undefined); // from now on no dialogue opens of its own, however late somebody waits for it
+    page.on('filechooser', () => undefined); // from now on no dialogue opens of its own, however late a test waits for it
     await page.getByLabel("The team's name").waitFor();
     await tabTo(page, /^The team's name/);
     await page.keyboard.type('Keys');

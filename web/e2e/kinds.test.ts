@@ -126,7 +126,7 @@ describe.skipIf(missing)('collections of', () => {
   });
 
   it('guides: words with their times, typed and spoken, as for RxR', async () => {
-    const link = await makeCollection(organiser, { ...texts, name: 'guide', title: 'Guide somebody', kind: 'guide', language: 'en-IN', sources: source() });
+    const link = await makeCollection(organiser, { ...texts, name: 'guide', title: 'Guide another person', kind: 'guide', language: 'en-IN', sources: source() });
     const page = await openPage(home, `${link}&worker=guide`);
     await page.addInitScript(() => {
       // A stand-in for the browser's own, which asks its maker: it hears what the test says.

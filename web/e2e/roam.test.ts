@@ -1,10 +1,10 @@
-/** Walking freely: the browser's steps end where the simulator's do, and what it shows is a building. */
+/** Continuous walking: the browser's steps end where the simulator's do, and what it shows is a building. */
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { gunzipSync } from 'node:zlib';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import type { Vec3 } from '../src/geometry.ts';
+import type { Vec3 } from '../src/geometry/geometry.ts';
 import { Floor, type FloorData } from '../src/roam/floor.ts';
 import type { RoamView } from '../src/roam/roam_view.ts';
 import { type Action, Walker } from '../src/roam/walker.ts';
@@ -43,7 +43,7 @@ function pictured(): { spread: number; extreme: number } {
   return { spread, extreme: grey.filter((value) => value < 4 || value > 251).length / grey.length };
 }
 
-describe.skipIf(missing)('walking freely', () => {
+describe.skipIf(missing)('continuous walking', () => {
   let home: Home;
   let episodes: readonly Episode[];
   let page: Page;
@@ -131,7 +131,7 @@ describe.skipIf(missing)('walking freely', () => {
     await page.waitForFunction(() => window.enfilade !== undefined);
     const seen = await page.evaluate(() => window.enfilade!.viewer.pose);
     expect(Math.abs(Math.sin(seen.heading - heading))).toBeLessThan(0.01);
-    await page.getByRole('link', { name: 'Walk freely' }).click();
+    await page.getByRole('link', { name: 'Walk anywhere' }).click();
     await ready(page);
     const back = await standing(page);
     expect(Math.abs(Math.sin(back.heading - heading))).toBeLessThan(0.01);
@@ -194,7 +194,7 @@ describe.skipIf(missing)('walking freely', () => {
 
   it('is offered where it can be done', async () => {
     const first = await openPage(home, '/');
-    await first.getByRole('link', { name: `Walk freely in ${scan}` }).click();
+    await first.getByRole('link', { name: `Walk anywhere in ${scan}` }).click();
     await ready(first);
     await first.close();
   });

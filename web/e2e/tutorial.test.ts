@@ -7,7 +7,7 @@ import { existsSync, mkdirSync, readFileSync, symlinkSync } from 'node:fs';
 import { delimiter, join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, describe, expect, it } from 'vitest';
-import { consentGap } from '../src/texts.ts';
+import { consentGap } from '../src/collecting/default_texts.ts';
 import type { Task, Visit } from '../src/work/visit.ts';
 import { download } from './browsers.ts';
 import { complaints, type Home, missing, newFolder, openPage, program, serve } from './harness.ts';

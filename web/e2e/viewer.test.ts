@@ -242,7 +242,7 @@ describe.skipIf(missing)('the viewer', () => {
     await fresh.close();
   });
 
-  it("is embedded by somebody's own page, behind the same proxy", async () => {
+  it('is embedded by another page, behind the same proxy', async () => {
     const proxy = await proxyWith(home.server, '/embed.html', join(import.meta.dirname, '../../examples/web/embed.html'));
     const other = await home.browser.newPage();
     other.setDefaultTimeout(patience);

@@ -141,7 +141,7 @@ describe.skipIf(missing)('workers', () => {
     expect(await page.getByRole('button').count()).toBe(0);
     await browser.close();
     const { visits } = await organiser.evaluate(async () => (await fetch('/api/v1/collections/no-graphics/workers')).json()) as { visits: unknown[] };
-    expect(visits).toEqual([]); // nobody was recorded
+    expect(visits).toEqual([]); // no visit was recorded
   });
 
   it('have a day: questions, practice, a crash, a second tab, a rejection', async () => {
@@ -170,7 +170,7 @@ describe.skipIf(missing)('workers', () => {
     await page.getByText('this one does not count').waitFor();
     await page.getByLabel('Your directions').fill(directions);
     await submitTwice(page);
-    await page.getByText('Somebody else wrote for the same path').waitFor();
+    await page.getByText('Another person wrote for the same path').waitFor();
     await inspect(page, 'collect-practised');
     await page.getByRole('button', { name: 'Next' }).click();
     await page.getByText('Task 1 of 3').waitFor();

@@ -1,11 +1,12 @@
 /** The instructions of a split, with filters: `/episodes?split=S&q=words&sort=error-down&offset=N`. */
-import { type Filters, formatFilters, orders, outcomes, parseFilters } from '../filters.ts';
-import { labelled } from '../forms.ts';
-import { addSiteHeader, api, byId, empty, loading, make, problems, run, table, toast } from '../page.ts';
-import { forgetResults, keepResults, keptResults, parseResults, type Results } from '../results.ts';
-import type { Episode } from '../scan.ts';
-import { endCounts, episodesOf, type Split, splitKey, splitTitle } from '../splits.ts';
-import { allEpisodes, errorsOf, successDistance } from '../walk_errors.ts';
+import { labelled } from '../elements/forms.ts';
+import { addSiteHeader, byId, empty, loading, make, problems, run, table, toast } from '../elements/page.ts';
+import type { Episode } from '../episodes/episode.ts';
+import { type Filters, formatFilters, orders, outcomes, parseFilters } from '../episodes/filters.ts';
+import { allEpisodes, errorsOf, successDistance } from '../episodes/navigation_errors.ts';
+import { forgetResults, keepResults, keptResults, parseResults, type Results } from '../episodes/results.ts';
+import { endCounts, episodesOf, type Split, splitKey, splitTitle } from '../episodes/splits.ts';
+import { api } from '../server/api.ts';
 
 interface SplitList {
   readonly splits: readonly Split[];

@@ -1,8 +1,9 @@
 /** The first page: what this is, a look into a building, four doors, and all buildings. */
-import { formatLink } from '../deep_link.ts';
-import { icon, type IconName } from '../icons.ts';
-import { addHeader, api, byId, counted, empty, make, run, type Served } from '../page.ts';
-import { loadFaces, type Look, TurningPanorama } from '../turning.ts';
+import { icon, type IconName } from '../elements/icons.ts';
+import { addHeader, byId, counted, empty, make, run, type Served } from '../elements/page.ts';
+import { api } from '../server/api.ts';
+import { formatLink } from '../viewer/deep_link.ts';
+import { loadFaces, type Look, TurningPanorama } from '../viewer/turning_panorama.ts';
 
 interface Building {
   readonly scan: string;
@@ -12,7 +13,7 @@ interface Building {
   readonly rooms?: number;
   readonly instructions: number;
   readonly pictures: boolean;
-  /** Whether one can walk freely in it. */
+  /** Whether it has a navigation mesh to walk on. */
   readonly roam: boolean;
 }
 interface ScanList extends Served {
@@ -43,7 +44,7 @@ function cardOf({ scan, viewpoints, storeys, rooms, instructions, pictures, roam
   });
   const size = [...(rooms === undefined ? [] : [counted(rooms, 'room')]), counted(storeys, 'storey'), counted(viewpoints, 'viewpoint')];
   const links = make('p', { class: 'card-links' },
-    ...(roam ? [make('a', { href: `/roam${formatLink({ scan })}`, 'aria-label': `Walk freely in ${scan}` }, 'Walk freely')] : []), ...(pictures ? [make('a', { href: plan, 'aria-label': `Plan of ${scan}` }, 'Plan'),
+    ...(roam ? [make('a', { href: `/roam${formatLink({ scan })}`, 'aria-label': `Walk anywhere in ${scan}` }, 'Walk anywhere')] : []), ...(pictures ? [make('a', { href: plan, 'aria-label': `Plan of ${scan}` }, 'Plan'),
     make('a', { href: `/verify${formatLink({ scan })}`, 'aria-label': `Verify graph of ${scan}` }, 'Verify graph')] : []));
   return make('li', { class: 'card' }, picture, make('div', { class: 'card-body' },
     make('h3', {}, make('a', { href: pictures ? `/view${formatLink({ scan })}` : plan }, scan)),
@@ -92,7 +93,7 @@ run(async () => {
   const hero = heroOf(first);
   main.classList.add('first');
   main.append(hero, doors(first?.scan), make('h2', { id: 'buildings' }, 'Buildings'),
-    scans.length === 0 ? empty('No buildings', 'This data set has none.') : make('ul', { class: 'cards' }, ...scans.map(cardOf)));
+    scans.length === 0 ? empty('No buildings', 'This data set has no buildings.') : make('ul', { class: 'cards' }, ...scans.map(cardOf)));
   if (!first) return;
   // After the first view: the panorama's six pictures would come before those of the cards otherwise.
   if (document.readyState !== 'complete') await new Promise((loaded) => { addEventListener('load', loaded, { once: true }); });

@@ -1,11 +1,17 @@
 /** The page of a benchmark's phase: results, progress, rules. `/leaderboard?phase=P&sort=nav_error` */
-import { intervalBar, type Point, progressChart, scaleOf } from '../charts.ts';
-import { labelled, type Who } from '../forms.ts';
-import { markdown } from '../markdown.ts';
-import { addSiteHeader, api, byId, counted, empty, facts, loading, make, problems, run, table } from '../page.ts';
-import { benchmarkOf, leakageOf, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf } from '../phases.ts';
-import { bestText, type Column, type Direction, factorOf, firstDirection, format, places, type Row, sorted, unitOf, valueOf } from '../ranking.ts';
-import { ServerError } from '../scan.ts';
+import { intervalBar, type Point, progressChart, scaleOf } from '../elements/charts.ts';
+import { labelled, type Who } from '../elements/forms.ts';
+import { markdown } from '../elements/markdown.ts';
+import {
+  addSiteHeader, byId, counted, empty, facts, loading, make, problems, run, table,
+} from '../elements/page.ts';
+import {
+  benchmarkOf, leakageOf, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf,
+} from '../evaluation/phases.ts';
+import {
+  bestText, type Column, type Direction, factorOf, firstDirection, format, places, type Row, sorted, unitOf, valueOf,
+} from '../evaluation/ranking.ts';
+import { api, ServerError } from '../server/api.ts';
 
 interface Order {
   readonly by: Column;
@@ -133,7 +139,7 @@ async function fill(box: HTMLElement, phase: Phase, organiser: boolean): Promise
   const [board, all] = await Promise.all([boardOf(phase, organiser, false), open ? boardOf(phase, organiser, true) : []]);
   const heading = make('h2', {}, 'Results');
   if (typeof board === 'string') return box.replaceChildren(heading, empty('No scores yet', board));
-  if (board.length === 0) return box.replaceChildren(heading, empty('No results yet', 'Nobody has submitted anything.'));
+  if (board.length === 0) return box.replaceChildren(heading, empty('No results yet', 'There are no submissions.'));
   const results = make('div');
   drawRows(results, board, phase, orderOf(new URLSearchParams(location.search).get('sort'), phase, primaryOf(phase)));
   const file = `/api/v1/leaderboards/${encodeURIComponent(phase.phase)}?format=csv&all=1`;

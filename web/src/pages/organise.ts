@@ -1,11 +1,12 @@
 /** Collections: making them, how far they are, their links and files. */
-import type { Collection, ExportReport, Kind, Progress } from '../collections.ts';
-import { action, field, form, labelled, loggedIn, onlyFor } from '../forms.ts';
-import { markdown } from '../markdown.ts';
-import { api, byId, counted, json, make, run } from '../page.ts';
-import { parseQuestions } from '../questions.ts';
-import { teamsBox } from '../teams.ts';
-import { consentGap, consentText, instructionsText } from '../texts.ts';
+import type { Collection, ExportReport, Kind, Progress } from '../collecting/collections.ts';
+import { consentGap, consentText, instructionsText } from '../collecting/default_texts.ts';
+import { parseQuestions } from '../collecting/questions.ts';
+import { action, field, form, labelled, loggedIn, onlyFor } from '../elements/forms.ts';
+import { markdown } from '../elements/markdown.ts';
+import { byId, counted, make, run } from '../elements/page.ts';
+import { teamsBox } from '../evaluation/teams.ts';
+import { api, json } from '../server/api.ts';
 
 interface SplitList {
   readonly splits: readonly { split: string; paths: number; instructions: number; goals_hidden: boolean }[];
@@ -150,7 +151,7 @@ function ruleFields(after: string, now?: Collection): { box: HTMLElement; read()
     ? `So far the median is ${now.progress.minutes.toFixed(1)}.` : 'Workers see it before they agree.', now?.minutes, { step: '0.5', min: '0.5', placeholder: 'not said' });
   const [perBox, per] = number('per-item', 'Different workers for each', 100, 'Default: 3 where people write, 1 where they walk, 2 for a dialogue, which takes two.', now?.per_item);
   const [leaseBox, lease] = number('lease', 'Minutes until an inactive task goes to another worker', 1440, 'Default: 30.', now?.lease_minutes);
-  const [visitBox, visit] = number('visit', 'Tasks a visit', 1000, 'Default: by a link of your own as many as there are, else 1.', now?.tasks_per_visit);
+  const [visitBox, visit] = number('visit', 'Tasks per visit', 1000, 'Default: all of them with a link of your own, else 1.', now?.tasks_per_visit);
   const [everyBox, every] = number('check-every', 'Tasks from one attention check to the next', 1000, 'Default: 3.', now?.check_every);
   const more = make('details', {}, make('summary', {}, 'More'), perBox, leaseBox, visitBox, everyBox);
   const optional = (key: string, input: HTMLInputElement) => (input.value ? { [key]: Number(input.value) } : {});
@@ -285,7 +286,7 @@ function newCollection(splits: SplitList, made: () => Promise<void>): HTMLElemen
   consent.value = consentText;
   instructions.value = instructionsText.write;
   title.addEventListener('input', () => { name.value = slug(title.value); });
-  const lookedUp = make('p', { class: 'note', hidden: '' }, 'Everybody can look up where paths end, in a split whose goals are not hidden, on the page Episodes. ' +
+  const lookedUp = make('p', { class: 'note', hidden: '' }, 'Anyone can look up the ends of paths on the page Episodes, in a split whose goals are not hidden. ' +
     'For walks that are paid for, take one with hidden goals, or a file of paths of your own.');
   kind.addEventListener('change', () => {
     instructions.value = instructionsText[kind.value as Kind];
@@ -330,7 +331,7 @@ run(async () => {
   await refresh();
   for (const control of [search, archived]) control.addEventListener('input', () => void refresh());
   setInterval(() => {
-    // Not under the hands of somebody who is using it, nor over a form that is filled in.
+    // Not while the organiser uses it, nor over a form that is filled in.
     const used = list.contains(document.activeElement) || list.querySelector('details[open]') !== null;
     if (!document.hidden && !used) refresh().catch(() => {});
   }, 15_000);

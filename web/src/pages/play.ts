@@ -2,11 +2,12 @@
  * A person walks an episode as a language model does, by the same observations and tools:
  * `/play?task=r2r&split=val_unseen&episode=ID&view=text|marks`; without an episode one is chosen.
  */
-import { action, form, labelled, twice } from '../forms.ts';
-import { addSiteHeader, api, byId, empty, facts, make, run } from '../page.ts';
+import { action, form, labelled, twice } from '../elements/forms.ts';
+import { addSiteHeader, byId, empty, facts, make, run } from '../elements/page.ts';
+import { episodesOf, parseKey, type Split, splitKey, splitTitle } from '../episodes/splits.ts';
 import { callOfKey, PlayedSession, type Wanted } from '../replay/plays.ts';
 import { endText, type Observation, placeText, type ToolUse, turnText } from '../replay/runs.ts';
-import { episodesOf, parseKey, type Split, splitKey, splitTitle } from '../splits.ts';
+import { api } from '../server/api.ts';
 import './play.css';
 
 type View = 'text' | 'marks';
@@ -33,7 +34,7 @@ async function startPage(main: HTMLElement): Promise<void> {
   main.append(make('div', { class: 'page-head' }, make('h1', {}, 'Walk as a model does'),
     make('p', { class: 'lead' }, 'You get what a language model gets at each step, and have the tools that it has.')));
   if (playable.length === 0) {
-    main.append(empty('No episodes', 'This data set has none that can be walked.', make('a', { href: '/', class: 'button' }, 'Buildings')));
+    main.append(empty('No episodes', 'This data set has no episode that can be walked.', make('a', { href: '/', class: 'button' }, 'Buildings')));
     return;
   }
   const [splitBox, split] = labelled('split', 'Split', make('select', {}, ...playable.map((one) => new Option(splitTitle(one), splitKey(one)))));

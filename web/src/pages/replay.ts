@@ -2,12 +2,15 @@
  * Runs of the arena, step by step: `/replay` lists them, `/replay?run=NAME` a run's episodes, `/replay?run=NAME&episode=ID#3` shows a
  * step, and `&with=OTHER` another run's walk of the same episode beside it.
  */
-import { labelled } from '../forms.ts';
-import { addHeader, addSiteHeader, api, byId, counted, crumbs, empty, type Link, make, problems, run, type Served, table } from '../page.ts';
+import { labelled } from '../elements/forms.ts';
+import { linkCopier } from '../elements/link_copier.ts';
+import {
+  addHeader, addSiteHeader, byId, counted, crumbs, empty, type Link, make, problems, run, type Served, table,
+} from '../elements/page.ts';
+import { splitKey } from '../episodes/splits.ts';
 import { RunPanel } from '../replay/run_panel.ts';
 import { endText, type ListedEpisode, parseStep, type Replay, type Run } from '../replay/runs.ts';
-import { linkCopier } from '../share.ts';
-import { splitKey } from '../splits.ts';
+import { api } from '../server/api.ts';
 import type { Viewer } from '../viewer/enfilade-viewer.ts';
 import './replay.css';
 
@@ -32,7 +35,7 @@ async function listRuns(main: HTMLElement): Promise<void> {
     make('p', { class: 'lead' }, 'Walks of language models, assistants and programs. Open one to see what it thought and did, step by step. ',
     make('a', { href: '/play' }, 'Walk as they do'), ', by the same words and tools.')));
   if (runs.length === 0) {
-    main.append(empty('No runs', 'A server shows those that it is started with: enfilade serve DATA --runs DIR.'));
+    main.append(empty('No runs', 'A server shows the runs that it is started with: enfilade serve DATA --runs DIR.'));
     return;
   }
   main.append(table(['Run', 'Split', 'Model', 'Prompt', make('th', { scope: 'col', class: 'number' }, 'Episodes')], runs.map((one) => [
@@ -56,7 +59,7 @@ async function listEpisodes(main: HTMLElement, name: string): Promise<void> {
     make('td', { class: 'wide' }, make('a', { href: address({ run: found.run, episode: one.episode }) }, one.episode)),
     'problem' in one ? make('td', { class: 'wide problem' }, one.problem) : make('td', { class: 'wide' }, endText(one))]);
   main.append(rows.length > 0 ? table(['Episode', 'How it ended'], rows, { kind: 'stack', label: `Episodes of ${found.run}` })
-    : empty('No episodes', 'This run has none that is done.'));
+    : empty('No episodes', 'This run has no finished episode.'));
   const turn = (text: string, to: number) => make('a', { class: 'button', href: address({ run: found.run, offset: String(to) }) }, text);
   if (found.episodes > perPage) {
     main.append(make('p', { class: 'pages' }, ...(offset > 0 ? [turn('Previous', Math.max(0, offset - perPage))] : []),

@@ -2,10 +2,11 @@
  * What workers submitted, one by one: accept, reject, correct. `/review?collection=NAME`, with `state`, `worker` and `path`
  * for some of it only, which Back brings back.
  */
-import type { Change, Collection, Kind, Turn, Work, WorkSummary } from '../collections.ts';
-import { action, field, labelled, loggedIn, onlyFor, type Who } from '../forms.ts';
-import { api, byId, dateTime, json, make, problems, run, table } from '../page.ts';
-import { viewpointIndex } from '../scan.ts';
+import type { Change, Collection, Kind, Turn, Work, WorkSummary } from '../collecting/collections.ts';
+import { action, field, labelled, loggedIn, onlyFor, type Who } from '../elements/forms.ts';
+import { byId, dateTime, make, problems, run, table } from '../elements/page.ts';
+import { viewpointIndex } from '../scan/scan.ts';
+import { api, json } from '../server/api.ts';
 import { MiniMap, Outlines, Player, Viewer } from '../viewer/enfilade-viewer.ts';
 import { outlinesIn } from '../work/targets.ts';
 
@@ -158,7 +159,7 @@ class Reviewer {
     return this.load();
   }
 
-  /** All of them: the server gives so many at a time. */
+  /** All of them: the server sends a limited number per request. */
   private async summaries(by: 'workers' | 'paths'): Promise<WorkSummary[]> {
     const most = 1000;
     const all: WorkSummary[] = [];

@@ -1,16 +1,17 @@
-/** Walking freely in a building: `/roam?split=S&id=I#scan/viewpoint/heading/elevation`, or `@x,y,z` in the viewpoint's place. */
-import { formatLink, parseLink, type Place } from '../deep_link.ts';
-import { type Direction, directionTo, type Vec3 } from '../geometry.ts';
-import { addHeader, api, byId, facts, loading, make, run, say } from '../page.ts';
+/** Continuous walking in a building: `/roam?split=S&id=I#scan/viewpoint/heading/elevation`, or `@x,y,z` in the viewpoint's place. */
+import { addHeader, byId, facts, loading, make, run, say } from '../elements/page.ts';
+import { type Direction, directionTo, type Vec3 } from '../geometry/geometry.ts';
+import { houseHelp, keyHelp, RoamControls } from '../roam/controls.ts';
 import { Floor, type FloorData, type FloorPoint } from '../roam/floor.ts';
 import { parseGlb } from '../roam/glb.ts';
-import { houseHelp, keyHelp, RoamControls } from '../roam/controls.ts';
 import { footOf, formatPoint, nearestViewpoint, parsePoint } from '../roam/places.ts';
 import { RoamMap } from '../roam/roam_map.ts';
 import { type Mode, RoamView } from '../roam/roam_view.ts';
 import { ceilingOf, storeyAt } from '../roam/storeys.ts';
 import { type Action, Walker } from '../roam/walker.ts';
-import { type Scan, viewpointIndex } from '../scan.ts';
+import { type Scan, viewpointIndex } from '../scan/scan.ts';
+import { api } from '../server/api.ts';
+import { formatLink, parseLink, type Place } from '../viewer/deep_link.ts';
 import { storeyName } from '../viewer/storey_name.ts';
 import '../viewer/styled.ts';
 import './view.css';
@@ -225,4 +226,4 @@ run(async () => {
   window.roaming = { walker, view };
   addEventListener('hashchange', () => location.reload());
   map.setPlan(await api.plan(name).catch(() => ({ storeys: [], rooms: [] })));
-}, 'This building cannot be walked in freely');
+}, 'This building cannot be walked in');

@@ -1,9 +1,9 @@
 /** Every part of style.css with its name, in all its states. In development builds only. */
-import { intervalBar, progressChart } from '../charts.ts';
-import { field, form, labelled } from '../forms.ts';
-import { icon } from '../icons.ts';
-import { markdown } from '../markdown.ts';
-import { addHeader, byId, crumbs, empty, facts, loading, make, table, toast } from '../page.ts';
+import { intervalBar, progressChart } from '../elements/charts.ts';
+import { field, form, labelled } from '../elements/forms.ts';
+import { icon } from '../elements/icons.ts';
+import { markdown } from '../elements/markdown.ts';
+import { addHeader, byId, crumbs, empty, facts, loading, make, table, toast } from '../elements/page.ts';
 
 addHeader({ synthetic: true });
 const main = byId('main');
@@ -50,7 +50,7 @@ main.append(
   crumbs([['/', 'Buildings']], 'Styles'),
   make('div', { class: 'page-head' }, make('h1', {}, 'Styles'), make('p', { class: 'lead' }, 'Every part of web/src/style.css, by the name that pages use. All figures on this page are made up.')),
   section('Type', ...sizes), section('Space', facts(spaces)), section('Colour', facts(colours)),
-  section('Button', make('p', { class: 'buttons' }, button('.main', 'main'), button('button'), button('.quiet', 'quiet'), button('.danger', 'danger'),
+  section('Button', make('p', { class: 'buttons' }, button('.main', 'main'), button('button'), button('.quiet', 'quiet'),
     make('button', { type: 'button', disabled: '' }, 'disabled'), make('a', { href: '#main', class: 'button' }, 'a.button'))),
   section('Field', form('Send', [good, wrong, choice, prose, make('label', { class: 'row' }, make('input', { type: 'checkbox' }), 'label.row')], async () => toast('A .toast, for five seconds'))),
   section('Card', make('ul', { class: 'cards' }, ...['One', 'Two', 'Three'].map((name) => make('li', { class: 'card' },

@@ -1,8 +1,11 @@
 /** Making a team, logging in, submitting, and a team's history. */
-import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../forms.ts';
-import { addSiteHeader, api, byId, dateTime, empty, json, make, problems, run, table } from '../page.ts';
-import { benchmarkOf, endOf, leakageOf, limitsOf, type Phase, type PhaseList, showingOf } from '../phases.ts';
-import { type Column, format, type Mean, unitOf, valueOf } from '../ranking.ts';
+import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../elements/forms.ts';
+import { addSiteHeader, byId, counted, dateTime, empty, make, problems, run, table } from '../elements/page.ts';
+import {
+  benchmarkOf, endOf, leakageOf, limitsOf, type Phase, type PhaseList, showingOf,
+} from '../evaluation/phases.ts';
+import { type Column, format, type Mean, unitOf, valueOf } from '../evaluation/ranking.ts';
+import { api, json } from '../server/api.ts';
 
 interface Submission {
   readonly id: number;
@@ -34,7 +37,7 @@ function stateOf({ state, withheld, near_copy }: Submission): HTMLElement {
   if (withheld) cell.append(make('span', { class: 'note' }, ` ${withheldTexts[withheld]}`));
   if (near_copy) {
     cell.append(make('span', { class: 'note' }, near_copy.differing === 0
-      ? ` Ends where no. ${near_copy.of} ends` : ` Ends where no. ${near_copy.of} ends, but for ${near_copy.differing}`));
+      ? ` Ends as submission ${near_copy.of}` : ` Ends as submission ${near_copy.of}, except in ${counted(near_copy.differing, 'episode')}`));
   }
   return cell;
 }

@@ -1,11 +1,13 @@
 /** Following an instruction as agents do, for visitors: nothing is kept. `/try?split=S&id=I`; without them any episode. */
-import { distancesFrom, lengthOf } from '../distances.ts';
-import { addHeader, api, byId, empty, make, run, type Served } from '../page.ts';
-import { type Episode, viewpointIndex } from '../scan.ts';
-import type { Split } from '../splits.ts';
+import { addHeader, byId, empty, make, run, type Served } from '../elements/page.ts';
+import type { Episode } from '../episodes/episode.ts';
+import { successDistance } from '../episodes/navigation_errors.ts';
+import type { Split } from '../episodes/splits.ts';
+import { distancesFrom, lengthOf } from '../scan/distances.ts';
+import { viewpointIndex } from '../scan/scan.ts';
+import { api } from '../server/api.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
-import { successDistance } from '../walk_errors.ts';
 
 declare global {
   interface Window {
@@ -75,7 +77,7 @@ run(async () => {
   if (!chosen) {
     addHeader(await api.call<Served>('scans'));
     main.classList.remove('wide');
-    main.append(make('h1', {}, 'Follow an instruction'), empty('No instruction to follow', 'There is none with pictures and an open goal here.', make('a', { href: '/', class: 'button' }, 'Buildings')));
+    main.append(make('h1', {}, 'Follow an instruction'), empty('No instruction to follow', 'This data set has no episode with pictures and an open goal.', make('a', { href: '/', class: 'button' }, 'Buildings')));
     return;
   }
   const { split, episode } = chosen;

@@ -2,13 +2,14 @@
  * Checking a graph by hand, the paper's manual verification: plan and view side by side, edges added
  * and taken away with a reason, written as a corrections file: `/verify#scan/viewpoint`.
  */
+import { addHeader, byId, crumbs, make, run, table } from '../elements/page.ts';
+import { directionTo, norm, subtract } from '../geometry/geometry.ts';
 import {
   type Action, applyCorrections, type Correction, correctionsFile, keepCorrections, keptCorrections,
-} from '../corrections.ts';
-import { formatLink, parseLink } from '../deep_link.ts';
-import { directionTo, norm, subtract } from '../geometry.ts';
-import { addHeader, api, byId, crumbs, make, run, table } from '../page.ts';
-import { type Scan, viewpointIndex } from '../scan.ts';
+} from '../scan/corrections.ts';
+import { type Scan, viewpointIndex } from '../scan/scan.ts';
+import { api } from '../server/api.ts';
+import { formatLink, parseLink } from '../viewer/deep_link.ts';
 import type { Mark } from '../viewer/discs.ts';
 import { MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
 

@@ -1,12 +1,14 @@
 /** One building, first person: `/view?split=S&id=I#scan/viewpoint/heading/elevation`. */
-import { formatLink, parseLink } from '../deep_link.ts';
-import { addHeader, api, byId, make, run } from '../page.ts';
-import { type Episode, type Layer, type Plan, storeyOf, viewpointIndex } from '../scan.ts';
-import { linkCopier } from '../share.ts';
-import { episodesOf } from '../splits.ts';
+import { linkCopier } from '../elements/link_copier.ts';
+import { addHeader, byId, make, run } from '../elements/page.ts';
+import type { Episode } from '../episodes/episode.ts';
+import { showEpisode } from '../episodes/episode_panel.ts';
+import { episodesOf } from '../episodes/splits.ts';
+import { type Layer, type Plan, storeyOf, viewpointIndex } from '../scan/scan.ts';
+import { api } from '../server/api.ts';
 import { keyHelp } from '../viewer/controls.ts';
+import { formatLink, parseLink } from '../viewer/deep_link.ts';
 import { Legend, MapPanel, MiniMap, storeyName, Viewer } from '../viewer/enfilade-viewer.ts';
-import { showEpisode } from './episode_panel.ts';
 import './view.css';
 
 declare global {
@@ -37,9 +39,9 @@ function overlayControl(viewer: Viewer, legend: Legend): HTMLElement | undefined
   return make('label', { class: 'row' }, 'Show', select);
 }
 
-/** To where one can walk freely, from here and looking the same way; with the path of the episode that is shown. */
+/** A link to /roam at this position and heading; with the path of the episode that is shown. */
 function roamLink(viewer: Viewer): HTMLElement {
-  const link = make('a', { class: 'button' }, 'Walk freely');
+  const link = make('a', { class: 'button' }, 'Walk anywhere');
   const { split, id } = Object.fromEntries(new URLSearchParams(location.search)) as { split?: string; id?: string };
   // An instruction's id is its path's and a number; continuous episodes are of R2R's paths.
   const episode = split && !split.includes('/') && id ? `?${new URLSearchParams({ split, trajectory: id.replace(/_\d+$/, '') })}` : '';
@@ -88,7 +90,7 @@ function placeName(viewer: Viewer): HTMLElement {
   return name;
 }
 
-/** After the first picture, which nobody should wait for longer. */
+/** After the first picture, so as not to delay it. */
 async function showPlan(viewer: Viewer, panel: MapPanel): Promise<void> {
   const plan: Plan = await api.plan(viewer.scan.scan).catch(() => ({ storeys: [], rooms: [] })); // a map without walls
   viewer.setNames(new Map(plan.rooms.flatMap(({ name, viewpoints }) =>

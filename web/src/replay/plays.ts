@@ -1,8 +1,8 @@
 /** A session of the arena, walked by a person: asking the server, and keeping the key for a reload. */
-import { type Api, ServerError } from '../scan.ts';
+import { type Api, ServerError } from '../server/api.ts';
 import type { Ending, Observation } from './runs.ts';
 
-export interface PlayState {
+interface PlayState {
   readonly session: number;
   readonly task: string;
   readonly split: string;

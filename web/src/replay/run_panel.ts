@@ -1,9 +1,12 @@
 /** One run's walk of an episode: the panorama where a step stood, the map with the way there, and what was thought, called and told. */
-import { degrees, wrapHeading } from '../geometry.ts';
-import { api, make } from '../page.ts';
-import { type Plan, viewpointIndex } from '../scan.ts';
+import { make } from '../elements/page.ts';
+import { degrees, wrapHeading } from '../geometry/geometry.ts';
+import { type Plan, viewpointIndex } from '../scan/scan.ts';
+import { api } from '../server/api.ts';
 import { MapPanel, MiniMap, type Outline, Viewer } from '../viewer/enfilade-viewer.ts';
-import { type At, callText, endText, type Observation, placeText, type Replay, type Step, turnText } from './runs.ts';
+import {
+  type At, callText, endText, type Observation, placeText, type Replay, type Step, turnText,
+} from './runs.ts';
 
 /** How large a place's mark is, degrees from its middle. */
 const markSize = 1.1;

@@ -49,7 +49,7 @@ export interface Place {
   readonly seen_before: boolean;
   readonly what?: string;
 }
-export interface Thing {
+interface Thing {
   readonly name: string;
   readonly category: string;
   readonly turn: number;
@@ -120,7 +120,7 @@ export function placeText({ turn, elevation, distance }: Place): string {
   return [turnText(turn), ...(up === 0 ? [] : [`${Math.abs(up)}° ${up > 0 ? 'up' : 'down'}`]), `${distance.toFixed(1)} m`].join(', ');
 }
 
-/** Step numbers of an address: "#3" of up to so many, from 1. */
+/** The step number of an address: "#3", from 1 up to the number of steps. */
 export function parseStep(hash: string, most: number): number {
   const number = /^#?(\d{1,6})$/.exec(hash)?.[1];
   return Math.min(Math.max(Number(number ?? 1), 1), most);

@@ -1,9 +1,9 @@
-/** Keys, mouse and fingers of somebody who walks, and of the building from outside. */
-import { degrees } from '../geometry.ts';
+/** Keys, mouse and touch: for walking, and for the building from outside. */
+import { degrees } from '../geometry/geometry.ts';
 import type { RoamView } from './roam_view.ts';
 import type { Action, Walker } from './walker.ts';
 
-/** Walking freely: as people stroll indoors, metres a second, and radians a second. */
+/** Smooth walking, as people stroll indoors: metres and radians per second. */
 const speed = 1.3;
 const turning = degrees(90);
 const orbitStep = degrees(15);
@@ -12,7 +12,7 @@ const orbitPixel = 0.008;
 const zoomStep = 1.1;
 const clickSlack = 6;
 
-export const keyHelp = 'Arrow keys act as an agent does: ↑ a step of 0.25 m, ← and → a turn of 15°. W, A, S and D walk freely, Q and E turn, Page Up and Page Down look up and down.';
+export const keyHelp = 'Arrow keys act as an agent does: ↑ a step of 0.25 m, ← and → a turn of 15°. W, A, S and D walk smoothly, Q and E turn, Page Up and Page Down look up and down.';
 export const houseHelp = 'Arrow keys turn the building, plus and minus zoom.';
 
 const stepKeys: Readonly<Record<string, Action>> = { ArrowUp: 'forward', ArrowLeft: 'left', ArrowRight: 'right', PageUp: 'up', PageDown: 'down' };
@@ -98,7 +98,7 @@ export class RoamControls {
   private stroll(now: number): void {
     this.frame = 0;
     if (this.held.size === 0 || this.view.mode !== 'inside') return;
-    const seconds = Math.min(Math.max((now - this.before) / 1000, 0), 0.15); // after a pause nobody leaps
+    const seconds = Math.min(Math.max((now - this.before) / 1000, 0), 0.15); // no leap after a pause
     this.before = now;
     let [ahead, right, turn] = [0, 0, 0];
     for (const code of this.held) {

@@ -1,5 +1,5 @@
 /** The floor that a body can walk on: convex polygons with heights, and how one slides along their rim. World frame, metres. */
-import type { Vec3 } from '../geometry.ts';
+import type { Vec3 } from '../geometry/geometry.ts';
 
 /** What the server tells of a floor (components/schemas/Floor). */
 export interface FloorData {
@@ -72,7 +72,7 @@ export class Floor {
     return this.polygons.length;
   }
 
-  /** The connected part that a polygon belongs to, the largest first: nobody walks from one to another. */
+  /** The connected part that a polygon belongs to, the largest first: no walk leads from one to another. */
   part(polygon: number): number {
     return this.polygons[polygon]!.area;
   }

@@ -16,7 +16,7 @@ export interface Part {
   readonly light?: Float32Array;
 }
 
-export interface Material {
+interface Material {
   /** Linear. */
   readonly colour: readonly [number, number, number];
   /** No surface where a picture's alpha is below; 0: none. */

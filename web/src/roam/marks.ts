@@ -1,6 +1,6 @@
-/** What is drawn on the floor: an episode's start, path and goal, and somebody's own walk. */
+/** What is drawn on the floor: an episode's start, path and goal, and the user's walk. */
 import * as three from 'three';
-import type { Vec3 } from '../geometry.ts';
+import type { Vec3 } from '../geometry/geometry.ts';
 
 const colours = { start: 0x0aa36b, goal: 0xe8453c, path: 0x1f6ff0, walk: 0xb02a8f, you: 0xd97a00 } as const;
 /** Above the floor, metres: bands do not flicker against it. */
@@ -79,7 +79,7 @@ export class Marks {
     this.trail.geometry = band(line, 0.09, lift * 1.5);
   }
 
-  /** Where somebody stands: seen from outside only. */
+  /** The user's position: seen from outside only. */
   setYou([x, y, z]: Vec3, heading: number): void {
     this.you.position.set(x, y, z + 1);
     this.you.rotation.z = -heading;

@@ -1,6 +1,6 @@
-/** Where somebody stands as a part of an address, and which viewpoint is near. */
-import type { Vec3 } from '../geometry.ts';
-import type { Scan } from '../scan.ts';
+/** A position as a part of an address, and the viewpoint near it. */
+import type { Vec3 } from '../geometry/geometry.ts';
+import type { Scan } from '../scan/scan.ts';
 
 /** "@1.25,-3.4,0": in the place of a viewpoint's id in `#scan/viewpoint/heading/elevation`. */
 export const formatPoint = (point: Vec3): string => `@${point.map((x) => Math.round(x * 100) / 100).join(',')}`;
@@ -17,10 +17,10 @@ export function footOf(scan: Scan, viewpoint: number): Vec3 {
   return [x, y, z - height];
 }
 
-/** Heights count so many times: what is above or below is not near. */
+/** The factor of heights: what is above or below is not near. */
 const upwards = 4;
 
-/** The viewpoint with pictures that is nearest to somebody's feet; nothing: there is none. */
+/** The viewpoint with pictures that is nearest to a point on the floor; undefined without one. */
 export function nearestViewpoint(scan: Scan, [x, y, z]: Vec3): number | undefined {
   let best: number | undefined;
   let least = Infinity;

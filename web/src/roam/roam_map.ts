@@ -1,7 +1,7 @@
-/** The plan of the storey that somebody walks in: where one can walk, rooms, an episode's path, the own walk. */
-import { toDegrees, type Vec3 } from '../geometry.ts';
-import type { Plan, Scan } from '../scan.ts';
-import { shape } from '../svg.ts';
+/** The plan of the user's storey: walkable floor, rooms, an episode's path, the user's walk. */
+import { toDegrees, type Vec3 } from '../geometry/geometry.ts';
+import type { Plan, Scan } from '../scan/scan.ts';
+import { shape } from '../elements/svg.ts';
 import { letters, margin, roomsOf, scaleBar, storeyShapes } from '../viewer/plan_shapes.ts';
 import { storeyAt } from './storeys.ts';
 import type { Walker } from './walker.ts';

@@ -1,6 +1,6 @@
-/** The picture: from the eyes of somebody who walks, or the building from outside. */
+/** The picture: from the eyes of the walker, or the building from outside. */
 import * as three from 'three';
-import { degrees, type Vec3, worldFromCamera } from '../geometry.ts';
+import { degrees, type Vec3, worldFromCamera } from '../geometry/geometry.ts';
 import { drawsWithoutGpu } from '../viewer/gpu.ts';
 import { Building } from './building.ts';
 import type { GlbMesh } from './glb.ts';

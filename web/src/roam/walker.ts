@@ -1,5 +1,5 @@
-/** Somebody who walks on a floor: by the actions of R2R-CE, or freely. Knows no screen. */
-import { type Direction, type Vec3, wrapHeading } from '../geometry.ts';
+/** A position and direction on a floor, moved by the actions of R2R-CE or smoothly. Draws nothing. */
+import { type Direction, type Vec3, wrapHeading } from '../geometry/geometry.ts';
 import type { Floor, FloorPoint } from './floor.ts';
 
 export type Action = 'forward' | 'left' | 'right' | 'up' | 'down';
@@ -86,7 +86,7 @@ export class Walker {
     return touched;
   }
 
-  /** Walks freely: metres ahead and to the right. Returns whether a wall was touched. */
+  /** Moves smoothly: metres ahead and to the right. Returns whether a wall was touched. */
   glide(ahead: number, right: number): boolean {
     const [s, c] = [Math.sin(this.heading), Math.cos(this.heading)];
     const touched = this.move(ahead * s + right * c, ahead * c - right * s);

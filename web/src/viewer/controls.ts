@@ -1,14 +1,14 @@
 /** Mouse, fingers and keys of a viewer, and the list of steps for those who use none of them. */
-import { type Camera, type Direction, degrees, toDegrees, wrapDifference } from '../geometry.ts';
-import type { Step } from '../navigation.ts';
+import { type Camera, type Direction, degrees, toDegrees, wrapDifference } from '../geometry/geometry.ts';
+import type { Step } from '../scan/navigation.ts';
 
 const keyTurn = degrees(10);
 const zoomStep = 1.1;
-/** A press that moves less than so many pixels is a click. */
+/** A press that moves less than this many pixels is a click. */
 const clickSlack = 6;
 
 /** What controls need of the viewer that they steer. */
-export interface Steered {
+interface Steered {
   readonly element: HTMLElement;
   readonly pose: Direction & { readonly viewpoint: number; readonly vfov: number };
   readonly view: Camera;

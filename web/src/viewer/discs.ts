@@ -1,7 +1,7 @@
 /** Discs on the floor: where one can go, and the marks of a path. */
 import * as three from 'three';
-import { norm, subtract, transpose, type Vec3 } from '../geometry.ts';
-import type { Scan } from '../scan.ts';
+import { norm, subtract, transpose, type Vec3 } from '../geometry/geometry.ts';
+import type { Scan } from '../scan/scan.ts';
 import type { Panorama } from './panorama.ts';
 
 export type Mark = 'step' | 'candidate' | 'path' | 'start' | 'goal' | 'seen';

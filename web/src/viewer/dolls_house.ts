@@ -1,9 +1,8 @@
 /** The building from outside, without its roof: made of its plan's rooms. */
 import * as three from 'three';
-import { degrees } from '../geometry.ts';
-import { type Plan, type Room, storeyOf } from '../scan.ts';
+import { degrees } from '../geometry/geometry.ts';
+import { type Plan, type Room, roomCentre, storeyOf } from '../scan/scan.ts';
 import { pointsOf, things, wallsOf } from './house_shape.ts';
-import { roomCentre } from './map_panel.ts';
 import type { Viewer } from './viewer.ts';
 
 /** Metres, where a scan doesn't say. */
@@ -181,7 +180,7 @@ export class DollsHouse {
   private enter(room: Room): void {
     const { viewpoints } = this.viewer.scan;
     const pictured = room.viewpoints.filter((v) => viewpoints[v]?.rotation);
-    if (pictured.length > 0) void this.viewer.go(roomCentre(this.viewer, { ...room, viewpoints: pictured }));
+    if (pictured.length > 0) void this.viewer.go(roomCentre(this.viewer.scan, { ...room, viewpoints: pictured }));
   }
 
   private floorAt(event: PointerEvent): typeof this.chosen {

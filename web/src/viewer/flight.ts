@@ -6,8 +6,8 @@ import {
   subtract,
   wrapDifference,
   wrapHeading,
-} from '../geometry.ts';
-import type { Scan } from '../scan.ts';
+} from '../geometry/geometry.ts';
+import type { Scan } from '../scan/scan.ts';
 
 /** Radians and metres in a second, at speed 1: a walk, not a rush. */
 const turnSpeed = Math.PI / 2;
@@ -26,7 +26,7 @@ export interface Moment extends Direction {
 /** Where one is in the course of time. */
 export interface Timeline {
   readonly seconds: number;
-  /** The moment after so many seconds; before 0 and beyond `seconds` the first or last. */
+  /** The moment at a time in seconds; before 0 and beyond `seconds` the first or last. */
   at(seconds: number): Moment;
 }
 
@@ -61,7 +61,7 @@ export class Flight implements Timeline {
     this.seconds = this.legs.reduce((sum, leg) => sum + leg.seconds, 0);
   }
 
-  /** The moment after so many seconds, from 0 to `seconds`; beyond, the first or last. */
+  /** The moment at a time in seconds, from 0 to `seconds`; beyond, the first or last. */
   at(seconds: number): Moment {
     let left = Math.max(seconds, 0);
     for (const leg of this.legs) {

@@ -1,8 +1,8 @@
 /** The walls and things of a building as shapes to build: from its plan, without drawing anything. */
-import type { Lines, PlanStorey, Room } from '../scan.ts';
+import type { Lines, PlanStorey, Room } from '../scan/scan.ts';
 
 /** A part of a wall as seen from the room: from `a` to `b` in plan, between two heights above the floor. */
-export interface WallPart {
+interface WallPart {
   readonly a: readonly [number, number];
   readonly b: readonly [number, number];
   readonly low: number;

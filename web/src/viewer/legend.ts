@@ -1,5 +1,6 @@
 /** What the colours of the layer mean that is laid over the picture. */
-import type { Api, Layer } from '../scan.ts';
+import type { Layer } from '../scan/scan.ts';
+import type { Api } from '../server/api.ts';
 import type { Viewer } from './viewer.ts';
 
 /** As many as fit beside a picture; the rest are small. */

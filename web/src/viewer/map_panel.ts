@@ -1,5 +1,5 @@
 /** The map with its storeys, its rooms to go to, and the building as a doll's house. */
-import type { Plan } from '../scan.ts';
+import { type Plan, roomCentre } from '../scan/scan.ts';
 import type { DollsHouse } from './dolls_house.ts';
 import type { MiniMap } from './mini_map.ts';
 import { storeyName } from './storey_name.ts';
@@ -92,7 +92,7 @@ export class MapPanel {
     const several = this.storeys.length > 1;
     [...rooms].sort((a, b) => a.storey - b.storey || a.name.localeCompare(b.name)).forEach((room) => {
       list.append(new Option(several ? `${room.name}, ${storeyName(room.storey).toLowerCase()}` : room.name,
-        String(roomCentre(this.viewer, room))));
+        String(roomCentre(this.viewer.scan, room))));
     });
     list.addEventListener('change', () => {
       if (list.value !== '') void this.viewer.go(Number(list.value));
@@ -100,18 +100,4 @@ export class MapPanel {
     });
     return list;
   }
-}
-
-/** The viewpoint of a room that stands nearest to its middle. \pre it has one */
-export function roomCentre(viewer: Viewer, room: Plan['rooms'][number]): number {
-  const mean = (which: number) => {
-    const values = room.outline.filter((_, k) => k % 2 === which);
-    return (Math.min(...values) + Math.max(...values)) / 2;
-  };
-  const [x, y] = [mean(0), mean(1)];
-  const away = (v: number) => {
-    const { position } = viewer.scan.viewpoints[v]!;
-    return Math.hypot(position[0] - x, position[1] - y);
-  };
-  return room.viewpoints.reduce((best, v) => (away(v) < away(best) ? v : best));
 }

@@ -1,7 +1,8 @@
 /** A floor plan of one storey: rooms and walls where they are known, viewpoints, where one looks, a path. */
-import { toDegrees } from '../geometry.ts';
-import { type Api, type Plan, storeyOf } from '../scan.ts';
-import { shape } from '../svg.ts';
+import { shape } from '../elements/svg.ts';
+import { toDegrees } from '../geometry/geometry.ts';
+import { type Plan, storeyOf } from '../scan/scan.ts';
+import type { Api } from '../server/api.ts';
 import { letters, margin, roomsOf, scaleBar, storeyShapes } from './plan_shapes.ts';
 import type { Viewer } from './viewer.ts';
 
@@ -46,7 +47,7 @@ export class MiniMap {
     if (plan) this.setPlan(names ? plan : { ...plan, rooms: plan.rooms.map((room) => ({ ...room, name: '' })) });
   }
 
-  /** A path, a walk that somebody took for it, and squares where the goal is seen; empty: none. */
+  /** A path, an agent's walk for it, and squares where the goal is seen; empty: none. */
   setPath(path: readonly number[], walk: readonly number[] = [], seen: readonly number[] = []): void {
     this.path = path;
     this.walk = walk;

@@ -1,6 +1,6 @@
 /** Objects outlined in the view: lines over the picture, of what is seen from where one stands. */
-import { type Camera, type Direction, project, unitVector, type Vec3 } from '../geometry.ts';
-import { shape } from '../svg.ts';
+import { type Camera, type Direction, project, unitVector, type Vec3 } from '../geometry/geometry.ts';
+import { shape } from '../elements/svg.ts';
 
 /** A closed line around an object as one viewpoint sees it. */
 export interface Outline {

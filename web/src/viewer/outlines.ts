@@ -1,5 +1,5 @@
-/** Boxes around objects in the view, and a mark where somebody points. */
-import { type Direction, project, toDegrees, unitVector, type Vec3 } from '../geometry.ts';
+/** Boxes around objects in the view, and a mark where the user points. */
+import { type Direction, project, toDegrees, unitVector, type Vec3 } from '../geometry/geometry.ts';
 import type { Viewer } from './viewer.ts';
 
 const svgNamespace = 'http://www.w3.org/2000/svg';
@@ -43,7 +43,7 @@ export class Outlines {
     this.svg.remove();
   }
 
-  /** Where somebody points, and from where; nothing: nowhere. */
+  /** Where the user points, and from where; undefined: nowhere. */
   setPoint(point: Direction | undefined, viewpoint = this.viewer.pose.viewpoint): void {
     this.point = point && { heading: point.heading, elevation: point.elevation, viewpoint };
     this.show();

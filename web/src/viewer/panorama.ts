@@ -1,12 +1,13 @@
 /** One viewpoint's panorama: its pictures, and drawing it as a box around its eye or as a relief. */
 import * as three from 'three';
-import { apply, type Mat3, transpose, type Vec3 } from '../geometry.ts';
-import type { Api, Layer } from '../scan.ts';
+import { apply, type Mat3, transpose, type Vec3 } from '../geometry/geometry.ts';
+import type { Layer } from '../scan/scan.ts';
+import type { Api } from '../server/api.ts';
 import { Kept } from './kept.ts';
 import { cubeOrder, pointOfCube, Surround } from './surround.ts';
 
 /** Distances as a texture, for shaders, and as numbers. */
-export class SurroundTexture {
+class SurroundTexture {
   readonly surround: Surround;
   readonly texture: three.CubeTexture;
 

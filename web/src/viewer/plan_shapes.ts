@@ -1,6 +1,6 @@
 /** A storey as lines of a plan, y pointing down: what the viewer's map and the plan of free walking share. */
-import type { Lines, Plan } from '../scan.ts';
-import { shape } from '../svg.ts';
+import type { Lines, Plan } from '../scan/scan.ts';
+import { shape } from '../elements/svg.ts';
 
 /** Around what is drawn, metres. */
 export const margin = 0.6;

@@ -1,6 +1,6 @@
 /** What is on the screen: one panorama, or the way between two, with discs. Knows no graph and no rules. */
 import * as three from 'three';
-import { type Direction, mix, type Vec3, worldFromCamera } from '../geometry.ts';
+import { type Direction, mix, type Vec3, worldFromCamera } from '../geometry/geometry.ts';
 import { Discs } from './discs.ts';
 import { drawsWithoutGpu } from './gpu.ts';
 import { type Panorama, PanoramaMesh } from './panorama.ts';

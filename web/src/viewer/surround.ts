@@ -1,5 +1,5 @@
 /** How far it is from a viewpoint in every direction. */
-import { apply, type Mat3, transpose, type Vec3, worldFromCamera, wrapDifference } from '../geometry.ts';
+import { apply, type Mat3, transpose, type Vec3, worldFromCamera, wrapDifference } from '../geometry/geometry.ts';
 
 /**
  * With g = -(direction in the panorama frame), these faces are OpenGL's +X -X +Y -Y +Z -Z as they

@@ -1,19 +1,10 @@
 /** First person in a panorama, as a part of any page. */
 import {
-  apply,
-  type Camera,
-  degrees,
-  type Direction,
-  directionTo,
-  norm,
-  project,
-  subtract,
-  type Vec3,
-  worldFromCamera,
-  wrapHeading,
-} from '../geometry.ts';
-import { halfFieldOfView, navigable, type Step } from '../navigation.ts';
-import { Api, type Layer, type Scan, viewpointIndex } from '../scan.ts';
+  apply, type Camera, degrees, type Direction, directionTo, norm, project, subtract, type Vec3, worldFromCamera, wrapHeading,
+} from '../geometry/geometry.ts';
+import { halfFieldOfView, navigable, type Step } from '../scan/navigation.ts';
+import { type Layer, type Scan, viewpointIndex } from '../scan/scan.ts';
+import { Api } from '../server/api.ts';
 import { Controls } from './controls.ts';
 import { floorBelow, type Mark } from './discs.ts';
 import { Flight, type Moment } from './flight.ts';
@@ -45,13 +36,13 @@ export interface ViewerOptions extends Partial<Direction> {
 
 /** What one may see and do, where that is less than everything. */
 export interface Rules {
-  /** Only steps that lie within so many radians of the heading can be taken. */
+  /** Radians: only steps that lie within this angle of the heading can be taken. */
   readonly within: number;
   /** One looks so far up and down at most, radians. */
   readonly mostElevation: number;
   /** The vertical opening, which stays, radians. */
   readonly vfov: number;
-  /** The picture is so many times as wide as high. */
+  /** Width of the picture divided by its height. */
   readonly aspect: number;
 }
 
@@ -65,7 +56,7 @@ export const agentRules: Rules = {
 
 const leastVfov = degrees(25);
 const mostVfov = degrees(100);
-/** A disc is hit from so many pixels away: a finger's width. */
+/** A disc is hit within this many pixels: a finger's width. */
 const reach = 36;
 /** Of a glide: as long as it takes to see where one gets to. A fade is no motion, and shorter. */
 const glideSeconds = (metres: number): number => Math.min(Math.max(0.4 + 0.25 * metres, 0.7), 1.4);

@@ -1,6 +1,6 @@
 /** A screening, or an attention check: questions with one answer each. */
-import { form } from '../forms.ts';
-import { make } from '../page.ts';
+import { form } from '../elements/forms.ts';
+import { make } from '../elements/page.ts';
 import type { Question, Visit, WorkApi } from './visit.ts';
 
 function fieldOf({ question, text, choices }: Question): HTMLElement {

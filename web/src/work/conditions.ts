@@ -1,12 +1,12 @@
-/** What a worker is told beside the organiser's texts: how much there is to do, how long it takes, what it pays. */
-import type { Collection, Kind } from '../collections.ts';
-import { counted, make } from '../page.ts';
+/** Notes to a worker beside the organiser's texts: the number of tasks, their time and pay. */
+import type { Collection, Kind } from '../collecting/collections.ts';
+import { counted, make } from '../elements/page.ts';
 import type { Rejected, Visit } from './visit.ts';
 
 const taskTexts: Record<Kind, string> = {
   write: 'You see a way through a building and write directions for it.',
   walk: 'You read directions and walk by them through a building.',
-  describe: 'You see an object in a building and write what to do with it, so that somebody finds it.',
+  describe: 'You see an object in a building and write what to do with it, so that another person finds it.',
   find: 'You read about an object, walk through a building until you see it, and point at it.',
   guide: 'You walk through a building and say on the way what one should do.',
   dialogue: 'With another person you look for a thing in a building: one walks and asks, one sees the way and answers.',
@@ -53,15 +53,15 @@ export function notAccepted({ rejected = [] }: Visit): HTMLElement[] {
     make('ul', {}, ...rejected.map(entry)))];
 }
 
-/** What is told after a practice task: nothing of it helps with another path. */
+/** The result of a practice task: nothing of it helps with another path. */
 export function practised({ practised: result }: Visit): HTMLElement[] {
   if (!result) return [];
   if (result.reached !== undefined) {
     const far = result.distance === undefined ? '' : ` You stopped ${result.distance.toFixed(1)} m from it.`;
     const missed = result.distance === undefined ? 'That was not the object.' : 'You did not find the goal: it counts as found within 3 m.';
     return [make('p', { class: result.reached ? 'done' : 'problem' }, (result.reached ? 'You found the goal.' : missed) + far),
-    make('p', { class: 'note' }, 'In the tasks that count you are not told, so that one does not help with another.')];
+    make('p', { class: 'note' }, 'Tasks that count show no result, so that one does not help with another.')];
   }
-  if (result.example) return [make('p', {}, 'Somebody else wrote for the same path:'), make('blockquote', { class: 'example' }, result.example)];
+  if (result.example) return [make('p', {}, 'Another person wrote for the same path:'), make('blockquote', { class: 'example' }, result.example)];
   return [];
 }

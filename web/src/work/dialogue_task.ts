@@ -1,9 +1,9 @@
 /** Two people: the navigator walks and asks, the oracle sees the way and answers. Each at a page of their own. */
-import type { Role, Turn } from '../collections.ts';
-import { action, form, labelled, twice } from '../forms.ts';
-import { wrapHeading } from '../geometry.ts';
-import { make, say } from '../page.ts';
-import { viewpointIndex } from '../scan.ts';
+import type { Role, Turn } from '../collecting/collections.ts';
+import { action, form, labelled, twice } from '../elements/forms.ts';
+import { wrapHeading } from '../geometry/geometry.ts';
+import { make, say } from '../elements/page.ts';
+import { viewpointIndex } from '../scan/scan.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, Outlines, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type Desk, taskPanel } from './flow.ts';

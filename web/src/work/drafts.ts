@@ -1,5 +1,5 @@
 /** What was done so far: in this browser at once, at the server soon after. */
-import { ServerError } from '../scan.ts';
+import { ServerError } from '../server/api.ts';
 import type { Store } from './storage.ts';
 
 /** A draft, and whether the server has it. */
@@ -13,7 +13,7 @@ export type DraftState = 'saved' | 'saving' | 'here' | 'lost';
 
 const pauseMs = 1200;
 const retryMs = 5000;
-/** While somebody does something, the server hears of it so often: the task stays theirs. */
+/** Milliseconds between signs of life to the server while the worker is active: the task stays theirs. */
 const signOfLifeMs = 20_000;
 
 /** Keeps the draft of one task. `dispose()` when the task is over. */
@@ -55,7 +55,7 @@ export class Drafts<T extends object> {
     this.take(draft);
   }
 
-  /** Somebody is there. */
+  /** The worker is active. */
   stir(draft: () => T): void {
     if (this.timer === undefined && Date.now() - this.sentAt >= signOfLifeMs) this.take(draft());
   }

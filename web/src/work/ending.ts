@@ -1,5 +1,5 @@
 /** How a visit ends: thanks, a code, or a form that goes back to where the worker came from. */
-import { make } from '../page.ts';
+import { make } from '../elements/page.ts';
 import type { Completion, Visit } from './visit.ts';
 
 /** Mechanical Turk's ExternalQuestion: its own page takes a form. */

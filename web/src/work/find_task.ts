@@ -1,7 +1,7 @@
-/** Finding an object by what somebody wrote: one walks as for an instruction, and points at it in the end. */
-import { action } from '../forms.ts';
-import { type Direction, wrapHeading } from '../geometry.ts';
-import { make } from '../page.ts';
+/** Finding an object by its description: workers walk as for an instruction, and point at it in the end. */
+import { action } from '../elements/forms.ts';
+import { type Direction, wrapHeading } from '../geometry/geometry.ts';
+import { make } from '../elements/page.ts';
 import { Outlines } from '../viewer/enfilade-viewer.ts';
 import { WalkTask } from './walk_task.ts';
 

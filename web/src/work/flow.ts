@@ -1,8 +1,8 @@
 /** From the link to the thanks: consent, questions, instructions, task after task, the end. */
-import type { Collection, Kind } from '../collections.ts';
-import { action } from '../forms.ts';
-import { markdown } from '../markdown.ts';
-import { addHeader, byId, make } from '../page.ts';
+import type { Collection, Kind } from '../collecting/collections.ts';
+import { action } from '../elements/forms.ts';
+import { markdown } from '../elements/markdown.ts';
+import { addHeader, byId, make } from '../elements/page.ts';
 import { questionForm } from './ask.ts';
 import { conditions, notAccepted, practised, progress } from './conditions.ts';
 import { ending } from './ending.ts';
@@ -24,14 +24,14 @@ export interface Desk {
 }
 
 /** A task on the page. */
-export interface TaskPage {
+interface TaskPage {
   /** Sends what is not sent yet. */
   save(): Promise<void>;
   dispose(): void;
 }
 
 /** Fills the page's main part with a task. */
-export type ShowTask = (main: HTMLElement, desk: Desk) => Promise<TaskPage>;
+type ShowTask = (main: HTMLElement, desk: Desk) => Promise<TaskPage>;
 
 const retryMs = 5000;
 
@@ -165,7 +165,7 @@ export function taskPanel({ collection, api, visit }: Desk): HTMLElement {
 /**
  * Submits a task's work; what was kept of it here is forgotten then. While the server is out of reach it is tried again:
  * sent twice, the same work is one.
- * @param waiting is told when it begins to wait
+ * @param waiting called when it begins to wait
  */
 export async function submit({ api, task, proceed }: Desk, drafts: { forget(): void }, work: Submission, waiting: () => void): Promise<void> {
   for (;;) {

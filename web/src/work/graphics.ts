@@ -1,5 +1,5 @@
-/** Whether this browser can show buildings, asked before anything else: nobody agrees to a task that can't be done. */
-import { make } from '../page.ts';
+/** Whether this browser can show buildings, checked first, before a worker agrees to a task that can't be done. */
+import { make } from '../elements/page.ts';
 
 export function canShowBuildings(): boolean {
   try {

@@ -1,10 +1,11 @@
-/** Guiding somebody along a path: one walks it and says what one sees and does, word by word with the time. */
-import type { Entry, TimedWord } from '../collections.ts';
-import { action, twice } from '../forms.ts';
-import { counted, make, say } from '../page.ts';
-import { ServerError, viewpointIndex } from '../scan.ts';
+/** Guiding along a path: workers walk it and say what they see and do, each word with its time. */
+import type { Entry, TimedWord } from '../collecting/collections.ts';
+import { action, twice } from '../elements/forms.ts';
+import { counted, make, say } from '../elements/page.ts';
+import { viewpointIndex } from '../scan/scan.ts';
+import { ServerError } from '../server/api.ts';
 import { Viewer } from '../viewer/enfilade-viewer.ts';
-import { type DraftState, Drafts } from './drafts.ts';
+import { Drafts, type DraftState } from './drafts.ts';
 import { type Desk, submit, taskPanel } from './flow.ts';
 import { tooShort, wordsIn } from './hints.ts';
 import { Looks } from './looks.ts';

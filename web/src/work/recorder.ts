@@ -1,10 +1,10 @@
 /** A walk as it is taken: where, how one looked, and when. */
-import type { Entry } from '../collections.ts';
-import { type Direction, wrapDifference } from '../geometry.ts';
+import type { Entry } from '../collecting/collections.ts';
+import { type Direction, wrapDifference } from '../geometry/geometry.ts';
 
 /** A look is an entry of its own once it is so far from the entry before: half a view of R2R's 36. */
 const turned = Math.PI / 12;
-/** Beyond so many entries only steps are kept: somebody who spins for an hour doesn't fill a disk. */
+/** Beyond this number of entries only steps are kept, so that an hour of spinning doesn't fill a disk. */
 const mostLooks = 1000;
 
 export class Recorder {

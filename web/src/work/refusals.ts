@@ -1,6 +1,6 @@
 /** What a server's refusal means for a worker, in words. */
-import { make } from '../page.ts';
-import { ServerError } from '../scan.ts';
+import { make } from '../elements/page.ts';
+import { ServerError } from '../server/api.ts';
 import { BadLink } from './visit.ts';
 
 /** No answer, or none that says anything of the work: it is worth asking again. */

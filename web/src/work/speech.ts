@@ -32,7 +32,7 @@ export class Speech {
   /**
    * @param now seconds
    * @param hear gets what was said, and when that began
-   * @param changed is told when listening begins or ends; with an error, why it could not
+   * @param changed called when listening begins or ends; with an error, why it could not
    */
   constructor(language: string, now: () => number, hear: (text: string, since: number) => void, changed: (problem?: string) => void) {
     this.recognition = new (maker()!)();

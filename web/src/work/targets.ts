@@ -1,6 +1,6 @@
 /** Objects of tasks in the building that is shown. */
-import type { Outline, Target } from '../collections.ts';
-import { type Scan, viewpointIndex } from '../scan.ts';
+import type { Outline, Target } from '../collecting/collections.ts';
+import { type Scan, viewpointIndex } from '../scan/scan.ts';
 
 /** The largest outline of an object at each viewpoint that sees it. */
 export function outlinesIn(scan: Scan, { outlines }: Target): Map<number, Outline> {

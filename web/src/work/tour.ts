@@ -1,6 +1,6 @@
 /** Going along a path from place to place. */
-import { directionTo } from '../geometry.ts';
-import { make } from '../page.ts';
+import { directionTo } from '../geometry/geometry.ts';
+import { make } from '../elements/page.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { Looks } from './looks.ts';
 
@@ -44,7 +44,7 @@ export class Tour {
     const ahead = this.path[to + 1];
     if (ahead === undefined) return;
     const at = (v: number) => this.viewer.scan.viewpoints[v]!.position;
-    this.viewer.look(directionTo(at(viewpoint), at(ahead)).heading, 0); // as somebody who walks it
+    this.viewer.look(directionTo(at(viewpoint), at(ahead)).heading, 0); // as on a walk along it
   }
 
   private show(): void {

@@ -1,7 +1,7 @@
 /** A worker's visit: joining by a link, and asking the server as that worker. Shapes: /api/v1/openapi.json. */
-import type { Collection, Entry, Kind, Role, Target, TimedWord, Turn } from '../collections.ts';
-import type { Direction } from '../geometry.ts';
-import { api, json } from '../page.ts';
+import type { Collection, Entry, Kind, Role, Target, TimedWord, Turn } from '../collecting/collections.ts';
+import type { Direction } from '../geometry/geometry.ts';
+import { api, json } from '../server/api.ts';
 import { storage } from './storage.ts';
 
 export interface Task {
@@ -153,7 +153,7 @@ export class WorkApi {
   }
 }
 
-export type Arrival =
+type Arrival =
   | { readonly preview: true; readonly collection: Collection; readonly example: Task | undefined }
   | { readonly preview: false; readonly collection: Collection; readonly visit: Visit; readonly api: WorkApi };
 

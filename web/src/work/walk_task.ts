@@ -1,8 +1,8 @@
 /** Following an instruction: one sees and does what an agent of R2R may, until one stops. */
-import type { Entry } from '../collections.ts';
-import { action } from '../forms.ts';
-import { wrapHeading } from '../geometry.ts';
-import { make, say } from '../page.ts';
+import type { Entry } from '../collecting/collections.ts';
+import { action } from '../elements/forms.ts';
+import { wrapHeading } from '../geometry/geometry.ts';
+import { make, say } from '../elements/page.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, Viewer } from '../viewer/enfilade-viewer.ts';
 import { type DraftState, Drafts } from './drafts.ts';

@@ -1,5 +1,5 @@
 /** When each word of a text was written or said. */
-import type { TimedWord } from '../collections.ts';
+import type { TimedWord } from '../collecting/collections.ts';
 
 /** As the server does: other spaces, such as those that do not break a line, are parts of words. */
 const split = (text: string): string[] => text.split(/[ \t\n\v\f\r]+/).filter((word) => word !== '');

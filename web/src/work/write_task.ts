@@ -1,15 +1,16 @@
 /** Writing directions for a path, or about an object at its end: its fly-through, its places, a text. */
-import { api, counted, make, say } from '../page.ts';
-import { action, twice } from '../forms.ts';
-import { ServerError, viewpointIndex } from '../scan.ts';
+import { action, twice } from '../elements/forms.ts';
+import { counted, make, say } from '../elements/page.ts';
+import { viewpointIndex } from '../scan/scan.ts';
+import { api, ServerError } from '../server/api.ts';
 import { MiniMap, Outlines, Player, Viewer } from '../viewer/enfilade-viewer.ts';
-import { type DraftState, Drafts } from './drafts.ts';
+import { Drafts, type DraftState } from './drafts.ts';
 import { type Desk, submit, taskPanel } from './flow.ts';
 import { type Hint, hintsFor, tooShort, wordsIn } from './hints.ts';
 import { Looks } from './looks.ts';
-import { outlinesIn } from './targets.ts';
 import { lostDraftText, sentences } from './refusals.ts';
 import { outOfReachText, storage } from './storage.ts';
+import { outlinesIn } from './targets.ts';
 import { Tour } from './tour.ts';
 
 /** What is kept of a task that is not done. */
@@ -102,7 +103,7 @@ export class WriteTask {
       ...(object ? [make('h2', {}, 'The object'), make('p', {}, 'With an orange frame at the end of the path: ', make('strong', {}, object.name), '.'),
         this.outlines!.said] : []),
       make('h2', {}, make('label', { for: 'directions' }, object ? 'Your request' : 'Your directions')),
-      make('p', { class: 'note' }, object ? 'To somebody at the green pole, who should find this very object.' : 'From the start, the green pole, to the goal, the red one.'),
+      make('p', { class: 'note' }, object ? 'Write to a person at the green pole who should find this very object.' : 'From the start, the green pole, to the goal, the red one.'),
       this.text, this.refusal, make('p', { class: 'note beneath' }, this.count, ' ', this.draftSaid), this.advice, this.buttons(), this.said);
     return panel;
   }

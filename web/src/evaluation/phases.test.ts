@@ -1,0 +1,51 @@
+import { describe, expect, it } from 'vitest';
+import { benchmarkOf, endOf, leakageOf, limitsOf, type Phase, primaryName, showingOf } from './phases.ts';
+
+const secret: Phase = {
+  phase: 'test', title: 'Test', split: 'test', task: 'r2r', task_title: 'R2R', scorer: 'enfilade', episodes: 4173, goals_secret: true,
+  scores: 'after-end', primary: 'spl',
+  columns: [{ name: 'spl', short: 'SPL', title: 'Success weighted by path length', unit: 'share', better: 'higher' }],
+  ends: '2027-03-31T23:59:59Z', ended: false, per_day: 5, per_team: 20, step: 0.01, teams: 3,
+  leakage: { most_bits: 180, goal_bits: 6600, phases: ['test'] },
+};
+
+describe('a phase in words', () => {
+  it('says what it gives away', () => {
+    expect(leakageOf(secret)).toBe('This phase can give away at most 180 bits of its goals, which take 6,600 bits to write down.');
+    const seen = { ...secret, leakage: { ...secret.leakage!, used_bits: 12, phases: ['test', 'final'] } };
+    expect(leakageOf(seen)).toBe(
+      'The phases test, final share their goals, and together can give away at most 180 bits of these goals, which take 6,600 bits to write down; 12 are used.');
+    expect(leakageOf({ ...secret, leakage: { ...secret.leakage!, most_bits: null } })).toContain('no limit');
+    const { leakage, ...open } = secret;
+    expect(leakage).toBeDefined();
+    expect(leakageOf(open)).toBe('');
+  });
+
+  it('says when it ends and what it takes', () => {
+    expect(endOf(secret)).toBe('The phase ends on 2027-03-31 23:59 UTC.');
+    expect(endOf({ ...secret, ended: true })).toBe('The phase ended on 2027-03-31 23:59 UTC.');
+    expect(endOf({ ...secret, ends: null })).toBe('');
+    expect(limitsOf(secret)).toBe('5 a day, 20 in all');
+    expect(limitsOf({ ...secret, per_team: null })).toBe('5 a day');
+  });
+
+  it('says which benchmark it is of, and what ranks', () => {
+    expect(benchmarkOf(secret)).toBe('R2R');
+    expect(primaryName(secret)).toBe('SPL');
+    const dialogues: Phase = {
+      ...secret, task: 'cvdn', task_title: 'CVDN', scorer: 'hamt', primary: 'gp', scores: 'ladder',
+      columns: [{ name: 'gp', short: 'GP', title: 'Goal progress', unit: 'm', better: 'higher' }],
+    };
+    expect(benchmarkOf(dialogues)).toBe('CVDN, scored as hamt');
+    expect(primaryName(dialogues)).toBe('GP');
+    expect(showingOf(dialogues)).toContain('sees its GP only when that is at least 0.1 m better');
+  });
+
+  it('says what is shown', () => {
+    expect(showingOf(secret)).toContain('rounded to 1 % and 0.1 m');
+    expect(showingOf({ ...secret, scores: 'ladder' })).toContain('at least 1 % better');
+    expect(showingOf({ ...secret, scores: 'hidden' })).toContain('only the organisers');
+    expect(showingOf({ ...secret, ended: true })).toContain('each team has one row');
+    expect(showingOf({ ...secret, goals_secret: false, scores: 'public' })).toBe('');
+  });
+});

@@ -1,0 +1,88 @@
+/** Phases of an evaluation, and what pages say about them in words. */
+import type { Column } from './ranking.ts';
+
+interface Leakage {
+  readonly most_bits: number | null;
+  readonly goal_bits: number | null;
+  readonly used_bits?: number | null;
+  readonly phases: readonly string[];
+}
+export interface Phase {
+  readonly phase: string;
+  readonly title: string;
+  readonly split: string;
+  /** The benchmark: "reverie", and for people "REVERIE". */
+  readonly task: string;
+  readonly task_title: string;
+  /** Whose formulas: "enfilade" for R2R's own, else the name of a public scorer. */
+  readonly scorer: string;
+  readonly episodes: number;
+  readonly goals_secret: boolean;
+  readonly scores: 'public' | 'after-end' | 'ladder' | 'hidden';
+  /** The column that ranks. */
+  readonly primary: string;
+  readonly columns: readonly Column[];
+  readonly ends: string | null;
+  readonly ended: boolean;
+  readonly per_day: number;
+  readonly per_team: number | null;
+  /** Markdown. */
+  readonly rules?: string;
+  readonly step?: number;
+  readonly teams?: number;
+  readonly near_copies?: number;
+  readonly leakage?: Leakage;
+}
+export interface PhaseList {
+  readonly registration: 'open' | 'closed';
+  readonly phases: readonly Phase[];
+}
+
+export const primaryOf = ({ primary, columns }: Phase): Column => columns.find(({ name }) => name === primary)!;
+export const primaryName = (phase: Phase): string => primaryOf(phase).short;
+
+/** "REVERIE, scored as duet" */
+export const benchmarkOf = ({ task_title, scorer }: Phase): string => (scorer === 'enfilade' ? task_title : `${task_title}, scored as ${scorer}`);
+
+/** Of shares the step is one of shares; of metres it is ten times as many metres. */
+const metresOf = (step: number): string => (step * 10).toFixed(2).replace(/\.?0+$/, '');
+
+const number = (value: number): string => value.toLocaleString('en-US');
+const dateTime = (iso: string): string => `${iso.slice(0, 16).replace('T', ' ')} UTC`;
+
+/** "10 a day, 20 in all" */
+export function limitsOf({ per_day, per_team }: Phase): string {
+  return `${number(per_day)} a day${per_team === null ? '' : `, ${number(per_team)} in all`}`;
+}
+
+/** When the phase ends or ended; nothing if the organisers have not said. */
+export function endOf({ ends, ended }: Phase): string {
+  if (ends === null) return ended ? 'The phase has ended.' : '';
+  return ended ? `The phase ended on ${dateTime(ends)}.` : `The phase ends on ${dateTime(ends)}.`;
+}
+
+/** What is shown of the scores, and when. */
+export function showingOf(phase: Phase): string {
+  const rounded = `rounded to ${(phase.step ?? 0) * 100} % and ${metresOf(phase.step ?? 0)} m`;
+  const step = primaryOf(phase).unit === 'share' ? `${(phase.step ?? 0) * 100} %` : `${metresOf(phase.step ?? 0)} m`;
+  if (!phase.goals_secret) return phase.scores === 'hidden' ? 'Only the organisers see its scores.' : '';
+  if (phase.scores === 'hidden') return 'Its goals are secret, and only the organisers see its scores.';
+  if (phase.ended) return `Its goals are secret: each team has one row, its best by ${primaryName(phase)}, ${rounded}.`;
+  if (phase.scores === 'after-end') {
+    return `Its goals are secret: scores appear when the phase has ended, one row for each team, ${rounded}. Until then a team learns that its file is valid.`;
+  }
+  return `Its goals are secret: until the end a team sees its ${primaryName(phase)} only when that is at least ${step} better than its best shown one.`;
+}
+
+/** How much of the goals is given away, as the server computes it. */
+export function leakageOf({ leakage }: Phase): string {
+  if (!leakage) return '';
+  const subject = leakage.phases.length > 1 ? `The phases ${leakage.phases.join(', ')} share their goals, and together` : 'This phase';
+  const whose = leakage.phases.length > 1 ? 'these goals' : 'its goals';
+  const goals = leakage.goal_bits === null ? whose : `${whose}, which take ${number(leakage.goal_bits)} bits to write down`;
+  const most = leakage.most_bits === null
+    ? `${subject} can give away all of ${goals}: there is no limit to a team's submissions`
+    : `${subject} can give away at most ${number(leakage.most_bits)} bits of ${goals}`;
+  const used = leakage.used_bits === undefined || leakage.used_bits === null ? '' : `; ${number(leakage.used_bits)} are used`;
+  return `${most}${used}.`;
+}
