@@ -17,7 +17,7 @@ environment variables name others:
                           defaults
 
 Goals stay secret only as far as the challenge's settings see to it: this script is asked anew for each file, so it
-cannot count. docs/service.md says which settings are needed. Only the standard library is needed, of
+cannot count. docs/service_evaluation.md says which settings are needed. Only the standard library is needed, of
 Python 3.7 or newer: workers have what their challenge asks for.
 """
 

@@ -66,7 +66,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--program", type=Path, default=PROGRAM, help="default: %(default)s")
     parser.add_argument("--connectivity", type=Path, required=True, help="folder of the graphs")
-    parser.add_argument("--phases", type=Path, help="phases.json: docs/service.md")
+    parser.add_argument("--phases", type=Path, help="phases.json: docs/service_evaluation.md")
     parser.add_argument("-o", "--output", type=Path, required=True, help="the archive")
     options = parser.parse_args()
     for file in filter(None, [options.program, options.phases]):

@@ -1,4 +1,4 @@
-// Requests that are made to take memory, and what they get. docs/service.md has the table.
+// Requests that are made to take memory, and what they get. docs/service_attacks.md has the table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
@@ -428,7 +428,7 @@ TEST(MemoryAttacks, TwoHundredFilesOfFaultsTakeLittleAndOthersAreServed) {
   constexpr std::size_t kMostKept = kMostGrowth;
   constexpr double kSlowest = 20;
 #else
-  // Two bodies of 30 MB, and what checks take; see docs/service.md. Without limits: 5.5 GB.
+  // Two bodies of 30 MB, and what checks take: docs/service_operating.md. Without limits: 5.5 GB.
   constexpr std::size_t kMostGrowth = 200 * kMega;
   // Large blocks go back to the system at once; threads' heaps keep some of the small ones.
   constexpr std::size_t kMostKept = 64 * kMega;

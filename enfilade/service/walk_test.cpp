@@ -96,7 +96,7 @@ TEST_F(Walk, TwoInstructionsOfAPathComeOnlyWhenNoOtherPathIsFree) {
   }
 }
 
-// docs/service.md says how the order follows from the seed: these are sha256("1 1 PATH NUMBER") and
+// docs/service_collecting.md has the rule of the order. These are sha256("1 1 PATH NUMBER") and
 // sha256("1 2 PATH NUMBER"), computed by Python's hashlib.
 TEST_F(Walk, TheOrderIsAWorkersOwnAndFollowsFromTheSeed) {
   json body = collection_body("pilot", "walk");

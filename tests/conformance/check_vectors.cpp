@@ -69,20 +69,21 @@ std::string doubtful_table(const std::string& file, const Options& options) {
 std::string doubtful_page(const Options& options) {
   std::string page =
       "# Doubtful inputs\n\n"
-      "What the public scorers make of results that are not as they should be, and what ours "
-      "does with the same files. The first three columns were recorded by running their code. This "
-      "page is written by `check_vectors "
-      "--doubtful --page` (`tests/conformance/`), and a test compares it where the recordings lie "
-      "beside the data.\n\n"
-      "- *the same means* (of walks in continuous space: *values*): ours reads the file, and has "
-      "what the public code has.\n"
-      "- *other means*: ours reads the file, but has other means. The public code counts something "
-      "twice, or leaves something out.\n"
-      "- *scored*: ours reads the file and scores it, where the public code ends with an error.\n"
-      "- *fault*: ours refuses the file; the codes of its faults follow, each with its JSON path "
-      "in the message.\n\n"
-      "Ours never counts silently: a missing, doubled or unknown instruction is a fault for every "
-      "benchmark, whatever its public scorer does.\n";
+      "How public scorers treat faulty results files, and how Enfilade treats the same files. "
+      "The first three columns were\n"
+      "recorded by running the public code. `check_vectors --doubtful --page` "
+      "(`tests/conformance/`) writes this page. A test\n"
+      "compares it where the recordings lie beside the data.\n\n"
+      "- *the same means* (*values*, in continuous space): Enfilade reads the file and computes"
+      " what the public code computes.\n"
+      "- *other means*: Enfilade reads the file and computes other means. The public code "
+      "counts an entry twice, or omits one.\n"
+      "- *scored*: Enfilade scores the file, where the public code ends with an error.\n"
+      "- *fault*: Enfilade refuses the file. The codes of its faults follow; each message names"
+      " the JSON path.\n\n"
+      "Enfilade never counts silently. A missing, repeated or unknown instruction is a fault "
+      "for every benchmark, whatever its\n"
+      "public scorer does.\n";
   for (const std::string& file : options.files) page += doubtful_table(file, options);
   return page;
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The unit of docs/service.md is one that systemd takes: unit.sh docs/service.md PROGRAM
+# The unit of docs/service_operating.md is one that systemd takes: unit.sh docs/service_operating.md PROGRAM
 set -euo pipefail
 
 if ! command -v systemd-analyze >/dev/null; then
