@@ -247,7 +247,7 @@ class ContinuousSimulator:
         self.task, self.batch_size = task, batch_size
         self.config: dict[str, Any] = self._core.config()
         self.state = ContinuousState(**self._core.state_arrays())
-        self._asked: dict[int, tuple[int, int]] = {}  # by agent: the step, and the teacher's action there
+        self._asked: dict[int, tuple[int, int]] = {}  # by agent: step, teacher's action
 
     @property
     def scans(self) -> list[str]:

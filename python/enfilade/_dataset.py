@@ -50,7 +50,7 @@ class SeenObject:
     id: int
     name: str  #: "plant#pot": category, and detail if any
     views: tuple[int, ...]  #: views that show it, 0..35; empty if none does
-    boxes: tuple[tuple[int, int, int, int], ...]  #: one per view: x, y, width, height in 640 x 480 pixels
+    boxes: tuple[tuple[int, int, int, int], ...]  #: one per view: x, y, width, height of 640 x 480
 
 
 class Dataset:
