@@ -8,21 +8,21 @@ from numpy.typing import NDArray
 Angle = Any  # int, float, NumPy scalar, array of one
 
 class Mat:
-    """A picture: np.array(mat, copy=False) sees the simulator's own memory, shape (height, width,
+    """An image: np.array(mat, copy=False) shares the simulator's memory, shape (height, width,
     channels), row 0 on top."""
 
     def __buffer__(self, flags: int, /) -> memoryview: ...
     def __array__(self, dtype: Any = None, copy: Any = None) -> NDArray[Any]: ...
 
 class ViewPoint:
-    """A viewpoint as an agent sees it."""
+    """A viewpoint, relative to an agent's view."""
 
     @property
     def viewpointId(self) -> str:
         """Its id in the scan's files."""
     @property
     def ix(self) -> int:
-        """Place in the scan's connectivity file, excluded viewpoints counted."""
+        """Index in the scan's connectivity file, excluded viewpoints counted."""
     @property
     def x(self) -> float:
         """Metres, world frame."""
@@ -34,23 +34,22 @@ class ViewPoint:
         """Metres, world frame, up."""
     @property
     def point(self) -> list[float]:
-        """[x, y, z], as v0.1 has it."""
+        """[x, y, z], as in v0.1."""
     @property
     def rel_heading(self) -> float:
-        """Radians from the picture's middle, right positive."""
+        """Radians from the image's centre, right positive."""
     @property
     def rel_elevation(self) -> float:
-        """Radians from the picture's middle, up positive."""
+        """Radians from the image's centre, up positive."""
     @property
     def rel_distance(self) -> float:
         """Metres."""
 
 class SimState:
-    """Where an agent is, and what it sees and can reach. World frame: metres, z up; headings in
-    radians clockwise from +y, elevations above the horizon. In v0.2 the simulator changes the
-    object, and the pixels of its pictures, at each action and episode, until close() or another
-    initialize(); in v0.1 it is a copy. It may be read as long as it is kept, also after the
-    simulator is gone."""
+    """The state of an agent: pose, images and navigable viewpoints. World frame: metres, z up;
+    headings in radians clockwise from +y, elevations above the horizon. In v0.2 the simulator
+    changes the object, and the pixels of its images, at each action and episode, until close() or
+    another initialize(). In v0.1 it is a copy. It stays valid without the simulator."""
 
     @property
     def scanId(self) -> str:
@@ -66,7 +65,7 @@ class SimState:
         """(height, width, 1) uint16, quarter millimetres along the optical axis; 0: no reading."""
     @property
     def location(self) -> ViewPoint:
-        """Where the agent is; None before the first episode."""
+        """The agent's viewpoint; None before the first episode."""
     @property
     def heading(self) -> float:
         """Radians clockwise from world +y, [0, 2 pi]."""
@@ -78,30 +77,30 @@ class SimState:
         """0..35 when discretized (12 headings; down, level, up), else 0."""
     @property
     def navigableLocations(self) -> list[ViewPoint]:
-        """Where a move may lead; [0] is the present place."""
+        """The navigable viewpoints; [0] is the current one."""
 
 class Simulator:
-    """The old simulator. docs/python_mattersim.md has what differs."""
+    """The old simulator. Differences: docs/python_mattersim.md."""
 
     def __init__(self) -> None: ...
     def setDatasetPath(self, path: Union[str, bytes], /) -> None:
-        """Folder of the scans' pictures. Default ./data/v1/scans/ (v0.1: ./data)."""
+        """Folder of the scans' images. Default ./data/v1/scans/ (v0.1: ./data)."""
     def setNavGraphPath(self, path: Union[str, bytes], /) -> None:
         """Folder of scans.txt and <scan>_connectivity.json. Default ./connectivity."""
     def setRenderingEnabled(self, enabled: bool, /) -> None:
-        """False: no picture is opened. Default True."""
+        """False: no image is opened. Default True."""
     def setCameraResolution(self, width: int, height: int, /) -> None:
         """Width and height, pixels. Default 320, 240. Takes effect at the next action."""
     def setCameraVFOV(self, vfov: float, /) -> None:
         """Vertical field of view, radians. Default 0.8. Takes effect at the next action."""
     def setElevationLimits(self, min: float, max: float, /) -> bool:
-        """Radians, -pi/2 < min < 0 < max < pi/2, else False is returned and nothing changes."""
+        """Radians, -pi/2 < min < 0 < max < pi/2, else nothing changes and False is returned."""
     def setDiscretizedViewingAngles(self, enabled: bool, /) -> None:
         """36 views: 12 headings x 3 elevations of 30 degrees. Default False."""
     def setRestrictedNavigation(self, enabled: bool, /) -> None:
-        """Only what the picture's width shows is navigable. Default True."""
+        """Only viewpoints within the image's width are navigable. Default True."""
     def setPreloadingEnabled(self, enabled: bool, /) -> None:
-        """Decode all pictures at initialize(), and keep them. Default False."""
+        """Decode all images of all scans at initialize(), and keep them. Default False."""
     def setDepthEnabled(self, enabled: bool, /) -> None:
         """Draw depth too. Default False."""
     def setBatchSize(self, size: int, /) -> None:
@@ -109,13 +108,13 @@ class Simulator:
     def setCacheSize(self, panoramas: int, /) -> None:
         """Decoded panoramas to keep. Default 200."""
     def setSeed(self, seed: int, /) -> None:
-        """Of random starts. Default 1 (v0.1: the clock)."""
+        """Seed of random starts. Default 1 (v0.1: the clock)."""
     def initialize(self) -> None:
-        """Takes the settings over; v0.2."""
+        """Applies the settings; v0.2."""
     def init(self) -> None:
-        """Takes the settings over; v0.1."""
+        """Applies the settings; v0.1."""
     def close(self) -> None:
-        """Lets go of pictures; initialize() begins anew."""
+        """Releases the images; initialize() starts again."""
     def newEpisode(
         self,
         scanIds: Union[str, bytes, Sequence[str]],
@@ -124,17 +123,17 @@ class Simulator:
         elevations: Angle,
         /,
     ) -> None:
-        """Lists, an element an agent (v0.2), or scalars (v0.1, where viewpoint "" is random)."""
+        """Lists with one element per agent (v0.2), or scalars (v0.1, where viewpoint "" is random)."""
     def newRandomEpisode(self, scanIds: Sequence[str], /) -> None:
         """Random viewpoints, the old simulator's headings."""
     def makeAction(self, indices: Any, headings: Angle, elevations: Angle, /) -> None:
-        """Move to navigableLocations[index], then turn by so many radians."""
+        """Move to navigableLocations[index], then turn by heading and elevation, radians."""
     def getState(self) -> Any:
         """list[SimState] (v0.2), or a copy of one SimState (v0.1)."""
     def resetTimers(self) -> None:
-        """Begins timingInfo() anew."""
+        """Resets timingInfo()."""
     def timingInfo(self) -> str:
-        """How long what took, as text."""
+        """Times of the simulator's parts, as text."""
 
 def cbf(
     depth: NDArray[Any],

@@ -1,4 +1,4 @@
-"""The drop-in MatterSim by the name of the old simulator's repository, as GridMM imports it."""
+"""The drop-in MatterSim under the name of the old simulator's repository, which GridMM imports."""
 
 import MatterSim
 from MatterSim import Mat, SimState, Simulator, ViewPoint, cbf

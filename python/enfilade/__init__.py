@@ -12,7 +12,7 @@ environments) and `MatterSim` (a drop-in for Matterport3DSimulator's module).
 >>> sim.state.heading                                      # (2,) radians
 
 Frames: metres, +z up; headings in radians clockwise from +y; elevations in radians above the
-horizon; row 0 of a picture on top. Importing this takes milliseconds: NumPy is imported with the
+horizon; row 0 of an image on top. Importing this takes milliseconds: NumPy is imported with the
 first class that needs it, Gymnasium with `enfilade.gym`, torch never.
 """
 
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-# The modules of names that need NumPy or the ray tracer.
+# Name -> module, for names that need NumPy or the ray tracer.
 _LATER = {
     "Arena": "_arena",
     "ArenaStep": "_arena",

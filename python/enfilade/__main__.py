@@ -1,4 +1,4 @@
-"""`python -m enfilade` is the program `enfilade` that was installed with this package."""
+"""`python -m enfilade` runs the program `enfilade` that was installed with this package."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def program() -> Path:
-    """The program's file, in the first of the folders where pip may have put it."""
+    """The program's file, from the first of pip's folders that has it. Raises SystemExit if none."""
     folders = [
         Path(sysconfig.get_path("scripts")),  # of the environment
         Path(sysconfig.get_path("scripts", "posix_user")),  # pip install --user

@@ -1,4 +1,4 @@
-"""Language models walk: one step after another, by prompts and pictures."""
+"""Evaluation of language models, step by step, with prompts and images."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:  # Python 3.8 has no os.PathLike[str]; and importing this does
 
 
 class Standpoint(NamedTuple):
-    """Where a session stands and looks: of a graph its viewpoint, in continuous space its eye (x, y, z)
-    in metres of the world frame; heading and elevation in radians."""
+    """Pose of a session: heading and elevation in radians. On a graph `viewpoint` is set; in continuous
+    space `eye` is, (x, y, z) in metres, world frame."""
 
     scan: str
     viewpoint: Optional[str]
@@ -30,37 +30,37 @@ class Standpoint(NamedTuple):
 
 
 class ArenaStep:
-    """What is known at a step of an episode, and what can be done. act() ends it."""
+    """One step of an episode: its observation and its tools. act() ends it."""
 
     def __init__(self, core: ArenaPlay, first: bool) -> None:
         self._core = core
-        self.first = first  #: of its episode
+        self.first = first  #: whether it is the first step of its episode
         self.episode: str = core.episode()  #: its instruction id
         self.observation: dict[str, Any] = json.loads(core.observation())  #: docs/arena.md, A step
-        #: Nothing that a model is told: for pictures and features of one's own.
+        #: Not part of the prompt: for your own images and features.
         self.standpoint = Standpoint(*core.standpoint())
         text = core.step_text()
         self.prompt: str = f"{core.start_text()}\n\n{text}" if first else text
-        #: The tools as OpenAI's `tools` have them: name, description, parameters (JSON Schema).
+        #: The tools in the form of OpenAI's `tools`: name, description, parameters (JSON Schema).
         self.functions: list[dict[str, Any]] = json.loads(core.functions())
         self._images: Optional[list[bytes]] = None
-        self.carried_out: Optional[bool] = None  #: None before act()
-        self.told = ""  #: what came of act(), a sentence
-        self.ending: Optional[str] = None  #: "stopped", "out-of-steps", "mistakes"; None: it goes on
+        self.carried_out: Optional[bool] = None  #: whether the call was valid; None before act()
+        self.told = ""  #: the result of act(), a sentence
+        self.ending: Optional[str] = None  #: "stopped", "out-of-steps", "mistakes"; None: not ended
 
     def __repr__(self) -> str:
         return f"<enfilade.ArenaStep {self.observation['step']} of {self.episode}>"
 
     @property
     def instruction(self) -> str:
-        """What to do."""
+        """The episode's instruction."""
         return str(self.observation["instruction"])
 
     @property
     def images(self) -> list[bytes]:
-        """The prompt's pictures, JPEG: drawn when they are first asked for. None in continuous space,
-        where enfilade.eyes.Eyes draws what is seen from `standpoint`. Raises RuntimeError after act(),
-        FileError without pictures of the place."""
+        """The prompt's images, JPEG, drawn at first use. Empty in continuous space; there
+        enfilade.eyes.Eyes draws the view from `standpoint`. Raises RuntimeError after act(), FileError
+        if the viewpoint has no images."""
         if self._images is None:
             self._expect_open()
             self._images = self._core.draw()
@@ -68,22 +68,22 @@ class ArenaStep:
 
     @property
     def schema(self) -> dict[str, Any]:
-        """A JSON Schema of answers without tools, for servers that take `response_format`. Raises
+        """A JSON Schema of answers without tools, for servers with `response_format`. Raises
         RuntimeError after act()."""
         self._expect_open()
         schema: dict[str, Any] = json.loads(self._core.schema())
         return schema
 
     def act(self, answer: Union[str, Mapping[str, Any]]) -> bool:
-        """Does what a model answered.
+        """Executes a model's answer.
 
         Args:
-            answer: a dict {"name": "go_to", "arguments": {"place": "B"}}, as a tool call has it
-                (arguments may be a text of JSON); or the model's text, read by the arena's
-                `answers`.
+            answer: a tool call, {"name": "go_to", "arguments": {"place": "B"}} (arguments may be
+                JSON text); or the model's text, read by the arena's `answers`.
 
-        Returns whether it was carried out. What is impossible or cannot be read changes nothing: it
-        is told at the next step, and counted. Raises RuntimeError if it was called before.
+        Returns whether the call was valid. An invalid or unreadable answer has no effect: the next
+        step reports it, and it counts as a mistake. Raises RuntimeError if called twice,
+        ArgumentError for an answer of another type.
         """
         self._expect_open()
         if isinstance(answer, str):
@@ -97,7 +97,7 @@ class ArenaStep:
         raise ArgumentError(f"act: a str or a dict, not {type(answer).__name__}")
 
     def call(self, tool: str, argument: str = "") -> bool:
-        """The same of one tool and its value: "go_to", "B"; of `move` several, with commas between."""
+        """The same with a tool and its value: "go_to", "B"; for `move` several, separated by commas."""
         self._expect_open()
         return self._done(self._core.use(tool, argument))
 
@@ -111,30 +111,30 @@ class ArenaStep:
 
 
 class Arena(Iterator[ArenaStep]):
-    """Episodes that are walked step by step; arena() makes one. One thread at a time."""
+    """Episodes to step through; arena() makes one. One thread at a time."""
 
     def __init__(self, core: ArenaPlay, episodes: Union[Episodes, ContinuousEpisodes]) -> None:
         self._core = core
         self._step: Optional[ArenaStep] = None
-        self.episodes = episodes  #: of the whole split
+        self.episodes = episodes  #: all episodes of the split
 
     def __len__(self) -> int:
-        """How many episodes are to be walked, with those that are done."""
+        """Number of episodes in the subset, completed ones included."""
         return len(self._core)
 
     @property
     def done(self) -> int:
-        """Episodes that are done, those of earlier processes in the same folder too."""
+        """Completed episodes, including those of earlier processes in the same folder."""
         return self._core.done
 
     @property
     def ids(self) -> list[str]:
-        """Of the episodes that are to be walked, in their order."""
+        """Instruction ids of the subset, in order."""
         return self._core.ids
 
     def begin(self, episode: str) -> ArenaStep:
-        """Begins an episode by its id, also one that is done: its last walk counts. next() goes on with
-        it. Raises UnknownNameError; ArgumentError for one that is not of the subset."""
+        """Begins an episode by its id; next() continues with it. For a completed episode, the last
+        trajectory counts. Raises UnknownNameError, and ArgumentError for one outside the subset."""
         self._core.begin_at(episode)
         self._step = ArenaStep(self._core, True)
         return self._step
@@ -143,8 +143,8 @@ class Arena(Iterator[ArenaStep]):
         return self
 
     def __next__(self) -> ArenaStep:
-        """The next step, of the next episode where one has ended. Raises RuntimeError if act() was
-        not called at the step before."""
+        """The next step; after an episode's end, the first step of the next. Raises RuntimeError if
+        act() was not called at the previous step."""
         last = self._step
         if last is not None and last.carried_out is None:
             raise RuntimeError(f"act() was not called at step {last.observation['step']} of {last.episode}")
@@ -156,20 +156,20 @@ class Arena(Iterator[ArenaStep]):
         return self._step
 
     def results_text(self) -> str:
-        """A results file of all episodes that are done, as the benchmark has it."""
+        """A results file of all completed episodes, in the benchmark's format."""
         return self._core.results(None)
 
     def results(self, episode: Optional[str] = None) -> Any:
-        """The same as objects: a list of entries; of r2r-ce a dict of poses by episode. With an id of
-        that episode alone, which was walked by this object."""
+        """The same as objects: a list of entries; for r2r-ce, a dict of poses by episode. With an id,
+        only that episode, which this object must have completed."""
         text = self._core.results(episode)
         if self.episodes.task == "rxr-ce":
             return [json.loads(line) for line in text.splitlines()]
         return json.loads(text)
 
     def score(self, episode: Optional[str] = None) -> Score:
-        """Of the episodes that are done, or of one that was walked by this object. Raises as
-        Episodes.score(), also if the goals are hidden."""
+        """The score of the completed episodes, or of one that this object completed. Raises FileError,
+        InvalidInput, and ArgumentError if the goals are hidden."""
         if isinstance(self.episodes, Episodes):
             return self.episodes.score(self.results(episode), part=True)
         means, by_id = self._core.free_score(episode)
@@ -189,7 +189,7 @@ def arena(
     words: str = "none",
     output: Optional[_Path] = None,
 ) -> Arena:
-    """Has a model, or any function, walk episodes.
+    """Opens episodes for a model or any function to step through.
 
     >>> walk = enfilade.arena("r2r/val_unseen", data="homes", subset=100, prompt="marks")
     >>> for step in walk:
@@ -198,24 +198,24 @@ def arena(
 
     Args:
         name: task and split, "reverie/val_unseen": r2r, r4r, rxr, r2r-last, r2r-back, cvdn or
-            reverie; r2r-ce and rxr-ce walk freely, one to four actions a call, and show no pictures.
-        data: folder of the data set; None: what ENFILADE_DATA names.
-        subset: how many, spread over buildings and lengths; a file with an instruction id a line;
-            "all"; None: 100, or as many as there are.
+            reverie; r2r-ce and rxr-ce are continuous: one to four actions per call, no images.
+        data: folder of the data set; None: the one that ENFILADE_DATA names.
+        subset: number of episodes, spread over buildings and lengths; a file with one instruction id
+            per line; "all"; None: 100, or all if there are fewer.
         prompt: "text", "marks", "navgpt", "mapgpt", or a template file (docs/arena.md).
-        answers: how texts say what to do: "tools", "json" or "text"; None: as the prompt has it.
-            Calls of tools can always be given to act() as dicts.
-        steps, mistakes: an episode ends after so many calls, and after so many one after another
-            that could not be carried out. Steps None: 30, and in continuous space as many as the
-            benchmark's actions take.
+        answers: how texts are read: "tools", "json" or "text"; None: the prompt's own way. act() also
+            accepts tool calls as dicts.
+        steps: calls after which an episode ends; None: 30, or 125 in continuous space (500 actions, up
+            to four per call).
+        mistakes: consecutive invalid calls after which an episode ends.
         picture_size: pixels, 64 to 2048.
-        words: what texts say of views: "none", or "labels", by pictures of classes and instances, on
-            graphs.
-        output: folder for results.json and transcripts/; episodes that have a transcript there are
-            left out. None: nothing is written.
+        words: description of views in the text: "none", or "labels", from images of classes and
+            instances, on graphs.
+        output: folder for results.json and transcripts/; episodes with a transcript there are skipped.
+            None: nothing is written.
 
-    Raises ArgumentError, UnknownNameError, FileError, InvalidInput naming what is wrong. SOON, whose
-    answers no tool can give, is refused at the first step.
+    Raises ArgumentError, UnknownNameError, FileError or InvalidInput. SOON has no tool for its answers
+    and is refused at the first step.
     """
     task, slash, split = name.partition("/")
     if not (task and slash and split):

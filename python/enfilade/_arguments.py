@@ -1,4 +1,4 @@
-"""Checks of arguments, with messages that name them. Does not need NumPy."""
+"""Checks of arguments; the messages name them. Does not need NumPy."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 
 from enfilade._errors import ArgumentError
 
-MOST = 2**32 - 1  # of indices and sizes
+MOST = 2**32 - 1  # largest index and size
 
 
 def whole(name: str, value: Any, most: int = MOST) -> int:
-    """An integer of any kind, 0 to `most`. Raises TypeError or ArgumentError naming it."""
+    """An integer of any type, 0 to `most`. Raises TypeError or ArgumentError, naming the argument."""
     try:
         number = operator.index(value)
     except TypeError:

@@ -1,4 +1,4 @@
-"""Walking freely in navigation meshes: VLN-CE's episodes, and the batched simulator."""
+"""Continuous navigation on navigation meshes: VLN-CE's episodes, and the batched simulator."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from enfilade._errors import ArgumentError, FileError
 
 PathLike = Union[str, "os.PathLike[str]"]
 Point = Tuple[float, float, float]
-MOST_AGENTS = 2**20  # more would be a slip, and fill the memory
+MOST_AGENTS = 2**20  # more would be a mistake, and fill the memory
 
 
 class ContinuousAction(enum.IntEnum):
-    """What a body can do in one step; the numbers are VLN-CE's. R2R-CE has the first four, RxR-CE all."""
+    """Actions, with VLN-CE's numbers. R2R-CE has the first four, RxR-CE all."""
 
     STOP = 0
     FORWARD = 1
@@ -32,32 +32,32 @@ class ContinuousAction(enum.IntEnum):
 
 
 class EpisodeStatus(enum.IntEnum):
-    """How an agent's episode stands: values of ContinuousState.episode."""
+    """The status of an agent's episode: values of ContinuousState.episode."""
 
     WALKING = 0
-    STOPPED = 1  #: it said stop
-    CUT_SHORT = 2  #: it had most_steps actions
+    STOPPED = 1  #: by the action STOP
+    CUT_SHORT = 2  #: after most_steps actions
 
 
 @dataclass(frozen=True)
 class ContinuousState:
-    """The state of n agents: read-only arrays over the simulator's memory, which later calls write over.
-    Copy what you want to keep."""
+    """The state of n agents: read-only arrays over the simulator's memory. Later calls overwrite them;
+    copy what you want to keep."""
 
     building: NDArray[np.uint32]  #: (n,) index into ContinuousSimulator.scans
-    position: NDArray[np.float32]  #: (n, 3) of the feet, metres, world frame (z up)
+    position: NDArray[np.float32]  #: (n, 3) the feet, metres, world frame (z up)
     heading: NDArray[np.float64]  #: (n,) radians clockwise from +y, [0, 2 pi)
-    elevation: NDArray[np.float64]  #: (n,) of the camera, radians, up positive
+    elevation: NDArray[np.float64]  #: (n,) the camera's, radians, up positive
     steps: NDArray[np.uint32]  #: (n,) actions since the start
-    collisions: NDArray[np.uint32]  #: (n,) steps forward that a wall cut short
-    collided: NDArray[np.bool_]  #: (n,) whether the last action was one of them
+    collisions: NDArray[np.uint32]  #: (n,) forward steps that a wall shortened
+    collided: NDArray[np.bool_]  #: (n,) whether the last action was a collision
     episode: NDArray[np.uint8]  #: (n,) EpisodeStatus
     off_floor: NDArray[np.float32]  #: (n,) metres from the start's position to the floor under it
 
 
 @dataclass(frozen=True)
 class ContinuousGoal:
-    """Where an episode should end."""
+    """A goal of an episode."""
 
     position: Point  #: metres, world frame
     radius: Optional[float]  #: metres; 3 in all released files
@@ -65,37 +65,37 @@ class ContinuousGoal:
 
 @dataclass(frozen=True)
 class ExpertWalk:
-    """What an expert did in an episode (VLN-CE's `_gt` files)."""
+    """An expert's trajectory in an episode (VLN-CE's `_gt` files)."""
 
-    locations: NDArray[np.float64]  #: (k, 3) the start, then one for each step forward; world frame
+    locations: NDArray[np.float64]  #: (k, 3) metres, world frame: the start, then one per forward step
     actions: NDArray[np.uint8]  #: (m,) ContinuousAction; the last one is STOP
 
 
 @dataclass(frozen=True)
 class ContinuousEpisode:
-    """An episode in continuous space. What test splits hide is None. Points are in the world frame,
-    metres, z up; files have them in Habitat's."""
+    """An episode in continuous space. Fields that test splits hide are None. Points are in the world
+    frame, metres, z up; files have them in Habitat's."""
 
     id: str  #: VLN-CE's episode_id
     trajectory_id: str  #: R2R's or RxR's path_id
-    scene: str  #: as the file has it: "mp3d/zsNo4HB9uLZ/zsNo4HB9uLZ.glb"
+    scene: str  #: as in the file: "mp3d/zsNo4HB9uLZ/zsNo4HB9uLZ.glb"
     scan: str
     instruction: str
     start: Point  #: the floor under the body
     heading: float  #: at the start, radians clockwise from +y, [0, 2 pi)
-    rotation: tuple[float, float, float, float]  #: the same as the file has it: Habitat's x, y, z, w
+    rotation: tuple[float, float, float, float]  #: the same as in the file: Habitat's x, y, z, w
     goals: Optional[tuple[ContinuousGoal, ...]]
     reference_path: Optional[NDArray[np.float64]]  #: (k, 3) start to goal
-    geodesic_distance: Optional[float]  #: from the start to the goal, metres, as the file says
-    language: Optional[str]  #: of RxR-CE: "en-IN"
-    instruction_id: Optional[str]  #: of RxR-CE
-    tokens: Optional[tuple[int, ...]]  #: of R2R-CE: ids of the file's vocabulary, padded
+    geodesic_distance: Optional[float]  #: from the start to the goal, metres, from the file
+    language: Optional[str]  #: RxR-CE only: "en-IN"
+    instruction_id: Optional[str]  #: RxR-CE only
+    tokens: Optional[tuple[int, ...]]  #: R2R-CE only: ids of the file's vocabulary, padded
 
 
 class ContinuousEpisodes(Sequence[ContinuousEpisode]):
     """The episodes of a split; continuous_episodes() makes one. A sequence, in the order of the file.
 
-    task: "r2r-ce" or "rxr-ce"; split; file: where they were read from.
+    task: "r2r-ce" or "rxr-ce"; split; file: their source.
     """
 
     def __init__(self, core: ContinuousSet, data: str, task: str, split: str, file: Optional[str]) -> None:
@@ -105,7 +105,7 @@ class ContinuousEpisodes(Sequence[ContinuousEpisode]):
 
     @property
     def file(self) -> str:
-        """The file that they were read from."""
+        """The file of the episodes."""
         return self._core.file
 
     def __len__(self) -> int:
@@ -131,11 +131,11 @@ class ContinuousEpisodes(Sequence[ContinuousEpisode]):
         return (self[i] for i in range(len(self)))
 
     def find(self, episode_id: Union[str, int]) -> Optional[int]:
-        """The place of an episode by its id; None: there is none."""
+        """The index of an episode by its id; None if unknown."""
         return self._core.find(str(episode_id))
 
     def expert(self, index: int) -> Optional[ExpertWalk]:
-        """The expert's walk of an episode; None if no file has it."""
+        """The expert's trajectory in an episode; None if no file has it."""
         walk = self._core.expert(whole("episode", index, len(self) - 1))
         return None if walk is None else ExpertWalk(*walk)
 
@@ -143,17 +143,17 @@ class ContinuousEpisodes(Sequence[ContinuousEpisode]):
         self, simulator: ContinuousSimulator, index: int, positions: ArrayLike, actions: ArrayLike,
         collided: Optional[ArrayLike] = None,
     ) -> dict[str, float]:  # fmt: skip
-        """VLN-CE's measures of a walk through an episode: path_length, distance_to_goal (metres), success,
+        """VLN-CE's measures of a trajectory: path_length, distance_to_goal (metres), success,
         oracle_success, spl, ndtw, sdtw (0 to 1), steps_taken, collisions (a share of the actions), ...
 
         Args:
-            simulator: whose navigation meshes distances are measured on.
-            index: of the episode.
+            simulator: has the navigation meshes on which distances are computed.
+            index: the episode's index.
             positions: (m + 1, 3) metres, world frame: the start, then after each action.
             actions: (m,) ContinuousAction.
-            collided: (m,) whether each action ended at a wall; None: not known, and collisions NaN.
+            collided: (m,) whether each action ended at a wall; None: unknown, then collisions is NaN.
 
-        Raises ArgumentError for arrays that do not fit together, or a goal that is hidden.
+        Raises ArgumentError for arrays of different lengths, or a hidden goal.
         """
         return self._score(simulator, index, positions, actions, collided)[0]
 
@@ -184,23 +184,23 @@ def continuous_episodes(
     *,
     file: Optional[PathLike] = None,
 ) -> ContinuousEpisodes:
-    """Reads the episodes of a split of VLN-CE, and its experts' walks where there are any.
+    """Reads the episodes of a split of VLN-CE, and the experts' trajectories if there are any.
 
     Args:
         data: folder of the data set; None: the one that the environment variable ENFILADE_DATA names.
         task: "r2r-ce" or "rxr-ce".
         split: "train", "val_seen", "val_unseen", "test", ...
-        file: this file instead, packed or not; then there are no experts.
+        file: this file instead, compressed or not; then there are no experts.
 
-    Raises FileError naming every place that was tried, InvalidInput listing a file's faults,
-    UnknownNameError for a task that there is not.
+    Raises FileError naming every path that was tried, InvalidInput listing a file's faults,
+    UnknownNameError for an unknown task.
     """
     folder = "" if file is not None and data is None else _data_folder(data)
     return _load(folder, task, split, None if file is None else os.fspath(file))
 
 
 class ContinuousSimulator:
-    """Walks a batch of bodies through buildings, on their navigation meshes. Opens no picture. The same
+    """Moves a batch of agents through buildings, on their navigation meshes. Opens no images. The same
     starts and actions give the same bytes in any batch and with any number of threads.
 
     >>> sim = enfilade.ContinuousSimulator("data", "r2r-ce", batch_size=2)
@@ -211,20 +211,20 @@ class ContinuousSimulator:
     Args:
         data: folder with `navmesh/TASK/SCAN.navmesh`, as `enfilade continuous` makes them; None: the one
             that the environment variable ENFILADE_DATA names.
-        task: "r2r-ce" or "rxr-ce": whose body, steps and turns the defaults below are.
+        task: "r2r-ce" or "rxr-ce"; sets the defaults below: body, steps and turns.
         batch_size: agents, n; at most 2**20.
         navigation: a folder of navigation meshes instead of the data set's.
         options: forward (metres, 0.25), turn (radians, 15 or 30 degrees), look (radians, 30 degrees),
-            most_elevation (radians, 60 degrees), slide (along walls; else bodies stop there),
-            eye_height (metres above the floor), most_steps (500), start_reach (metres aside, and above
-            or below, that a start may be off the floor), threads (1; 0: all cores).
+            most_elevation (radians, 60 degrees), slide (along walls; otherwise agents stop there),
+            eye_height (metres above the floor), most_steps (500), start_reach (metres that a start may
+            be off the floor: sideways, and above or below), threads (1; 0: all cores).
 
     Attributes:
         state: a ContinuousState; every call that moves agents returns it.
         task, batch_size: as given. config: all options with their values.
 
-    One thread at a time. Pickled or copied, it is a new one of the same settings, without episodes.
-    Raises FileError if there are no navigation meshes, ArgumentError for a value outside what is allowed.
+    One thread at a time. A pickled or copied simulator has the same settings, without episodes. Raises
+    FileError if there are no navigation meshes, ArgumentError for an invalid value.
     """
 
     def __init__(
@@ -247,11 +247,11 @@ class ContinuousSimulator:
         self.task, self.batch_size = task, batch_size
         self.config: dict[str, Any] = self._core.config()
         self.state = ContinuousState(**self._core.state_arrays())
-        self._asked: dict[int, tuple[int, int]] = {}  # by agent: the step, and what to do then
+        self._asked: dict[int, tuple[int, int]] = {}  # by agent: step, teacher's action
 
     @property
     def scans(self) -> list[str]:
-        """The buildings that have a navigation mesh, by name."""
+        """Names of the buildings with a navigation mesh."""
         return self._floors.scans
 
     def new_episodes(
@@ -265,13 +265,13 @@ class ContinuousSimulator:
 
         Args:
             scans: (n,) names, or indices into `scans`.
-            positions: (n, 3) of the feet, metres, world frame. Until an agent walks it is exactly there,
-                also a little above or beside the floor, as VLN-CE's starts are.
+            positions: (n, 3) the feet, metres, world frame. Until its first step an agent is exactly
+                there, even slightly off the floor, as VLN-CE's starts are.
             headings: (n,) radians clockwise from +y, or one for all.
             elevations: (n,) radians, or one for all.
 
-        Raises UnknownNameError for a scan, ArgumentError naming the agent if no floor is in reach of
-        its position (then nothing has happened).
+        Raises UnknownNameError for an unknown scan, ArgumentError naming the agent if no floor is in
+        reach of its position. Then no episode has begun.
         """
         n = self.batch_size
         if isinstance(scans, str) or len(scans) != n:
@@ -293,8 +293,9 @@ class ContinuousSimulator:
         return self.state
 
     def step(self, actions: ArrayLike) -> ContinuousState:
-        """One action for every agent, (n,) of ContinuousAction. Those whose episode has ended stay as they
-        are. Raises ArgumentError for a number that is no action; then nobody has moved."""
+        """One action per agent, (n,) of ContinuousAction. Agents whose episode has ended do not move.
+        Raises ArgumentError for an invalid action or shape, TypeError for a type other than integers;
+        then no agent has moved."""
         numbers = np.asarray(actions)
         if numbers.dtype.kind not in "iub":
             raise TypeError(f"actions of type {numbers.dtype}: integers are wanted")
@@ -308,14 +309,14 @@ class ContinuousSimulator:
     def geodesic_distance(
         self, scan: Union[str, int], start: ArrayLike, goals: ArrayLike, *, reach: float = 1.0
     ) -> float:
-        """The length of the shortest way on the floor to the nearest of some goals, metres; inf: there is
-        no way.
+        """The length of the shortest path on the floor to the nearest of some goals, metres; inf if there
+        is none.
 
         Args:
             start: (3,) metres, world frame.
-            goals: (3,) or (m, 3).
-            reach: each point stands for the nearest point of the floor; one that has none within so many
-                metres along each axis is out of reach.
+            goals: (3,) or (m, 3) metres, world frame.
+            reach: metres along each axis within which a point is moved to the nearest floor; a point
+                without floor there is out of reach.
         """
         ends = _points("goals", np.atleast_2d(np.asarray(goals, np.float64)))
         return self._floors.distance(self._index(scan), _point("start", start), ends, reach)
@@ -323,19 +324,20 @@ class ContinuousSimulator:
     def geodesic_path(
         self, scan: Union[str, int], start: ArrayLike, goal: ArrayLike, *, reach: float = 1.0
     ) -> Optional[NDArray[np.float32]]:
-        """The shortest way on the floor, (k, 3) metres, both ends included; None: there is none."""
+        """The shortest path on the floor, (k, 3) metres, both ends included; None if there is none."""
         begin, end = _point("start", start), _point("goal", goal)
         return self._floors.path(self._index(scan), begin, end, reach)
 
     def nearest(
         self, scan: Union[str, int], point: ArrayLike, *, aside: float = 0.5, above_below: float = 1.0
     ) -> Optional[Point]:
-        """The point of the floor nearest to any point, metres; None: none is so near."""
+        """The point of the floor nearest to `point`, metres, world frame; None if there is none within
+        `aside` metres sideways and `above_below` metres vertically."""
         found = self._floors.nearest(self._index(scan), _point("point", point), aside, above_below)
         return None if found is None else found[0]
 
     def random_point(self, scan: Union[str, int], seed: int) -> Point:
-        """A point of the floor, drawn uniformly as seen from above; the same for the same seed."""
+        """A point of the floor, uniform by area seen from above; the same seed gives the same point."""
         return self._floors.random_point(self._index(scan), whole("seed", seed, 2**64 - 1))
 
     def areas(self, scan: Union[str, int]) -> list[float]:
@@ -345,12 +347,11 @@ class ContinuousSimulator:
     def follow(
         self, agent: int, points: ArrayLike, *, reached: float = 0.5, last_reached: float = 0.5
     ) -> None:
-        """Gives an agent's teacher the points that it leads along, until the agent's next episode.
+        """Sets the points that an agent's teacher follows, until the agent's next episode.
 
         Args:
             points: (m, 3) metres, world frame, in this order: an episode's reference_path.
-            reached, last_reached: how near a point, and the last one, have to be to count as reached,
-                metres.
+            reached, last_reached: metres within which a point, and the last point, count as reached.
 
         Raises ArgumentError for an agent without an episode or points off the floor.
         """
@@ -358,8 +359,8 @@ class ContinuousSimulator:
         self._asked.pop(agent, None)
 
     def expert_action(self, agent: int) -> ContinuousAction:
-        """What the teacher does next, by the rule of VLN-CE's experts; STOP at the end. It is to be asked
-        before every step of the agent. Raises ArgumentError before follow()."""
+        """The teacher's next action, by the rule of VLN-CE's experts; STOP at the end. Call it before
+        every step of the agent. Raises ArgumentError before follow()."""
         place = whole("agent", agent, self.batch_size - 1)
         step = int(self.state.steps[place])
         if self._asked.get(place, (-1, 0))[0] != step:

@@ -52,21 +52,21 @@ class Graph:
         """(n, 3) float32, metres, world frame; a read-only view."""
 
     def included(self, viewpoint: str) -> bool:
-        """Whether agents may stand there."""
+        """Whether agents can be at a viewpoint."""
 
     def index(self, viewpoint: str) -> int:
-        """Place in `viewpoints`: MatterSim's `ix`. Raises UnknownNameError."""
+        """Index in `viewpoints`: MatterSim's `ix`. Raises UnknownNameError."""
 
     def neighbours(self, viewpoint: str) -> list[str]:
-        """Ids of where one can step to."""
+        """Ids of the viewpoints that an edge leads to."""
 
     def distance(self, a: str, b: str) -> float:
         """
-        Shortest way along edges, metres; inf if there is none. Raises UnknownNameError.
+        Length of the shortest path, metres; inf if there is none. Raises UnknownNameError.
         """
 
     def path(self, a: str, b: str) -> list[str] | None:
-        """That way's viewpoints, both ends too; None if none."""
+        """Ids of the shortest path, both ends included; None if there is none."""
 
     def nearest(self, point: tuple[float, float, float]) -> str | None:
         """
@@ -75,22 +75,22 @@ class Graph:
 
     def edges(self) -> list[tuple[str, str, float]]:
         """
-        (from, to, metres), each edge once: what networkx's add_weighted_edges_from() takes.
+        (from, to, metres), each edge once, for networkx's add_weighted_edges_from().
         """
 
     def edge_arrays(self) -> tuple[numpy.typing.NDArray[numpy.uint32], numpy.typing.NDArray[numpy.float64]]:
         """
-        (m, 2) indices from and to, and (m,) metres; an edge for both ways is there twice.
+        (m, 2) indices from and to, and (m,) metres; an edge in both directions is listed twice.
         """
 
     def distances(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, n) shortest ways along edges, metres, by index; inf where there is none. What networkx's all_pairs_dijkstra_path_length() gives, in milliseconds.
+        (n, n) lengths of shortest paths, metres, by index; inf where there is none. The result of networkx's all_pairs_dijkstra_path_length(), in milliseconds.
         """
 
 class Graphs:
     """
-    The scans of a folder of <scan>_connectivity.json and scans.txt. A graph is read when first used, once a process.
+    The scans of a folder of <scan>_connectivity.json and scans.txt. A graph is read at first use, once per process.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -113,20 +113,20 @@ class Graphs:
         """Raises UnknownNameError."""
 
     def index(self, scan: str) -> int:
-        """Place in `scans`. Raises UnknownNameError."""
+        """Index in `scans`. Raises UnknownNameError."""
 
     def locate(self, scan: str, viewpoint: str) -> tuple[int, int]:
         """
-        Indices of an included viewpoint, of its scan first. Raises UnknownNameError.
+        Indices of an included viewpoint: its scan, then itself. Raises UnknownNameError.
         """
 
     def load_all(self, threads: int = 0) -> None:
         """
-        Reads all that are not read yet; threads 0: all cores. Raises FileError, InvalidInput.
+        Reads all graphs that are not read yet; threads 0: all cores. Raises FileError, InvalidInput.
         """
 
 class BatchSimulator:
-    """What enfilade.Simulator is made of: indices and arrays only."""
+    """The core of enfilade.Simulator: indices and arrays only."""
 
     def __init__(self, graphs: Graphs, *, batch_size: int, width: int, height: int, vfov: float, discretized: bool, restricted: bool, linear_view: bool, elevation_limits: tuple[float, float], mattersim_starts: bool, seed: int, max_navigable: int, threads: int) -> None: ...
 
@@ -146,21 +146,21 @@ class BatchSimulator:
 
 class Panoramas:
     """
-    The panoramas of the scans of a Graphs: stores, or Matterport3D's files in any layout. A scan is opened when first used.
+    The panoramas of a Graphs' scans: stores, or Matterport3D's files in any layout. A scan is opened at first use.
     """
 
     def __init__(self, images: Sequence[str | os.PathLike[str]], connectivity: str | os.PathLike[str], graphs: Graphs) -> None:
         """
-        images: folders to look in, in this order. connectivity: folder of the graphs' files.
+        images: folders to search, in this order. connectivity: folder of the graphs' files.
         """
 
     @staticmethod
     def of_scans(images: Sequence[str | os.PathLike[str]], connectivity: str | os.PathLike[str], scans: Sequence[str]) -> Panoramas:
-        """The same of scans by their names."""
+        """The same, with names of scans."""
 
     def __contains__(self, scan: str) -> bool:
         """
-        Whether there are pictures of a scan. Raises FileError, InvalidInput for broken ones.
+        Whether a scan has images. Raises FileError, InvalidInput for broken ones.
         """
 
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -170,16 +170,14 @@ class Panoramas:
         """Names by index, as Graphs.scans."""
 
 class ViewArrays:
-    """
-    Where n views are taken from: arrays that are read when they are drawn.
-    """
+    """The poses of n views: arrays that each rendering reads."""
 
     def __init__(self, scans: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], viewpoints: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order='C', device='cpu', writable=False)], headings: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], elevations: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
 
     def __len__(self) -> int: ...
 
 class ViewRenderer:
-    """What enfilade.Renderer is made of."""
+    """The core of enfilade.Renderer."""
 
     def __init__(self, panoramas: Panoramas, backend: str, threads: int, cache_bytes: int, shared_bytes: int, clamped_edges: bool, eight_bit_depth: bool, device: str, card_bytes: int) -> None: ...
 
@@ -187,15 +185,15 @@ class ViewRenderer:
     def description(self) -> str: ...
 
     def memory(self, shape: tuple[int, ...], type: str) -> numpy.typing.NDArray[Any]:
-        """A new array to draw into; what it holds is left over."""
+        """A new array to draw into; its content is undefined."""
 
     def render(self, views: ViewArrays, width: int, height: int, vfov: float, colour: Annotated[Any, dict(order='C')] | None, colour_format: str, depth: Annotated[Any, dict(order='C')] | None, ray_depth: bool, classes: Annotated[Any, dict(order='C')] | None, instances: Annotated[Any, dict(order='C')] | None, stream: int | None) -> None: ...
 
 def backends() -> list[str]:
-    """What a Renderer may draw with in this build, such as "cpu" and "gl"."""
+    """The Renderer's back ends in this build, such as "cpu" and "gl"."""
 
 class DatasetFolder:
-    """What enfilade.Dataset is made of."""
+    """The core of enfilade.Dataset."""
 
     def __init__(self, folder: str | os.PathLike[str] | None) -> None: ...
 
@@ -226,7 +224,7 @@ class DatasetFolder:
     def examine(self) -> list[tuple[str, bool, str, str]]: ...
 
 class EpisodeSet:
-    """What enfilade.Episodes is made of."""
+    """The core of enfilade.Episodes."""
 
     def __init__(self, dataset: DatasetFolder, task: str, split: str, all_instructions: bool, file: str | os.PathLike[str] | None) -> None: ...
 
@@ -262,7 +260,7 @@ def score_paths(graphs: Graphs, task: str, scorer: str, scans: list[str], trajec
 def scorers(task: str) -> list[tuple[str, str, tuple[str, ...], tuple[str, ...]]]: ...
 
 def tokenize(text: str) -> list[str]:
-    """Words as R2R's released code splits them."""
+    """Splits a text into words, as R2R's released code does."""
 
 class Vocabulary:
     """Words and their ids: 0 <PAD>, 1 <UNK>, 2 <EOS>."""
@@ -270,30 +268,30 @@ class Vocabulary:
     @staticmethod
     def load(file: str | os.PathLike[str]) -> Vocabulary:
         """
-        One word a line, as R2R's train_vocab.txt. Raises FileError, InvalidInput.
+        Reads one word per line, as in R2R's train_vocab.txt. Raises FileError, InvalidInput.
         """
 
     @staticmethod
     def build(texts: Sequence[str], least_count: int = 5) -> Vocabulary:
         """
-        The words that come at least so often, most frequent first; ties by alphabet.
+        The words with at least least_count occurrences, most frequent first; ties by alphabet.
         """
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """For load(). Raises FileError."""
+        """Writes a file for load(). Raises FileError."""
 
     def __len__(self) -> int: ...
 
     @property
     def words(self) -> list[str]:
-        """By id."""
+        """Words by id."""
 
     def encode(self, text: str, length: int = 80) -> list[int]:
-        """Ids: words reversed, <EOS>, <PAD> up to `length`."""
+        """Token ids: words reversed, <EOS>, then <PAD> up to `length`."""
 
     def decode(self, ids: Sequence[int]) -> str:
         """
-        Back to words in reading order, without specials but <UNK>, which ids of no word are too.
+        Words in reading order, without <PAD> and <EOS>; unknown ids become <UNK>.
         """
 
     def __getstate__(self) -> list[str]: ...
@@ -301,7 +299,7 @@ class Vocabulary:
     def __setstate__(self, arg: Sequence[str], /) -> None: ...
 
 class BatchEnvironment:
-    """What the environments of enfilade.gym are made of."""
+    """The core of enfilade.gym's environments."""
 
     def __init__(self, episodes: object, *, batch_size: int, actions: str, reward: str, max_steps: int, success_distance: float, reset_at_next_step: bool, seed: int, width: int, height: int, vfov: float, max_navigable: int) -> None: ...
 
@@ -323,7 +321,7 @@ class BatchEnvironment:
     def metrics(self, agent: int) -> dict[str, float]: ...
 
 class ArenaPlay:
-    """What enfilade.arena() is made of."""
+    """The core of enfilade.arena()."""
 
     def __init__(self, dataset: DatasetFolder, episodes: object, subset: str, prompt: str, answers: str, steps: int, mistakes: int, picture_size: int, folder: str | os.PathLike[str] | None, words: bool) -> None: ...
 
@@ -393,7 +391,7 @@ class FloorSet:
 def continuous_benchmarks() -> list[tuple[str, str, float, float, float, float]]: ...
 
 class BatchContinuous:
-    """What enfilade.ContinuousSimulator is made of: indices and arrays."""
+    """The core of enfilade.ContinuousSimulator: indices and arrays."""
 
     def __init__(self, buildings: FloorSet, task: str, batch_size: int, options: dict[str, object]) -> None: ...
 
@@ -412,7 +410,7 @@ class BatchContinuous:
     def state_arrays(self) -> dict[str, numpy.typing.NDArray[Any]]: ...
 
 class ContinuousSet:
-    """What enfilade.ContinuousEpisodes is made of."""
+    """The core of enfilade.ContinuousEpisodes."""
 
     def __init__(self, data: str | os.PathLike[str], task: str, split: str, file: str | os.PathLike[str] | None) -> None: ...
 
@@ -433,7 +431,7 @@ class ContinuousSet:
     def score_walk(self, buildings: FloorSet, index: int, positions: numpy.typing.NDArray[numpy.float32], actions: numpy.typing.NDArray[numpy.uint8], collided: numpy.typing.NDArray[numpy.uint8]) -> tuple[dict[str, float], numpy.typing.NDArray[numpy.float64]]: ...
 
 class FreeEnvironment:
-    """What the environments of walking freely are made of."""
+    """The core of enfilade.gym's continuous environments."""
 
     def __init__(self, episodes: ContinuousSet, buildings: FloorSet, batch_size: int, options: dict[str, object]) -> None: ...
 

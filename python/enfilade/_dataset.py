@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 SPLITS = ("train", "val_seen", "val_unseen", "test")
-#: Which other splits a benchmark may have.
+#: Further splits that a benchmark may have.
 MORE_SPLITS: dict[str, tuple[str, ...]] = {
     "r2r": (),
     "r2r-last": (),
@@ -35,22 +35,22 @@ MORE_SPLITS: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a data set: what is there, or what is missing and how to get it."""
+    """A part of a data set: found, or missing with advice how to get it."""
 
     name: str  #: "connectivity", "R2R val_seen", "regions", "panoramas"
     present: bool
-    found: str  #: "90 scans"; or why it cannot be used
-    advice: str  #: how to get it; empty if it is there
+    found: str  #: "90 scans"; or the reason why it cannot be used
+    advice: str  #: how to get it; empty if present
 
 
 @dataclass(frozen=True)
 class SeenObject:
-    """An object as the pictures of one viewpoint show it (REVERIE's boxes)."""
+    """An object in the views of one viewpoint (REVERIE's boxes)."""
 
     id: int
-    name: str  #: "plant#pot": category, and detail where there is one
-    views: tuple[int, ...]  #: that show it, 0..35; empty: nobody sees it from here
-    boxes: tuple[tuple[int, int, int, int], ...]  #: beside each view: x, y, width, height of 640 x 480
+    name: str  #: "plant#pot": category, and detail if any
+    views: tuple[int, ...]  #: views that show it, 0..35; empty if none does
+    boxes: tuple[tuple[int, int, int, int], ...]  #: one per view: x, y, width, height of 640 x 480
 
 
 class Dataset:
@@ -63,10 +63,10 @@ class Dataset:
 
     Args:
         folder: in Enfilade's layout (`connectivity/`, `r2r/`, `regions/`, `store/`), in
-            Matterport3DSimulator's, with all files side by side, or with stores alone. None: the
-            folder that the environment variable ENFILADE_DATA names.
+            Matterport3DSimulator's, with all files side by side, or with only stores. None: the folder
+            that the environment variable ENFILADE_DATA names.
 
-    A part is opened when it is first used. Any thread may use it. Pickled, it is opened anew. Raises
+    A part is opened at first use. Any thread may use it. Unpickling opens the folder again. Raises
     FileError if it is not a folder.
     """
 
@@ -76,12 +76,12 @@ class Dataset:
 
     @property
     def folder(self) -> Path:
-        """The folder, as it was given."""
+        """The folder, as given."""
         return Path(self._core.folder)
 
     @property
     def synthetic(self) -> bool:
-        """Whether the buildings are model homes: results on them have to be called synthetic."""
+        """Whether the buildings are synthetic homes. Results on them have to be called synthetic."""
         return self._core.synthetic
 
     @property
@@ -93,19 +93,19 @@ class Dataset:
 
     @property
     def panoramas(self) -> Panoramas:
-        """The pictures, in the order of the graphs. A scan is opened when first used."""
+        """The panoramas, in the order of the graphs. A scan is opened at first use."""
         panoramas = self._core.panoramas
         panoramas._folder = os.fspath(self.folder)  # type: ignore[attr-defined]  # to pickle them
         return panoramas
 
     @property
     def splits(self) -> list[str]:
-        """The splits that exist, of train, val_seen, val_unseen and test."""
+        """Those of train, val_seen, val_unseen and test that exist."""
         return self._core.splits
 
     @property
     def tasks(self) -> dict[str, list[str]]:
-        """The benchmarks whose annotations are there, each with its splits."""
+        """The benchmarks with annotations in the folder, each with its splits."""
         found = {
             task: [split for split in (*SPLITS, *more) if self._core.has_annotations(task, split)]
             for task, more in MORE_SPLITS.items()
@@ -120,35 +120,35 @@ class Dataset:
         all_instructions: bool = False,
         file: Union[None, str, os.PathLike[str]] = None,
     ) -> Episodes:
-        """The episodes of a split; arguments and errors as of Episodes."""
+        """The episodes of a split; arguments and errors are those of Episodes."""
         return Episodes._of_dataset(self._core, split, task, all_instructions, file)
 
     def objects(self, scan: str, viewpoint: str) -> list[SeenObject]:
-        """The objects around a viewpoint (REVERIE's boxes), in the order of the file; those that no
-        view shows, too. The first call reads the boxes of all scans. Raises FileError, InvalidInput."""
+        """The objects around a viewpoint (REVERIE's boxes), in the order of the file, including those
+        that no view shows. The first call reads the boxes of all scans. Raises FileError, InvalidInput."""
         return [SeenObject(*row) for row in self._core.objects_at(scan, viewpoint)]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Dataset, (os.fspath(self.folder),)
 
     def region(self, scan: str, viewpoint: str) -> Optional[int]:
-        """The region (room) that a viewpoint is in; None if the region map does not have it. Raises
-        FileError, InvalidInput for the map."""
+        """The region (room) of a viewpoint; None if the region map does not have it. Raises FileError or
+        InvalidInput for the map."""
         return self._core.region(scan, viewpoint)
 
     def examine(self) -> list[Part]:
-        """Every part that a data set can have: found or missing, and how to get it. Reads
-        all annotations: about a second for R2R."""
+        """Every part that a data set can have: found, or missing with advice. Reads all annotations,
+        which takes about a second for R2R."""
         return [Part(*row) for row in self._core.examine()]
 
     def simulator(self, batch_size: int = 1, **options: Any) -> Simulator:
-        """A simulator of these graphs; options and errors as of Simulator."""
+        """A simulator of these graphs; options and errors are those of Simulator."""
         from enfilade._simulator import Simulator
 
         return Simulator(self.graphs, batch_size, **options)
 
     def renderer(self, **options: Any) -> Renderer:
-        """A renderer of these pictures; options and errors as of Renderer."""
+        """A renderer of these panoramas; options and errors are those of Renderer."""
         from enfilade._renderer import Renderer
 
         return Renderer(self.graphs, self.panoramas, **options)
@@ -164,9 +164,9 @@ class Dataset:
         height: int = 480,
         vfov: float = math.radians(60),
     ) -> NDArray[uint8]:
-        """One picture, (height, width, 3) RGB; angles in radians. To draw many, make a
-        renderer(). One thread at a time. Raises UnknownNameError, FileError, InvalidInput, and
-        ArgumentError for invalid angles or sizes."""
+        """One image, (height, width, 3) RGB uint8; angles in radians. For many images use renderer(). One
+        thread at a time. Raises UnknownNameError, FileError, InvalidInput, and ArgumentError for
+        invalid angles or sizes."""
         if self._renderer is None:
             self._renderer = self.renderer()
         drawn = self._renderer.render(

@@ -25,66 +25,66 @@ _ABOUT = ("instruction_id", "path_id", "group", "scan", "language")
 
 @dataclass(frozen=True)
 class TimedWord:
-    """A word that was spoken, and when (RxR)."""
+    """A spoken word with its times (RxR)."""
 
     word: str
-    start: Optional[float]  #: seconds since the recording began; None where the file says nothing
+    start: Optional[float]  #: seconds since the recording began; None if the file has none
     end: Optional[float]
 
 
 @dataclass(frozen=True)
 class Turn:
-    """What one of two people said (CVDN)."""
+    """One message of a dialogue (CVDN)."""
 
     role: str  #: "navigator" or "oracle"
     message: str
-    nav_step: int  #: how many steps had been walked
+    nav_step: int  #: steps of the navigator before the message
 
 
 @dataclass(frozen=True)
 class SubInstruction:
-    """A piece of an instruction, and the piece of the path that it describes (fine-grained R2R)."""
+    """A part of an instruction, and the part of the path that it describes (fine-grained R2R)."""
 
     words: tuple[str, ...]
-    places: Optional[tuple[int, int]]  #: first and last place on the path, from 0; None in test splits
+    places: Optional[tuple[int, int]]  #: first and last index on the path, from 0; None in test splits
 
 
 @dataclass(frozen=True)
 class Episode:
-    """One instruction to follow."""
+    """An episode: one instruction, its start and its goal."""
 
-    instruction_id: str  #: the instr_id of results files; of R2R "<path_id>_<k>"
+    instruction_id: str  #: the instr_id of results files; in R2R "<path_id>_<k>"
     path_id: int
     scan: str
-    path: tuple[str, ...]  #: viewpoint ids, start to goal; the start only if the goal is hidden
-    heading: float  #: of the start, radians
-    text: str  #: the instruction; of CVDN the turns and the target in one text
-    # What the files of some benchmarks have beside these.
+    path: tuple[str, ...]  #: viewpoint ids, start to goal; only the start if the goal is hidden
+    heading: float  #: at the start, radians
+    text: str  #: the instruction; in CVDN the turns and the target in one text
+    # Fields of some benchmarks only.
     goal: Goal = field(default_factory=Hidden)  #: one of enfilade.goals
-    group: int = 0  #: the same for paths that belong together, which are no independent samples
+    group: int = 0  #: equal for paths that are not independent samples
     language: str = ""  #: "en-IN"
     words: tuple[TimedWord, ...] = ()
     turns: tuple[Turn, ...] = ()
     parts: tuple[SubInstruction, ...] = ()
-    tokens: tuple[int, ...] = ()  #: `instr_encoding(s)` of the file: ids of BERT's or XLM-R's words
+    tokens: tuple[int, ...] = ()  #: `instr_encoding(s)` of the file: token ids of BERT or XLM-R
     fields: Mapping[str, str] = field(default_factory=dict)  #: SOON: obj_name, attribute, ...
 
 
 @dataclass(frozen=True)
 class Score:
-    """A results file, scored."""
+    """The score of a results file."""
 
     means: dict[str, tuple[float, float, float]]  #: mean and 95 % interval by metric
     episodes: dict[str, dict[str, float]]  #: by instruction id and metric
     warnings: list[str]
     task: str = "r2r"
-    scorer: str = "enfilade"  #: whose formulas they are: see scorers()
-    #: Of each episode that was scored, in their order: what belongs beside its metrics.
+    scorer: str = "enfilade"  #: the scorer's name: see scorers()
+    #: Per scored episode, in order: instruction_id, path_id, group, scan, language.
     about: tuple[dict[str, Any], ...] = ()
 
     def to_pandas(self) -> Any:
-        """A pandas DataFrame, a row an episode by its instruction_id: path_id, group, scan, language,
-        then the metrics. Raises ImportError without pandas."""
+        """A pandas DataFrame with one row per episode, indexed by instruction_id: path_id, group, scan,
+        language, then the metrics. Raises ImportError without pandas."""
         pandas = importlib.import_module("pandas")
         rows = [{**about, **self.episodes[about["instruction_id"]]} for about in self.about]
         return pandas.DataFrame(rows).set_index("instruction_id")
@@ -97,16 +97,15 @@ class Episodes(Sequence[Episode]):
     >>> episodes[0].text, episodes["1357_66_0"].goal
 
     Args:
-        folder: holds annotations and `connectivity/`, in Enfilade's layout, in that of the public
-            code, or side by side.
-        split: "train", "val_seen", "val_unseen", "test"; other names where a benchmark has them.
+        folder: holds annotations and `connectivity/`, in Enfilade's layout, in the public code's, or
+            side by side.
+        split: "train", "val_seen", "val_unseen", "test"; other names if a benchmark has them.
         task: "r2r", "r2r-last", "r2r-back", "r4r", "rxr", "reverie", "cvdn", "soon".
-        all_instructions: of R2R fourth instructions too, which are for training and not scored.
-        file: of annotations, in any form that the task's public code reads; None: looked for in the
-            folder.
+        all_instructions: R2R: fourth instructions too, which are for training and are not scored.
+        file: annotations in any form that the task's public code reads; None: searched in the folder.
 
-    Pickled or copied, it is read anew. Raises FileError for a folder without such a split,
-    UnknownNameError for another task, InvalidInput with the faults of its file (up to 1000).
+    Unpickling or copying reads the files again. Raises FileError for a folder without such a split,
+    UnknownNameError for an unknown task, InvalidInput with the faults of a file (up to 1000).
     """
 
     def __init__(
@@ -168,7 +167,7 @@ class Episodes(Sequence[Episode]):
     @overload
     def __getitem__(self, index: slice) -> list[Episode]: ...
     def __getitem__(self, index: Union[int, str, slice]) -> Union[Episode, list[Episode]]:
-        """By place, or by instruction id. Raises IndexError, UnknownNameError."""
+        """The episode at an index, or with an instruction id. Raises IndexError, UnknownNameError."""
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
         if isinstance(index, str):
@@ -182,7 +181,7 @@ class Episodes(Sequence[Episode]):
         return (self[i] for i in range(len(self)))
 
     def __contains__(self, value: object) -> bool:
-        """Of an instruction id, or an Episode."""
+        """Whether the split has an instruction id, or an Episode."""
         if isinstance(value, str):
             return self._core.find(value) is not None
         return super().__contains__(value)
@@ -208,16 +207,16 @@ class Episodes(Sequence[Episode]):
         """Checks and scores results.
 
         Args:
-            results: a file in any of the known formats; or the same in memory: dicts with "instr_id"
-                and "trajectory", and what the task asks for beside these ("pred_objid", ...).
-            scorer: whose formulas, of scorers(task); of R2R also "enfilade", which is the default
-                there. Elsewhere the default is the code behind the published tables.
-            success_distance: metres along the graph, less than which a stop is a success; others than
-                3 with the scorer "enfilade" only.
+            results: a file in any of the known formats; or the same in memory: dicts with "instr_id",
+                "trajectory" and the task's answers ("pred_objid", ...).
+            scorer: a name of scorers(task); for R2R also "enfilade", its default. Other tasks' default
+                is the scorer behind the published tables.
+            success_distance: metres along the graph; a stop nearer to the goal is a success. Other
+                values than 3 need the scorer "enfilade".
             bootstrap_samples: for the intervals of the means; 0: no intervals.
-            part: score what is there, and do not ask that every instruction has a result.
+            part: accept results that do not cover every instruction.
 
-        Raises FileError, and InvalidInput with the faults of the results (up to 1000).
+        Raises FileError, ArgumentError, and InvalidInput with the faults of the results (up to 1000).
         """
         samples = whole("bootstrap_samples", bootstrap_samples, 10**6)
         file, text = None, ""
@@ -246,13 +245,12 @@ class Episodes(Sequence[Episode]):
         scorer: str = "",
         places: Optional[Sequence[int]] = None,
     ) -> dict[str, NDArray[float64]]:
-        """The metrics of paths that were walked, as arrays with a value each; see
-        enfilade.score_paths().
+        """The metrics of trajectories: {metric: (n,) array}; see enfilade.score_paths().
 
         Args:
-            trajectories: viewpoint ids or indices, a row each.
-            answers: as there.
-            places: which episodes they are of; None: of all, in their order.
+            trajectories: n rows of viewpoint ids or indices.
+            answers: as in enfilade.score_paths().
+            places: (n,) indices of their episodes; None: all episodes, in order.
         """
         from enfilade._scores import score_paths
 
@@ -293,7 +291,7 @@ def _episode(row: tuple[Any, ...]) -> Episode:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON cannot say: NumPy's and torch's numbers and arrays."""
+    """Converts NumPy's and torch's numbers and arrays for JSON."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, (set, frozenset)) or not hasattr(value, "__iter__"):

@@ -10,13 +10,13 @@ class Error(Exception):
 
 
 class ArgumentError(Error, ValueError):
-    """A value outside what is allowed; the message says what is."""
+    """An invalid value; the message says which values are allowed."""
 
     __module__ = "enfilade"
 
 
 class UnknownNameError(Error, LookupError):
-    """A scan, viewpoint or split that does not exist; the message says where it was looked for."""
+    """An unknown scan, viewpoint or split; the message says where it was searched."""
 
     __module__ = "enfilade"
 

@@ -1,4 +1,4 @@
-"""Pictures of what agents see, in new arrays or in the caller's memory."""
+"""Rendering of views, into new arrays or the caller's memory."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from enfilade._core import DatasetFolder, Graphs, Panoramas, ViewArrays, ViewRen
 from enfilade._errors import ArgumentError
 from enfilade._simulator import Names, Simulator, _make_again, scan_indices, viewpoint_indices
 
-# The type of a picture's values.
+# The type of an image's values.
 _COLOURS = {"rgb8": "uint8", "bgr8": "uint8", "rgba8": "uint8", "planar": "float32",
             "imagenet": "float32"}  # fmt: skip
 _LAYERS = {"depth": "float32", "classes": "uint16", "instances": "uint32"}
@@ -24,7 +24,7 @@ CACHES = ("private", "shared")
 
 
 def open_panoramas(folder: Union[str, os.PathLike[str]], graphs: Graphs) -> Panoramas:
-    """The pictures of a data folder: its `store`, `scans`, `v1/scans`, `data/v1/scans`, or itself.
+    """The panoramas of a data folder: its `store`, `scans`, `v1/scans`, `data/v1/scans`, or itself.
 
     Raises FileError if it is not a folder.
     """
@@ -33,30 +33,30 @@ def open_panoramas(folder: Union[str, os.PathLike[str]], graphs: Graphs) -> Pano
 
 
 def _panoramas_again(images: Any, connectivity: Any, scans: list[str]) -> Panoramas:
-    """For pickling them."""
+    """For unpickling Panoramas."""
     return Panoramas.of_scans(images, connectivity, scans)
 
 
 class Renderer:
-    """Draws batches of views. Give each thread its own; drawing releases the GIL.
+    """Renders batches of views. Use one renderer per thread; rendering releases the GIL.
 
     Args:
         graphs, panoramas: of the same scans.
         backend: "cpu" (SIMD), "cpu-scalar" (slow, the reference), "gl" (OpenGL without a display),
-            "cuda" (a card of NVIDIA; the CPU's pictures to the bit).
-        threads: that draw; 0: all cores.
-        cache_bytes: of decoded faces that are kept; a panorama of 512 texels takes 6.4 MB of colour.
-        cache: "private", or "shared": faces are also kept in a file in /dev/shm that all renderers of
-            this user's processes share, so that each is decoded once and in memory once.
-        shared_bytes: of that file, whole MiB, the same for all its renderers.
-        clamped_edges, eight_bit_depth: as the old simulator drew, for features made with it.
-        device: an EGL device's index or UUID, for "gl"; a card's number, for "cuda"; empty: the first
+            "cuda" (an NVIDIA GPU; the CPU's images to the bit).
+        threads: for rendering; 0: all cores.
+        cache_bytes: size of the cache of decoded faces; a panorama of 512 texels takes 6.4 MB of colour.
+        cache: "private", or "shared": faces are also cached in a file in /dev/shm that all renderers of
+            this user's processes share. Each face is then decoded once and in memory once.
+        shared_bytes: size of that file, whole MiB, the same for all its renderers.
+        clamped_edges, eight_bit_depth: as in the old simulator, for features made with it.
+        device: an EGL device's index or UUID, for "gl"; a GPU's number, for "cuda"; empty: the first
             that works.
-        card_bytes: of a card's memory that "cuda" keeps panoramas in; 0: half of what is free.
+        card_bytes: GPU memory for panoramas, for "cuda"; 0: half of the free memory.
 
-    Pickled or copied, it is a new one of the same settings.
-    Raises ArgumentError for what is not allowed, and for graphs and panoramas of different scans;
-    FileError if the shared file cannot be used, or has no room in /dev/shm.
+    A pickled or copied renderer has the same settings. Raises ArgumentError for invalid values, or for
+    graphs and panoramas of different scans. Raises FileError if the shared file cannot be used, or does
+    not fit into /dev/shm.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Renderer:
 
     @property
     def description(self) -> str:
-        """What it runs on: "cpu (AVX3, 2 threads)", "gl (llvmpipe, OpenGL 4.5)"."""
+        """Back end and device: "cpu (AVX3, 2 threads)", "gl (llvmpipe, OpenGL 4.5)"."""
         return self._core.description
 
     def render(
@@ -127,27 +127,27 @@ class Renderer:
         out: Optional[Mapping[str, Any]] = None,
         stream: Optional[int] = None,
     ) -> dict[str, Any]:
-        """Draws n views, by names or indices of scans and viewpoints; angles in radians.
+        """Renders n views, by names or indices of scans and viewpoints; angles in radians.
 
         Args:
             colour: "rgb8", "bgr8": (n, h, w, 3) uint8; "rgba8": (n, h, w, 4); "planar": (n, 3, h, w)
-                float32 in [0, 1]; "imagenet": the same, normalised as torchvision's models want it;
-                None: none.
+                float32 in [0, 1]; "imagenet": the same, normalised for torchvision's models; None: no
+                colour.
             layers: any of "depth" ((n, h, w) float32 metres along the optical axis, 0: no reading),
                 "classes" ((n, h, w) uint16), "instances" ((n, h, w) uint32).
             ray_depth: depth along each pixel's ray instead.
-            out: where to draw, by "colour" and the layers' names: contiguous writable arrays of those
-                shapes, of any library with DLPack or the buffer protocol (NumPy, torch on the
-                CPU). Depth may be uint16 (quarter millimetres), classes uint8, planar colour
-                float16. Arrays that are not in it are made, on the CPU. With the back end "cuda"
-                arrays may be in the memory of its card (torch, CuPy), which nothing is copied from.
-            stream: for arrays on a card, the address of the stream in whose order they are drawn
-                (torch.cuda.current_stream().cuda_stream); render() then returns before they are
-                there. None: of torch and CuPy the current stream; of others none, and the pictures
-                are there when render() returns.
+            out: target arrays, by "colour" and the layers' names: contiguous, writable, of those
+                shapes, of any library with DLPack or the buffer protocol (NumPy, torch on the CPU).
+                Depth may be uint16 (quarter millimetres), classes uint8, planar colour float16.
+                Missing arrays are allocated on the CPU. With the back end "cuda", arrays may be in
+                its GPU's memory (torch, CuPy); nothing is then copied to the CPU.
+            stream: for arrays in GPU memory, the address of a stream
+                (torch.cuda.current_stream().cuda_stream). Work is queued in it, and render() returns
+                before it is complete. None: the current stream of torch or CuPy; with other libraries
+                there is no stream, and the images are complete when render() returns.
 
-        Returns the arrays by name, those of `out` themselves included. Raises ArgumentError for bad
-        arguments; UnknownNameError, FileError, InvalidInput for pictures that are missing or broken.
+        Returns the arrays by name, including those of `out`. Raises ArgumentError or TypeError for
+        invalid arguments; UnknownNameError, FileError, InvalidInput for missing or broken images.
         """
         scan = scan_indices(self.graphs, scans)
         viewpoint = viewpoint_indices(self.graphs, scan, viewpoints)
@@ -206,8 +206,8 @@ class Renderer:
         return pictures
 
     def render_agents(self, simulator: Simulator, **options: Any) -> dict[str, Any]:
-        """What each agent of a simulator sees now, with its camera; options as of render(). Raises
-        ArgumentError for a simulator of other scans, or an agent without an episode."""
+        """The current view of each agent of a simulator, with its camera; options are those of render().
+        Raises ArgumentError for a simulator of other scans, or an agent without an episode."""
         if simulator.graphs is not self.graphs and simulator.graphs.scans != self.graphs.scans:
             raise ArgumentError("the simulator and the renderer are of different scans")
         simulator._check_begun()
@@ -247,7 +247,7 @@ def _check_shape(name: str, colour: Optional[str], picture: Any, n: int, h: int,
     wanted = _shape(name, colour, n, h, w)
     if name not in ("colour", *_LAYERS):
         raise ArgumentError(f"out['{name}']: one of colour, {', '.join(_LAYERS)} is wanted")
-    if type(picture).__module__.startswith("jax"):  # its arrays do not tell that they are read-only
+    if type(picture).__module__.startswith("jax"):  # its arrays do not report that they are read-only
         raise ArgumentError(f"out['{name}']: JAX's arrays never change, so nothing can be drawn there")
     shape = getattr(picture, "shape", None)
     if shape is None:
@@ -257,10 +257,10 @@ def _check_shape(name: str, colour: Optional[str], picture: Any, n: int, h: int,
 
 
 def _current_stream(pictures: Mapping[str, Any]) -> Optional[int]:
-    """Of the library whose arrays lie on a card."""
+    """The current stream of the library whose arrays are in GPU memory; None if there is none."""
     for picture in pictures.values():
         library = type(picture).__module__.partition(".")[0]
-        # By name, as neither library need be there.
+        # By name, because neither library has to be installed.
         if library == "torch" and picture.is_cuda:
             cuda = importlib.import_module("torch.cuda")
             return int(cuda.current_stream(picture.device).cuda_stream)

@@ -1,4 +1,4 @@
-"""Metrics of every benchmark as functions of paths."""
+"""Metrics of every benchmark as functions of trajectories."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Scorer:
-    """The code that a benchmark's published results were scored with (docs/tasks.md)."""
+    """A public scorer of a benchmark's results (docs/tasks.md)."""
 
     task: str
     name: str  #: "official", "duet", "hamt", ...
-    source: str  #: repository and commit that its numbers were compared with
-    metrics: tuple[str, ...]  #: of an episode, as that code calls them
-    means: tuple[str, ...]  #: of a set of results
+    source: str  #: repository and commit with which its numbers were compared
+    metrics: tuple[str, ...]  #: per episode, by that code's names
+    means: tuple[str, ...]  #: per set of results
 
 
 def scorers(task: str) -> list[Scorer]:
@@ -51,17 +51,17 @@ def score_paths(
 
     Args:
         scans: n names, or one for all.
-        trajectories: n paths that were walked, of viewpoint ids; or (n, m) indices into
-            Graph.viewpoints, where -1 fills a row up.
+        trajectories: n trajectories of viewpoint ids; or (n, m) indices into Graph.viewpoints, rows
+            padded with -1.
         references: n reference paths, likewise.
-        task: whose scorers; see scorers().
-        scorer: its name; "": the first.
-        goals: of enfilade.goals, where the task has others than to stop at the reference's end.
-        answers: REVERIE: ids of the objects that were named; SOON: points, heading / 2 pi and
-            (elevation + pi) / 2 pi; R2R-Back: turning points; None for no answer.
+        task: see scorers().
+        scorer: its name; "": the first of the task.
+        goals: n of enfilade.goals; None: the ends of the reference paths.
+        answers: n, or None. REVERIE: ids of the named objects; SOON: points, heading / 2 pi and
+            (elevation + pi) / 2 pi; R2R-Back: turning points. None for no answer.
 
     A metric without a value is NaN. Raises UnknownNameError, and ArgumentError for paths without
-    viewpoints, other numbers of them, or goals of another task.
+    viewpoints, arguments of different lengths, or goals of another task.
     """
     import numpy as np
 
@@ -79,7 +79,7 @@ def score_paths(
     chosen = scorers(task)[0] if not scorer else next(
         (one for one in scorers(task) if one.name == scorer), None
     )  # fmt: skip
-    # The core's error names those that there are.
+    # The core's error lists the known scorers.
     values = _core.score_paths(graphs, task, scorer if chosen is None else chosen.name, names, walked,
                                wanted, asked, said)  # fmt: skip
     columns = chosen.metrics if chosen is not None else ()
@@ -87,5 +87,5 @@ def score_paths(
 
 
 def _answer(answer: Any) -> Any:
-    """An object of REVERIE may be a number of any kind."""
+    """REVERIE's object ids may be numbers of any type."""
     return answer.item() if hasattr(answer, "item") and getattr(answer, "ndim", 1) == 0 else answer

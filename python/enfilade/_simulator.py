@@ -1,4 +1,4 @@
-"""The batched simulator, by names; the core has indices."""
+"""The batched simulator, with names; the core takes indices."""
 
 from __future__ import annotations
 
@@ -22,10 +22,9 @@ Names = Union[Sequence[str], ArrayLike]
 
 @dataclass(frozen=True)
 class State:
-    """The state of n agents: arrays over the simulator's memory, which later calls write
-    over. Copy what you want to keep. Rows of `navigable_*` hold navigable_count[k] entries: entry 0 is
-    the present viewpoint, the others follow by rising angle from the picture's middle; the rest is
-    undefined.
+    """The state of n agents: arrays over the simulator's memory. Later calls overwrite them; copy what
+    you want to keep. Row k of `navigable_*` has navigable_count[k] entries, the rest is undefined. Entry
+    0 is the current viewpoint; the others follow by rising angle from the centre of the image.
     """
 
     scan: NDArray[np.uint32]  #: (n,) index into Graphs.scans
@@ -43,33 +42,33 @@ class State:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A neighbour of a viewpoint, and which of the 36 views has it nearest to its middle: the
-    result of `make_candidate` of EnvDrop and its descendants."""
+    """A neighbour of a viewpoint, and that of the 36 views whose centre is nearest to it: the result of
+    `make_candidate` in EnvDrop and its descendants."""
 
     viewpoint: str
     ix: int  #: its index in Graph.viewpoints
     view_index: int  #: 0..35 (their pointId)
     index: int  #: into that view's navigable list (their idx)
-    normalized_heading: float  #: world heading towards it, radians, not wrapped
+    normalized_heading: float  #: heading towards it, world frame, radians, not wrapped
     normalized_elevation: float  #: radians above the horizon
-    rel_heading: float  #: from the view's middle
-    rel_elevation: float
-    angle: float  #: from the view's middle, radians (their distance)
+    rel_heading: float  #: from the view's centre, radians
+    rel_elevation: float  #: from the view's centre, radians
+    angle: float  #: from the view's centre, radians (their distance)
     distance: float  #: straight line, metres
     position: tuple[float, float, float]  #: metres, world frame
 
 
 @dataclass(frozen=True)
 class CandidateTable:
-    """Candidates of many viewpoints, a row each, ordered by scan and viewpoint.
+    """Candidates of many viewpoints, one per row, ordered by scan and viewpoint.
 
     >>> rows = table.rows(scan, viewpoint)       # a slice, of one viewpoint
     >>> table.view_index[rows], table.normalized_heading[rows]
     """
 
     scan: NDArray[np.uint32]  #: (n,) index into Graphs.scans
-    viewpoint: NDArray[np.uint32]  #: (n,) where one stands
-    neighbour: NDArray[np.uint32]  #: (n,) where one can go
+    viewpoint: NDArray[np.uint32]  #: (n,) index of the viewpoint
+    neighbour: NDArray[np.uint32]  #: (n,) index of its neighbour
     view_index: NDArray[np.uint32]  #: (n,) 0..35
     index: NDArray[np.uint32]  #: (n,) into that view's navigable list
     normalized_heading: NDArray[np.float64]  #: (n,) radians
@@ -78,12 +77,12 @@ class CandidateTable:
     rel_elevation: NDArray[np.float64]  #: (n,) radians
     angle: NDArray[np.float64]  #: (n,) radians
     distance: NDArray[np.float64]  #: (n,) metres
-    #: (k + 1,) by scan of the table: where its viewpoints begin in `offsets`.
+    #: (k + 1,) per scan of the table: the index in `offsets` of its first viewpoint.
     scan_offsets: NDArray[np.int64]
-    #: (v + 1,) by viewpoint, all of a scan, excluded ones too: the row where its candidates begin;
-    #: they end where those of the next one begin.
+    #: (v + 1,) per viewpoint of these scans, excluded ones too: the row of its first candidate. The
+    #: next entry ends its rows.
     offsets: NDArray[np.int64]
-    #: The scans that it was made of, by their place in the table, and the graphs of their names.
+    #: The scans of the table, in order, and the graphs with their names.
     scans: tuple[int, ...]
     graphs: Graphs
 
@@ -107,34 +106,34 @@ class CandidateTable:
 
 
 class Simulator:
-    """Walks a batch of agents through the buildings of a `Graphs`. Opens no picture.
+    """Moves a batch of agents through the buildings of a `Graphs`. Opens no images.
 
-    The move comes first, then the turn. A call that fails moves no agent. Give each thread its own; any
-    number of them share a Graphs. All calls release the GIL.
+    An action moves first, then turns. A call that fails moves no agent. Use one simulator per thread;
+    they may share a Graphs. All calls release the GIL.
 
     Args:
         graphs: the buildings.
         batch_size: agents, n.
-        width, height: of the camera, pixels. They and `vfov` decide what is navigable.
+        width, height: of the camera, pixels. With `vfov` they determine what is navigable.
         vfov: vertical field of view, radians.
-        discretized: 36 views of 30 degrees (then only the sign of a change counts), as Room-to-Room
-            has it; else any heading, and elevations within `elevation_limits`.
+        discretized: 36 views of 30 degrees, as in Room-to-Room (only the sign of a change counts);
+            otherwise any heading, and elevations within `elevation_limits`.
         restricted: only neighbours in the horizontal field of view are navigable.
-        field_of_view: "linear" is the old simulator's, on which results rest (80 degrees at the
-            default camera); "perspective" is what the picture shows (75.2).
+        field_of_view: "linear" is the old simulator's, on which published results depend (80 degrees
+            with the default camera); "perspective" is the image's (75.2).
         elevation_limits: radians, -pi/2 < min < 0 < max < pi/2.
-        random_starts: "uniform", or "mattersim" for the old simulator's numbers.
-        seed: of new_random_episodes().
+        random_starts: "uniform", or "mattersim" for the old simulator's random numbers.
+        seed: for new_random_episodes().
         max_navigable: columns of `State.navigable_*`, m; Matterport3D needs 14.
-        threads: that step() may use; 0: all cores. Never changes a result.
+        threads: for step(); 0: all cores. Never changes a result.
 
     Attributes:
         state: a State, arrays over the simulator's memory; every call that moves agents returns it.
-        graphs, batch_size, width, height, vfov: as given. Nothing can be set later: make another,
+        graphs, batch_size, width, height, vfov: as given. For other settings make a new simulator,
             which takes microseconds.
 
-    Pickled or copied, it is a new one of the same settings, without episodes. Raises ArgumentError for
-    a value outside what is allowed, TypeError for one of a wrong type.
+    A pickled or copied simulator has the same settings, without episodes. Raises ArgumentError for an
+    invalid value, TypeError for a wrong type.
     """
 
     def __init__(
@@ -182,7 +181,7 @@ class Simulator:
         s = self.state
         self._views = ViewArrays(s.scan, s.viewpoint, s.heading, s.elevation)  # for a Renderer
         self._nothing = np.zeros(self.batch_size)
-        self._begun = False  # whether all agents have, as far as checked
+        self._begun = False  # whether _check_begun() has seen an episode of every agent
         self._known: dict[str, tuple[list[str], list[tuple[float, float, float]]]] = {}
         self._options = {
             "width": self.width,
@@ -228,14 +227,14 @@ class Simulator:
     def new_episode(
         self, agent: int, scan: str, viewpoint: str, heading: float = 0.0, elevation: float = 0.0
     ) -> State:
-        """Starts an episode for one agent, of 0 to n - 1; the others stay as they are. Angles in
-        radians. Raises as new_episodes()."""
+        """Starts an episode for one agent, 0 to n - 1; the others do not change. Angles in radians.
+        Raises UnknownNameError for an unknown name, ArgumentError for other invalid values."""
         place = self.graphs.locate(scan, viewpoint)
         self._core.new_episode(whole("agent", agent), place[0], place[1], heading, elevation)
         return self.state
 
     def new_random_episodes(self, scans: Names) -> State:
-        """A random viewpoint and heading in each agent's scan, elevation 0.
+        """Starts an episode for every agent: random viewpoint and heading in its scan, elevation 0.
 
         Args:
             scans: (n,) names or indices.
@@ -251,14 +250,15 @@ class Simulator:
         heading_changes: Optional[ArrayLike] = None,
         elevation_changes: Optional[ArrayLike] = None,
     ) -> State:
-        """One action for every agent: to entry `indices` of its navigable list (0: stay), then turn.
+        """One action per agent: moves to entry `indices` of its navigable list (0: stays), then turns.
 
         Args:
             indices: (n,) integers.
             heading_changes: (n,) radians, right positive; None: no turn.
             elevation_changes: (n,) radians, up positive; None: no turn.
 
-        Raises ArgumentError naming agent, value and range; then no agent has moved.
+        Raises ArgumentError naming agent, value and range, TypeError for other types than integers; then
+        no agent has moved.
         """
         self._core.step(
             _indices("indices", indices),
@@ -268,7 +268,7 @@ class Simulator:
         return self.state
 
     def viewpoint_ids(self) -> list[str]:
-        """The viewpoints of the agents. Raises ArgumentError for an agent without an episode."""
+        """The agents' viewpoints, by name. Raises ArgumentError for an agent without an episode."""
         self._check_begun()
         scans = self.graphs.scans
         places = list(zip(self.state.scan.tolist(), self.state.viewpoint.tolist()))
@@ -276,8 +276,8 @@ class Simulator:
         return [names[s][v] for s, v in places]
 
     def candidates(self, scan: str, viewpoint: str) -> list[Candidate]:
-        """The neighbours of a viewpoint, each in the best of 36 views, in the order in which turning
-        from view 0 to 35 meets them. Does not disturb the agents.
+        """The neighbours of a viewpoint, each in the best of 36 views, in the order of a turn through
+        views 0 to 35. Does not change the agents.
 
         Raises UnknownNameError, for excluded viewpoints too.
         """
@@ -296,15 +296,15 @@ class Simulator:
         return found
 
     def _places_of(self, scan: str) -> tuple[list[str], list[tuple[float, float, float]]]:
-        """Ids and positions by index, kept: to make the lists takes longer than to find candidates."""
+        """Ids and positions by index, cached: making the lists takes longer than finding candidates."""
         if scan not in self._known:
             graph = self.graphs[scan]
             self._known[scan] = (graph.viewpoints, [(x, y, z) for x, y, z in graph.positions.tolist()])
         return self._known[scan]
 
     def all_candidates(self, scans: Optional[Names] = None) -> CandidateTable:
-        """candidates() of every included viewpoint of these scans, by names or indices (None: of all
-        scans). Raises UnknownNameError, ArgumentError."""
+        """candidates() of every included viewpoint of these scans, given by name or index; None: all
+        scans. Raises UnknownNameError, ArgumentError."""
         wanted = np.arange(len(self.graphs), dtype=np.uint32)
         if scans is not None:
             wanted = scan_indices(self.graphs, scans)
@@ -349,12 +349,12 @@ class Simulator:
 
 
 def _make_again(kind: Any, first: Any, second: Any, options: dict[str, Any]) -> Any:
-    """For pickling what has options by name."""
+    """For unpickling classes with keyword options."""
     return kind(first, second, **options)
 
 
 def scan_indices(graphs: Graphs, scans: Names) -> NDArray[np.uint32]:
-    """Indices of scans that are given by name or index."""
+    """(n,) indices of scans given by name or index."""
     if _are_indices(scans):
         return scans
     array = np.atleast_1d(scans)
@@ -366,7 +366,7 @@ def scan_indices(graphs: Graphs, scans: Names) -> NDArray[np.uint32]:
 def viewpoint_indices(
     graphs: Graphs, scans: NDArray[np.uint32], viewpoints: Names
 ) -> NDArray[np.uint32]:
-    """Indices of viewpoints that are given by name or index, each of its scan."""
+    """(n,) indices of viewpoints given by name or index, each in its scan."""
     if _are_indices(viewpoints):
         return viewpoints
     array = np.atleast_1d(viewpoints)
@@ -383,12 +383,12 @@ def viewpoint_indices(
 
 
 def _are_indices(values: Union[Names, ArrayLike]) -> TypeGuard[NDArray[np.uint32]]:
-    """Whether they are as in State. Then they need no conversion, which would take microseconds."""
+    """Whether they have State's type and need no conversion, which would take microseconds."""
     return type(values) is np.ndarray and values.dtype == np.uint32 and values.ndim == 1
 
 
 def _are_texts(array: NDArray[Any]) -> bool:
-    """Whether they are NumPy's texts, or objects that are texts, as in data frames."""
+    """Whether the elements are strings: NumPy's, or Python's as objects, as in data frames."""
     objects = array.dtype.kind == "O" and array.size > 0
     return array.dtype.kind == "U" or (objects and all(isinstance(v, str) for v in array.flat))
 
@@ -403,7 +403,7 @@ def _indices(name: str, values: ArrayLike, wanted: str = "integers") -> NDArray[
     if _are_indices(values):
         return values
     array = _row(name, np.atleast_1d(values))
-    if array.size == 0:  # an empty list has no type of its own
+    if array.size == 0:  # an empty list has no integer type
         return np.zeros(0, np.uint32)
     if array.dtype.kind not in "iub":
         raise TypeError(f"{name} of type {array.dtype}: {wanted} are wanted")

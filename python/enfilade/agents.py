@@ -1,12 +1,13 @@
-"""Trained agents: what `enfilade train` and `enfilade import-weights` leave behind, run in C++.
+"""Trained agents: models of `enfilade train` and `enfilade import-weights`, run in C++.
 
 >>> agent = enfilade.agents.load("run/models/duet")
 >>> agent.enter(d.episodes("val_unseen"), features="features.safetensors")
->>> results = agent.walk()                                 # of the whole split, as in a results file
+>>> results = agent.walk()                                 # the whole split, as in a results file
 >>> d.episodes("val_unseen").score(results).means["spl"]
 
-PyTorch is not needed, and not imported. libtorch is: the extension module of these agents is built
-where it is found, and importing this module without it raises ImportError, which says how to get it.
+PyTorch is neither needed nor imported, but libtorch is needed: the extension module of these agents is
+built only where libtorch is found. Without it, importing this module raises ImportError, which says how
+to get it.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 
 class Agent:
-    """A trained agent; load() makes one. It chooses what is most likely. One thread at a time.
+    """A trained agent; load() makes one. It takes the most likely action. One thread at a time.
 
     kind: "seq2seq", "panoramic" or "duet"; iteration: of its weights; folder: the model directory.
     """
@@ -46,35 +47,35 @@ class Agent:
         self._core = core
         self.folder = folder
         self._episodes: Optional[Episodes] = None
-        self._began: Any = None  # the episode of each slot
+        self._began: Any = None  # (n,) the episode index of each slot
 
     def __repr__(self) -> str:
         return f"<enfilade.agents.Agent {self.kind}, iteration {self.iteration}, of {self.folder}>"
 
     @property
     def kind(self) -> str:
-        """Of the network: "seq2seq", "panoramic" or "duet"."""
+        """The network: "seq2seq", "panoramic" or "duet"."""
         return self._core.kind
 
     @property
     def iteration(self) -> int:
-        """Updates that its weights have seen."""
+        """Number of updates of its weights."""
         return self._core.iteration
 
     @property
     def sees(self) -> bool:
-        """Whether enter() wants features of pictures."""
+        """Whether enter() needs image features."""
         return self._core.sees
 
     def enter(self, where: Any, features: Optional[_Path] = None) -> None:
-        """The episodes to walk in, before all else: Episodes, or an environment of enfilade.gym.
+        """Sets the episodes. Call it before walk() and act(); later calls replace them.
 
         Args:
-            where: what walk() and act() are about. Later calls replace it.
-            features: file of `enfilade features` or a published one; needed by agents that see.
+            where: Episodes, or an environment of enfilade.gym.
+            features: file of `enfilade features` or a published one; needed if `sees`.
 
-        Raises ArgumentError if the agent sees and there are no features, or of another size than its
-        network's; InvalidInput for viewpoints that have none.
+        Raises ArgumentError if the agent needs features and there are none, or if their size is not the
+        network's; InvalidInput for viewpoints without features.
         """
         episodes = where if isinstance(where, Episodes) else _environment(where).episodes
         file = None if features is None else os.fspath(features)
@@ -88,13 +89,13 @@ class Agent:
         results: Optional[_Path] = None,
         attention: Optional[_Path] = None,
     ) -> list[dict[str, Any]]:
-        """Walks all episodes that were entered, batch by batch: the entries of a results file, which
-        Episodes.score() takes.
+        """Runs all episodes of enter(), batch by batch. Returns the entries of a results file, for
+        Episodes.score().
 
         Args:
-            batch_size: episodes at once.
-            results: a results file to write too.
-            attention: a file of what was attended to and how it chose, for `enfilade report`.
+            batch_size: episodes per batch.
+            results: a results file to write as well.
+            attention: a file for attention weights and action probabilities, for `enfilade report`.
         """
         text = self._core.walk(
             whole("batch_size", batch_size),
@@ -106,17 +107,18 @@ class Agent:
         return walked
 
     def act(self, env: Any) -> NDArray[int64]:
-        """The actions of all agents of an environment, for its step().
+        """The actions of all agents of an environment, (n,) int64, for its step().
 
-        env: RoomToRoomEnv or RoomToRoomVectorEnv, on the episodes that were entered, with any actions.
-        When all its agents are at the start of an episode, these episodes begin, together. Then every
-        action of this agent has to be taken; an agent whose episode has ended, or that is in another
-        episode by now, gets stop. A panoramic agent's environment best has actions="panoramic", DUET's
-        "map" ("viewpoint" suits both), seq2seq's "six". DUET ends where stopping was likeliest: on a
-        "map" it cannot walk back there, so that it stops where it is.
+        env: RoomToRoomEnv or RoomToRoomVectorEnv, on the episodes of enter(), with any actions. If all its
+        agents are at the start of an episode, these episodes begin together. From then on every action
+        has to be executed. Slots whose episode has ended, or has changed, get stop.
 
-        Raises ArgumentError if an agent is not where its last action led to, or if the environment has
-        other episodes.
+        Best actions: "panoramic" for a panoramic agent, "map" for DUET ("viewpoint" suits both), "six" for
+        seq2seq. DUET ends where stopping was most likely. With "map" it cannot return there, and stops at
+        the current viewpoint.
+
+        Raises ArgumentError if an agent is not where its last action led, or if the environment has other
+        episodes.
         """
         import numpy as np
 
@@ -163,11 +165,11 @@ def load(folder: _Path, *, device: str = "cpu", threads: int = 0) -> Agent:
 
     Args:
         folder: with config.json and weights.safetensors.
-        device: "cpu", "cuda", "cuda:1"; not every kind can use a GPU.
+        device: "cpu", "cuda", "cuda:1"; some kinds of agents cannot use a GPU.
         threads: of libtorch in this process; 0: all cores.
 
     Raises FileError for a missing file, InvalidInput for a damaged one, ArgumentError for a device that
-    this kind cannot use.
+    this agent cannot use.
     """
     _learn.set_threads(whole("threads", threads))
     name = os.fspath(folder)
@@ -175,7 +177,7 @@ def load(folder: _Path, *, device: str = "cpu", threads: int = 0) -> Agent:
 
 
 def _environment(env: Any) -> Any:
-    """What single and vector environments have in common. Raises TypeError for another object."""
+    """The Batch of a single or vector environment. Raises TypeError for another object."""
     from enfilade.gym._batch import Batch
 
     batch = getattr(getattr(env, "unwrapped", env), "_batch", None)
@@ -185,5 +187,5 @@ def _environment(env: Any) -> Any:
 
 
 def _same(one: Episodes, other: Episodes) -> bool:
-    """Whether both have the same episodes in the same order, as far as instructions go."""
+    """Whether both have the same task and the same instructions in the same order."""
     return one._core.task == other._core.task and one._core.texts == other._core.texts

@@ -2,8 +2,8 @@
 
 The camera's frame is x right, y down, z along the optical axis, metres. The world's is +z up; a
 heading is radians clockwise from +y, an elevation radians above the horizon. Pixel (0, 0) is the left
-top one, and its centre is at (0.5, 0.5). Depth is along the optical axis, as renderers give it unless
-asked for rays; 0 is no reading.
+top one, and its centre is at (0.5, 0.5). Depth is along the optical axis, the renderers' default; 0 is
+no reading.
 
 >>> from enfilade import camera
 >>> k = camera.intrinsics(640, 480, math.radians(60))
@@ -25,9 +25,9 @@ __all__ = ["intrinsics", "project", "rotation", "unproject"]
 
 
 def intrinsics(width: int, height: int, vfov: float) -> NDArray[np.float64]:
-    """The (3, 3) matrix of a pin-hole camera whose vertical field of view is `vfov` radians: focal
-    length height / 2 / tan(vfov / 2) pixels both ways, principal point in the middle. Raises
-    ArgumentError for a size of 0, or an angle that is not within 0 and pi."""
+    """The (3, 3) matrix of a pinhole camera; `vfov` is its vertical field of view, radians. The focal
+    length is height / 2 / tan(vfov / 2) pixels in both directions, the principal point the centre.
+    Raises ArgumentError for a size of 0, or an angle outside (0, pi)."""
     if whole("width", width) == 0 or whole("height", height) == 0:
         raise ArgumentError(f"a picture of {width} x {height}: at least 1 x 1 is wanted")
     if not 0 < vfov < math.pi:
@@ -37,7 +37,7 @@ def intrinsics(width: int, height: int, vfov: float) -> NDArray[np.float64]:
 
 
 def rotation(heading: float = 0.0, elevation: float = 0.0) -> NDArray[np.float64]:
-    """world_from_camera: the (3, 3) matrix that turns directions of the camera into the world's."""
+    """world_from_camera: the (3, 3) matrix from directions in the camera's frame to the world's."""
     sin_h, cos_h = math.sin(heading), math.cos(heading)
     sin_e, cos_e = math.sin(elevation), math.cos(elevation)
     right = (cos_h, -sin_h, 0.0)
@@ -53,13 +53,13 @@ def unproject(
     heading: float = 0.0,
     elevation: float = 0.0,
 ) -> NDArray[np.float32]:
-    """The points that a depth picture shows.
+    """The points of a depth image.
 
     Args:
-        depth: (h, w) metres; or uint16, quarter millimetres, as MatterSim has it.
+        depth: (h, w) metres; or uint16, quarter millimetres, as in MatterSim.
         vfov: vertical field of view, radians.
-        position: (3,) metres, world frame: Graph.positions[ix]. None: points stay in the camera's frame,
-            and heading and elevation do not count.
+        position: (3,) metres, world frame: Graph.positions[ix]. None: points in the camera's frame;
+            heading and elevation are ignored.
         heading, elevation: of the camera, radians.
 
     Returns (h, w, 3) float32; NaN where there is no reading. Raises ArgumentError for other shapes.
@@ -89,9 +89,9 @@ def project(
     heading: float = 0.0,
     elevation: float = 0.0,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where points of the world are in a picture: (..., 2) pixels x, y, and (...) depth in metres. What
-    is behind the camera has no pixel (NaN), and a depth of 0 or less. Raises ArgumentError for points
-    that are not (..., 3)."""
+    """Projects points (..., 3), metres, world frame, into an image. Returns (..., 2) pixels x, y, and
+    (...) depth in metres. Points behind the camera have NaN as pixel, and a depth of 0 or less. Raises
+    ArgumentError for other shapes."""
     world = np.asarray(points, np.float64)
     if world.ndim == 0 or world.shape[-1] != 3:
         raise ArgumentError(f"points: shape {world.shape}: (..., 3) is wanted")

@@ -2,9 +2,9 @@
 
     python -m enfilade.cluster JOB --address auto
 
-JOB is a folder that `enfilade ray` or `enfilade slurm` has made. Each share is a task; one whose worker is
-killed is begun again, on any machine, and what is done is marked in JOB/done and not done twice. All
-machines see the same files.
+JOB is a folder made by `enfilade ray` or `enfilade slurm`. Each shard of the job is a task. If its worker
+is killed, the task starts again, on any machine. Completed shards are marked in JOB/done and not repeated.
+All machines need the same file system.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ from enfilade._errors import FileError
 
 __all__ = ["main", "run_job"]
 
-_LOOK = 3.0  # seconds between looks at what is done
+_LOOK = 3.0  # seconds between updates of the progress
 _PR_SET_PDEATHSIG = 1
 
 
 class ShareFailed(Exception):
-    """A share ended with an error of its own, which another attempt would not change."""
+    """A shard ended with an error of its own; another attempt would not help."""
 
 
 def _die_with_parent() -> None:
-    """If the worker is killed, what it has started must not go on beside the next attempt."""
+    """If the worker is killed, its subprocess must not continue beside the next attempt."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _run_share(plan: dict[str, Any], job: str, number: int) -> None:
-    """Runs a share, from 1, unless it is done."""
+    """Runs shard `number`, counted from 1, unless it is done. Raises ShareFailed, RuntimeError."""
     done, log = Path(job, "done", str(number)), Path(job, "logs", f"{number}.log")
     if done.exists():
         return
@@ -56,16 +56,17 @@ def _run_share(plan: dict[str, Any], job: str, number: int) -> None:
 def run_job(
     job: str, *, cpus: int = 1, attempts: int = 5, address: Optional[str] = None, progress: bool = True
 ) -> list[str]:
-    """Runs the shares of a job, then what collects them.
+    """Runs the shards of a job, then its collecting command.
 
     Args:
-        job: its folder, on a file system that all machines of the cluster see.
-        cpus: processors that a share takes of its machine.
-        attempts: times that a share is begun whose worker was killed.
+        job: its folder, on a file system that all machines of the cluster share.
+        cpus: processors per shard.
+        attempts: most starts of a shard whose worker was killed.
         address: of a running cluster; None: the one that Ray finds, or one on this machine alone.
+        progress: show a counter, on a terminal.
 
-    Returns a sentence for each share that could not be done; empty: the job is done. Raises FileError
-    for a folder that is no job.
+    Returns a sentence per failed shard; empty: the job is done. Raises FileError for a folder without
+    plan.json.
     """
     import ray  # type: ignore[import-not-found, unused-ignore]
 
@@ -75,9 +76,9 @@ def run_job(
     plan = json.loads((folder / "plan.json").read_text())
     if not ray.is_initialized():
         ray.init(address=address, log_to_driver=False, include_dashboard=False, configure_logging=False)
-    if __name__ != "__main__":  # workers get what they run by value: they need not have this package
+    if __name__ != "__main__":  # pickled by value: workers need not have this package
         ray.cloudpickle.register_pickle_by_value(sys.modules[__name__])
-    # Lost workers are begun again by Ray; errors of a share's own are not, but for signals.
+    # Ray restarts lost workers and tasks ended by a signal, but not other errors of a shard.
     task = ray.remote(num_cpus=cpus, max_retries=attempts - 1, retry_exceptions=[RuntimeError])(_run_share)
     open_tasks = {
         task.remote(plan, str(folder), number): number
@@ -108,7 +109,7 @@ def _reason_of(error: BaseException) -> str:
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """python -m enfilade.cluster; 0: all is done, 1: some shares could not be done, 2: it cannot begin."""
+    """python -m enfilade.cluster. Returns 0: all done; 1: some shards failed; 2: it cannot start."""
     parser = argparse.ArgumentParser(
         prog="python -m enfilade.cluster", description="Run a data job on a Ray cluster."
     )

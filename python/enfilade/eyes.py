@@ -1,7 +1,7 @@
-"""What bodies see that walk freely: pictures of meshes from any place, drawn on the CPU.
+"""Views of continuous agents: images of meshes from any position, rendered on the CPU.
 
 >>> eyes = enfilade.eyes.Eyes("homes")                         # or Eyes(meshes="glb"): glb/SCAN.glb, ...
->>> seen = eyes.render_agents(sim)                             # of a ContinuousSimulator
+>>> seen = eyes.render_agents(sim)                             # a ContinuousSimulator
 >>> seen["rgb"].shape, seen["depth"].shape                     # (n, 224, 224, 3), (n, 256, 256)
 
 Importing this loads a ray tracer.
@@ -25,11 +25,11 @@ from enfilade._errors import ArgumentError, FileError, UnknownNameError
 __all__ = ["LAYERS", "SIZES", "Eyes"]
 
 LAYERS = ("rgb", "depth", "class", "instance")
-"""What can be drawn: (n, h, w, 3) uint8; (n, h, w) float32 metres along the optical axis, 0: nothing is
-there; (n, h, w) uint16 of mpcat40; (n, h, w) uint32, 0: no object."""
+"""The layers: (n, h, w, 3) uint8; (n, h, w) float32 metres along the optical axis, 0: no surface;
+(n, h, w) uint16 of mpcat40; (n, h, w) uint32, 0: no object."""
 
 SIZES = {"rgb": (224, 224), "depth": (256, 256), "class": (256, 256), "instance": (256, 256)}
-"""Width and height of VLN-CE's pictures, pixels."""
+"""Width and height of VLN-CE's images, pixels."""
 
 Size = Tuple[int, int]
 _TYPES: dict[str, Any] = {"rgb": np.uint8, "depth": np.float32, "class": np.uint16, "instance": np.uint32}
@@ -37,20 +37,20 @@ _SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 
 
 class Eyes:
-    """Draws buildings, each of which is opened when it is first looked at and then kept.
+    """Renders buildings. Each is opened at first use and then stays open.
 
     Args:
-        data: folder of model homes (SYNTHETIC): meshes and light are made anew from its homes.json,
-            in up to a minute of a core for a home. None without `meshes`: the folder that ENFILADE_DATA names.
-        meshes: of other buildings: a folder with SCAN.glb (or .gltf, .obj, .ply) or SCAN/SCAN.glb, or
+        data: folder of synthetic homes. Meshes and light are computed from its homes.json, in up to a
+            minute of one core per home. None without `meshes`: the folder that ENFILADE_DATA names.
+        meshes: other buildings: a folder with SCAN.glb (or .gltf, .obj, .ply) or SCAN/SCAN.glb, or
             files by scan.
-        up: the axis of mesh files that points up: "format" (y of glTF, z of others), "y" or "z"
-            (Habitat's copies of Matterport3D).
-        light: a folder to keep the light of homes in: the next time it takes about a second.
+        up: the up axis of mesh files: "format" (y for glTF, z for others), "y" or "z" (Habitat's copies
+            of Matterport3D).
+        light: a cache folder for the light of homes; with it, opening takes about a second.
         light_spacing: metres between the points for which the light of homes is computed.
-        threads: 0: all cores; never changes a picture.
+        threads: 0: all cores; never changes an image.
 
-    One thread at a time. Raises FileError for a folder that is not there.
+    One thread at a time. Raises FileError for a missing folder.
     """
 
     def __init__(
@@ -71,8 +71,8 @@ class Eyes:
         self._open: dict[str, _eyes.BuildingEyes] = {}
 
     def open(self, scan: str) -> None:
-        """Opens a building now. Raises UnknownNameError if there is neither a mesh nor a home of it,
-        InvalidInput for a broken file."""
+        """Opens a building now. Raises UnknownNameError for a scan without mesh and home, InvalidInput
+        for a broken file."""
         self._building(scan)
 
     def render(
@@ -86,14 +86,18 @@ class Eyes:
         size: Union[None, Size, Mapping[str, Size]] = None,
         vfov: float = math.pi / 2,
     ) -> dict[str, NDArray[Any]]:
-        """Pictures of n views, by the names in LAYERS; what stands in the middle is straight ahead.
+        """Images of n views, by the names in LAYERS.
 
         Args:
             scans: (n,) names of buildings.
-            eyes: (n, 3) where the eyes are, metres, world frame.
-            headings: (n,) or one, radians clockwise from +y. elevations: likewise, up positive.
-            layers: what to draw. size: width and height of all, or by layer; what has none: SIZES.
+            eyes: (n, 3) positions of the camera, metres, world frame.
+            headings: (n,) or one, radians clockwise from +y, of the centre of the image.
+            elevations: (n,) or one, radians, up positive.
+            layers: names of LAYERS.
+            size: (width, height) of all layers, or by layer; default: SIZES.
             vfov: vertical field of view, radians.
+
+        Raises ArgumentError for invalid arguments, and the errors of open().
         """
         places = _points("eyes", eyes)
         n = len(places)
@@ -120,7 +124,7 @@ class Eyes:
     def render_agents(
         self, simulator: ContinuousSimulator, **options: Any
     ) -> dict[str, NDArray[Any]]:
-        """What the agents of a simulator see from its eye_height; options of render()."""
+        """The current views of a simulator's agents, from its eye_height; options are those of render()."""
         state = simulator.state
         eyes = state.position.astype(np.float64)
         eyes[:, 2] += simulator.config["eye_height"]
@@ -138,7 +142,7 @@ class Eyes:
         camera: tuple[int, int, float],
         drawn: dict[str, NDArray[Any]],
     ) -> None:
-        # What is empty is not drawn.
+        # Empty arrays are not drawn.
         whole_batch = len(rows) == len(places)
         parts = {k: v if whole_batch else np.empty_like(v[rows]) for k, v in drawn.items()}
         nothing = {layer: np.empty((0, 0, 0, 3) if layer == "rgb" else (0, 0, 0), _TYPES[layer])

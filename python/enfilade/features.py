@@ -1,5 +1,5 @@
-"""Feature files: the output of an image encoder for the 36 views of each viewpoint, in the order of
-viewIndex (docs/features.md has every format).
+"""Feature files: an image encoder's output for the 36 views of each viewpoint, in the order of
+viewIndex. Formats: docs/features.md.
 
 >>> from enfilade import features
 >>> found = features.open_features("resnet152.safetensors")   # or .tsv, .h5, .hdf5
@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 from enfilade import _core
 from enfilade._errors import ArgumentError, InvalidInput
 
-VIEWS = 36  #: of a viewpoint, in the order of viewIndex
-MOST_VALUES = 1 << 24  #: of a viewpoint; what a file may claim in a few bytes
+VIEWS = 36  #: views per viewpoint, in the order of viewIndex
+MOST_VALUES = 1 << 24  #: most values per viewpoint; a file could claim more in a few bytes
 
 Key = Tuple[str, str]  #: scan, viewpoint
 Array = NDArray[np.float32]  #: (views, D)
@@ -35,14 +35,14 @@ Array = NDArray[np.float32]  #: (views, D)
 
 @dataclass(frozen=True)
 class FeatureInfo:
-    """What a file says of all its features. Texts are empty where it says nothing."""
+    """A file's metadata. Texts are empty if the file has none."""
 
     width: int = 640  #: of the camera, pixels
-    height: int = 480
+    height: int = 480  #: of the camera, pixels
     vfov: float = 60.0  #: degrees
     encoder: str = ""  #: "resnet152", "home", ...
     preprocessing: str = ""  #: "caffe", "torchvision", "home"
-    weights: str = ""  #: hash of what the encoder was loaded from, 16 hexadecimal digits
+    weights: str = ""  #: hash of the encoder's weights, 16 hexadecimal digits
 
 
 @dataclass(frozen=True)
@@ -58,15 +58,14 @@ class ViewFeatures:
 
 
 class Features(Mapping[Key, Array]):
-    """The features of a file by (scan, viewpoint): what open_features() gives.
+    """The features of a file by (scan, viewpoint); open_features() makes one.
 
-    Each is (views, D) float32, whatever type it has in the file. safetensors and HDF5 are read when
-    asked for, and each array is an array of its own; a TSV is in memory, and its arrays are
-    read-only. Any thread may read. Pickled, as spawn does it, it opens the file anew; after a fork,
-    open HDF5 in the child.
+    Each is (views, D) float32, whatever its type in the file. Arrays of safetensors and HDF5 files are
+    read at access, as copies. A TSV is in memory, and its arrays are read-only. Any thread may read.
+    Unpickling (with spawn) opens the file again; after a fork, open HDF5 in the child.
 
-    Reading raises KeyError for a viewpoint that is not in the file, InvalidInput (naming file and
-    viewpoint) for an array that is broken: another shape than the first, numbers that are not finite.
+    Reading raises KeyError for a missing viewpoint. It raises InvalidInput, naming file and viewpoint,
+    for an array of another shape than the first, or with numbers that are not finite.
     """
 
     def __init__(
@@ -83,7 +82,7 @@ class Features(Mapping[Key, Array]):
 
     @property
     def dimensions(self) -> int:
-        """D: numbers a view."""
+        """D: numbers per view."""
         return self.shape[1]
 
     def __getitem__(self, key: Key) -> Array:
@@ -113,11 +112,11 @@ class Features(Mapping[Key, Array]):
 
 
 def open_features(file: Union[str, Path]) -> Features:
-    """Opens a file of features; by its suffix: .safetensors, .tsv, .h5, .hdf5.
+    """Opens a file of features by its suffix: .safetensors, .tsv, .h5, .hdf5.
 
-    A TSV is assumed to have 36 views; read_tsv() reads others. Raises ArgumentError for
-    another suffix, OSError for a file that cannot be read, InvalidInput for one that is broken,
-    ImportError naming the library that is missing.
+    A TSV has 36 views; read_tsv() reads others. Raises ArgumentError for another suffix, OSError for a
+    file that cannot be read, and InvalidInput for a broken one. Raises ImportError naming a missing
+    library.
     """
     openers = {".safetensors": _open_safetensors, ".tsv": _open_tsv, ".h5": _open_hdf5,
                ".hdf5": _open_hdf5}  # fmt: skip
@@ -133,7 +132,7 @@ def open_features(file: Union[str, Path]) -> Features:
 
 
 def read_tsv(file: Union[str, Path], views: int = VIEWS) -> Iterator[ViewFeatures]:
-    """Reads a file line by line; the format doesn't say how many views there are. Raises OSError, and
+    """Reads a file line by line; the format does not contain the number of views. Raises OSError, and
     InvalidInput naming file, line and fault."""
     with open(file, encoding="ascii", errors="replace") as lines:
         for number, line in enumerate(lines, 1):
@@ -158,9 +157,9 @@ def write_tsv(
 ) -> None:
     """Writes features by (scan, viewpoint), each (views, D), as float32; `vfov` in degrees.
 
-    The file appears under its name when it is complete. `views` other than 36 are for read_tsv() with
-    the same: the format doesn't say how many there are. Raises ArgumentError naming the viewpoint for
-    values that could not be read again, OSError for a file that cannot be written.
+    The file gets its name when it is complete. The format does not contain `views`: if it is not 36, use
+    read_tsv() with the same number. Raises OSError for a file that cannot be written. Raises
+    ArgumentError, naming the viewpoint, for values that could not be read again.
     """
     shape: tuple[int, ...] = ()
     with _whole_file(file) as part, open(part, "w", encoding="ascii") as out:
@@ -197,12 +196,11 @@ def write_safetensors(
     features: Mapping[Key, NDArray[Any]],
     info: FeatureInfo = FeatureInfo(),
 ) -> None:
-    """Writes features by (scan, viewpoint), each (views, D) float32 or float16, as `enfilade features`
-    writes its own: the 36 views in the order of viewIndex.
+    """Writes features by (scan, viewpoint), each (views, D) float32 or float16, in the format of
+    `enfilade features`: the 36 views in the order of viewIndex.
 
-    The file appears under its name when it is complete. Raises ArgumentError naming the viewpoint for
-    what the format does not have or could not be read again, OSError for a file that cannot be
-    written.
+    The file gets its name when it is complete. Raises OSError for a file that cannot be written. Raises
+    ArgumentError, naming the viewpoint, for values that the format cannot hold.
     """
     arrays: dict[str, NDArray[Any]] = {}
     for key, given in features.items():
@@ -221,7 +219,7 @@ def write_safetensors(
 def _open_safetensors(file: str) -> Features:
     tensors = _core.TensorFile(file)
     names = {_key(name, file): name for name in tensors.names()}
-    # A copy: an array of its own outlives the file's mapping, and may be changed.
+    # A copy outlives the file's mapping, and may be changed.
     return Features(
         file, _info(tensors.metadata(), file), names, lambda name: np.array(tensors.array(name), np.float32)
     )
@@ -244,7 +242,7 @@ def _open_hdf5(file: str) -> Features:
         raise InvalidInput(f"{file}: not an HDF5 file, or a damaged one: {error}") from error
 
     def dataset(name: str) -> Any:
-        # Links and external data could make it read other files.
+        # Links and external data could refer to other files.
         linked = not isinstance(root.get(name, getlink=True), library.HardLink)
         found: Any = None if linked else root[name]
         if not isinstance(found, library.Dataset) or found.is_virtual or found.external:
@@ -263,12 +261,12 @@ def _open_hdf5(file: str) -> Features:
     return Features(file, _info(said, file), names, read)
 
 
-# --- what they have in common ---------------------------------------------------------------------
+# --- shared by all formats ------------------------------------------------------------------------
 
 
 @contextlib.contextmanager
 def _whole_file(file: Union[str, Path]) -> Iterator[Path]:
-    """A temporary file beside `file`, renamed to it on success, else removed."""
+    """A temporary file beside `file`; renamed to it on success, otherwise removed."""
     part = Path(f"{os.fspath(file)}.{os.getpid()}.part")
     try:
         yield part
@@ -279,7 +277,7 @@ def _whole_file(file: Union[str, Path]) -> Iterator[Path]:
 
 
 def _checked(key: Key, given: Any) -> NDArray[Any]:
-    """Features that can be read again."""
+    """Features as an array. Raises ArgumentError for values that could not be read again."""
     names = len(key) == 2 and all(isinstance(name, str) and name.isascii() for name in key)
     if not names or not all(key) or any(c.isspace() for c in "".join(key)):
         raise ArgumentError(f"features of {key!r}: (scan, viewpoint) of ASCII names without spaces")
@@ -294,7 +292,7 @@ def _checked(key: Key, given: Any) -> NDArray[Any]:
 
 
 def _key(name: str, file: str) -> Key:
-    scan, _, viewpoint = name.rpartition("_")  # a viewpoint's name has no _, a scan's may have some
+    scan, _, viewpoint = name.rpartition("_")  # scans may contain _, viewpoints cannot
     if not scan or not viewpoint:
         raise InvalidInput(f"{file}: '{name[:100]}' is not <scan>_<viewpoint>: no file of features")
     return scan, viewpoint

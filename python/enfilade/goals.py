@@ -1,6 +1,6 @@
-"""What an episode asks for: a class for each kind of goal, as `Episode.goal` has them.
+"""Goals of episodes (`Episode.goal`), one class per kind.
 
-Viewpoints are ids; headings and elevations radians, world frame.
+Viewpoints are ids; headings and elevations are radians, world frame.
 """
 
 from __future__ import annotations
@@ -11,43 +11,43 @@ from typing import Any, Union
 
 @dataclass(frozen=True)
 class NearEnd:
-    """To stop near the path's last viewpoint: R2R, R2R-Last, R4R, RxR."""
+    """Stop near the path's last viewpoint: R2R, R2R-Last, R4R, RxR."""
 
     viewpoint: str
 
 
 @dataclass(frozen=True)
 class Hidden:
-    """The file does not say: test splits. Such episodes can be walked and not scored."""
+    """Not in the file: test splits. Such episodes can be run but not scored."""
 
 
 @dataclass(frozen=True)
 class TurningPoint:
-    """R2R-Back: to go there, to say where that is, and to come back."""
+    """R2R-Back: go to this viewpoint, name it, and return."""
 
     viewpoint: str
 
 
 @dataclass(frozen=True)
 class Object:
-    """REVERIE: to end where the object is seen, and to name it."""
+    """REVERIE: end at a viewpoint that shows the object, and name it."""
 
     id: int
-    seen_from: tuple[str, ...] = ()  #: empty if no viewpoint sees it
+    seen_from: tuple[str, ...] = ()  #: viewpoints that show it; empty if none does
 
 
 @dataclass(frozen=True)
 class Region:
-    """CVDN: to come nearer to any viewpoint of a region."""
+    """CVDN: come nearer to any viewpoint of a region."""
 
     viewpoints: tuple[str, ...]
     player: tuple[str, ...] = ()  #: the navigator's next steps; may be empty
-    planner: tuple[str, ...] = ()  #: the way that the oracle saw; may be empty
+    planner: tuple[str, ...] = ()  #: the path shown to the oracle; may be empty
 
 
 @dataclass(frozen=True)
 class Box:
-    """An object in a viewpoint's panorama: four corners, (heading, elevation) each."""
+    """An object in a viewpoint's panorama; centre and corners are (heading, elevation)."""
 
     viewpoint: str
     centre: tuple[float, float]
@@ -56,14 +56,14 @@ class Box:
 
 @dataclass(frozen=True)
 class Boxes:
-    """SOON: to end at a viewpoint that has a box, and to point into it."""
+    """SOON: end at a viewpoint that has a box, and point into it."""
 
     boxes: tuple[Box, ...]
-    first_alternative: tuple[str, ...] = ()  #: what the released scorer compares with; empty: the path
+    first_alternative: tuple[str, ...] = ()  #: the released scorer's reference; empty: the path
 
 
 Goal = Union[NearEnd, Hidden, TurningPoint, Object, Region, Boxes]
-"""Any of them."""
+"""Any of these classes."""
 
 _KINDS: dict[str, Any] = {
     kind.__name__: kind for kind in (NearEnd, Hidden, TurningPoint, Object, Region)
@@ -71,7 +71,7 @@ _KINDS: dict[str, Any] = {
 
 
 def of_tuple(row: tuple[Any, ...]) -> Goal:
-    """From the core's form: the name of a class, then its fields."""
+    """A goal from the core's form: the class's name, then its fields."""
     if row[0] == "Boxes":
         return Boxes(tuple(Box(*box) for box in row[1]), row[2])
     goal: Goal = _KINDS[row[0]](*row[1:])
@@ -79,7 +79,7 @@ def of_tuple(row: tuple[Any, ...]) -> Goal:
 
 
 def to_tuple(goal: Any) -> tuple[Any, ...]:
-    """To the core's form. Raises TypeError for what is no goal."""
+    """The core's form of a goal. Raises TypeError for other objects."""
     if not is_dataclass(goal) or type(goal).__module__ != __name__ or isinstance(goal, (type, Box)):
         raise TypeError(f"goal {goal!r}: one of enfilade.goals is wanted")
     if isinstance(goal, Boxes):

@@ -1,4 +1,4 @@
-"""The part of Habitat's interface that evaluators of VLN-CE call, without Habitat.
+"""The part of Habitat's interface that VLN-CE's evaluators call, without Habitat.
 
 >>> from enfilade import habitat
 >>> env = habitat.Env(habitat.Config("data", task="r2r-ce", split="val_unseen"))
@@ -7,9 +7,9 @@
 ...     seen = env.step(agent(seen))
 >>> env.get_metrics()["spl"]
 
-Everything here is in Habitat's frame, metres: x as in our world frame, y up, z as our -y. A body looks along
--z, and turns about +y, left being positive. docs/python_continuous.md says call by call what differs from
-Habitat 0.1.7.
+Everything here is in Habitat's frame, metres: x as in our world frame, y up, z as our -y. An agent faces
+-z; rotations about +y are positive to the left. Differences from Habitat 0.1.7, call by call:
+docs/python_continuous.md.
 """
 
 from __future__ import annotations
@@ -65,15 +65,15 @@ def to_habitat(points: ArrayLike) -> NDArray[Any]:
 
 
 def from_habitat(points: ArrayLike) -> NDArray[Any]:
-    """The way back: (x, y, z) becomes (x, -z, y)."""
+    """The inverse of to_habitat(): (x, y, z) becomes (x, -z, y)."""
     p = np.asarray(points)
     return np.stack([p[..., 0], -p[..., 2], p[..., 1]], axis=-1)
 
 
 @dataclass(frozen=True)
 class Quaternion:
-    """A rotation, with the names that code for the package numpy-quaternion uses: w, x, y, z, real, imag,
-    inverse(), and products of two."""
+    """A rotation with the interface of the package numpy-quaternion: w, x, y, z, real, imag, inverse(), and
+    products of two."""
 
     w: float
     x: float
@@ -82,12 +82,12 @@ class Quaternion:
 
     @classmethod
     def of_heading(cls, heading: float) -> Quaternion:
-        """Of our heading: radians, clockwise as seen from above; 0 looks along -z."""
+        """The rotation of our heading: radians, clockwise seen from above; 0 faces -z."""
         return cls(math.cos(heading / 2), 0.0, -math.sin(heading / 2), 0.0)
 
     @property
     def heading(self) -> float:
-        """Our heading, [0, 2 pi): where the body looks, seen from above."""
+        """Our heading, radians, [0, 2 pi): the direction that the agent faces, seen from above."""
         east = -2 * (self.x * self.z + self.w * self.y)
         ahead = 1 - 2 * (self.x * self.x + self.y * self.y)
         return math.atan2(east, ahead) % (2 * math.pi)
@@ -108,7 +108,7 @@ class Quaternion:
         return np.array([self.w, self.x, self.y, self.z])
 
     def inverse(self) -> Quaternion:
-        """The rotation back, of a quaternion of length 1."""
+        """The inverse rotation, for a quaternion of length 1."""
         return Quaternion(self.w, -self.x, -self.y, -self.z)
 
     def __mul__(self, other: Any) -> Quaternion:
@@ -122,7 +122,7 @@ class Quaternion:
 
 
 def _quaternion(rotation: Any) -> Quaternion:
-    """From anything with w, x, y, z, or four numbers x, y, z, w."""
+    """A Quaternion from an object with w, x, y, z, or from four numbers x, y, z, w."""
     if all(hasattr(rotation, name) for name in "wxyz"):
         numbers = [float(getattr(rotation, name)) for name in "wxyz"]
     else:
@@ -138,7 +138,7 @@ def _quaternion(rotation: Any) -> Quaternion:
 
 @dataclass(frozen=True)
 class AgentState:
-    """Where the body is: position (3,) float32 of its feet, and its rotation about +y."""
+    """The agent's pose: position (3,) float32 of its feet, and its rotation about +y."""
 
     position: NDArray[np.float32]
     rotation: Quaternion
@@ -146,18 +146,22 @@ class AgentState:
 
 @dataclass(frozen=True)
 class Config:
-    """What an Env is made from: plain data.
+    """The configuration of an Env: plain data.
 
     Args:
         data: folder of the data set, with navigation meshes and episodes (`enfilade continuous`).
-        task: "r2r-ce" or "rxr-ce". split: of its episodes. episodes_file: this file instead.
-        max_episode_steps: actions after which an episode is over.
+        task: "r2r-ce" or "rxr-ce".
+        split: of the task's episodes.
+        episodes_file: this file instead of the split's.
+        max_episode_steps: actions after which an episode ends.
         simulator: options of ContinuousSimulator that differ from the task's.
-        sensors: any of "rgb" (h, w, 3) uint8 and "depth" (h, w, 1) float32, 0 to 1 for 0 to max_depth
-            metres: pictures in the observations. sizes: their widths and heights by name.
+        sensors: images in the observations: "rgb" (h, w, 3) uint8; "depth" (h, w, 1) float32, 0 to 1 for 0
+            to max_depth.
+        sizes: (width, height) of these images by name.
         hfov: their horizontal field of view, degrees.
+        max_depth: metres.
         eyes: options of enfilade.eyes.Eyes: {"meshes": "mp3d", "up": "z"}; without "meshes" the data are
-            model homes.
+            synthetic homes.
     """
 
     data: Union[str, os.PathLike[str]]
@@ -175,7 +179,7 @@ class Config:
 
 @dataclass(frozen=True)
 class Instruction:
-    """What an episode asks for in words, under VLN-CE's names."""
+    """An episode's instruction, under VLN-CE's names."""
 
     instruction_text: str
     instruction_tokens: Optional[list[int]]
@@ -185,7 +189,7 @@ class Instruction:
 
 @dataclass(frozen=True)
 class Goal:
-    """Where an episode should end."""
+    """A goal of an episode: position and radius in metres, Habitat's frame."""
 
     position: list[float]
     radius: Optional[float]
@@ -193,7 +197,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Episode:
-    """An episode under the names that Habitat and VLN-CE give its parts. What test splits hide is None."""
+    """An episode, under Habitat's and VLN-CE's names. Fields that test splits hide are None."""
 
     episode_id: str
     trajectory_id: str
@@ -204,11 +208,11 @@ class Episode:
     goals: Optional[list[Goal]]
     reference_path: Optional[list[list[float]]]
     info: dict[str, Any]
-    index: int  #: its place in Env.all_episodes
+    index: int  #: its index in Env.all_episodes
 
 
 class Simulator:
-    """Env.sim: one body in the building of the current episode."""
+    """Env.sim: one agent in the building of the current episode."""
 
     def __init__(self, native: ContinuousSimulator) -> None:
         self._native = native
@@ -216,16 +220,16 @@ class Simulator:
 
     @property
     def native(self) -> ContinuousSimulator:
-        """The simulator behind it, in our world frame, with one agent."""
+        """The underlying simulator with one agent, in our world frame."""
         return self._native
 
     @property
     def previous_step_collided(self) -> bool:
-        """Whether a wall cut the last step short."""
+        """Whether a wall shortened the last step."""
         return bool(self._native.state.collided[0])
 
     def get_agent_state(self, agent_id: int = 0) -> AgentState:
-        """Where the body is."""
+        """The agent's pose. Raises ArgumentError before Env.reset(), or for another agent than 0."""
         self._building(agent_id)
         state = self._native.state
         position = to_habitat(state.position[0]).astype(np.float32)
@@ -234,13 +238,15 @@ class Simulator:
     def set_agent_state(
         self, position: ArrayLike, rotation: Any, agent_id: int = 0, reset_sensors: bool = True
     ) -> bool:
-        """Puts the body somewhere else in the building. False, and nothing has happened, if there is no
-        floor near (0.5 m). The episode goes on: no action is counted.
+        """Moves the agent within the building. Returns False, without effect, if there is no floor within
+        0.5 m. The episode continues, and no action is counted.
 
         Args:
-            position: (3,).
-            rotation: a Quaternion, numpy-quaternion's, or x, y, z, w. Only its turn about +y counts.
-            reset_sensors: of no effect: there is nothing that a move could leave behind.
+            position: (3,) metres.
+            rotation: a Quaternion, numpy-quaternion's, or x, y, z, w. Only its part about +y counts.
+            reset_sensors: no effect: sensors have no state.
+
+        Raises ArgumentError for numbers that are not finite, an invalid rotation, or before Env.reset().
         """
         scan = self._building(agent_id)
         point = from_habitat(np.asarray(position, np.float64))
@@ -256,11 +262,12 @@ class Simulator:
     def geodesic_distance(
         self, position_a: ArrayLike, position_b: ArrayLike, episode: Optional[Episode] = None
     ) -> float:
-        """The length of the shortest way on the floor, metres; inf: there is none.
+        """The length of the shortest path on the floor, metres; inf if there is none.
 
         Args:
-            position_a: (3,). position_b: (3,), or (m, 3): then it is the nearest of them.
-            episode: of no effect: nothing is kept between calls.
+            position_a: (3,) metres.
+            position_b: (3,) metres, or (m, 3): then the nearest of them.
+            episode: no effect: nothing is cached between calls.
         """
         ends = from_habitat(np.asarray(position_b, np.float64))
         start = from_habitat(np.asarray(position_a, np.float64))
@@ -269,19 +276,19 @@ class Simulator:
     def get_straight_shortest_path_points(
         self, position_a: ArrayLike, position_b: ArrayLike
     ) -> list[NDArray[np.float32]]:
-        """The points at which the shortest way bends, both ends included; [] if there is none."""
+        """The points of the shortest path, (3,) metres each, both ends included; [] if there is none."""
         start = from_habitat(np.asarray(position_a, np.float64))
         end = from_habitat(np.asarray(position_b, np.float64))
         path = self._native.geodesic_path(self._building(), start, end)
         return [] if path is None else list(to_habitat(path).astype(np.float32))
 
     def is_navigable(self, point: ArrayLike) -> bool:
-        """Whether a body can stand there: the floor is within 2 cm aside and 0.5 m above or below."""
+        """Whether an agent can stand there: the floor is within 2 cm sideways and 0.5 m vertically."""
         place = from_habitat(np.asarray(point, np.float64))
         return self._native.nearest(self._building(), place, aside=0.02) is not None
 
     def snap_point(self, point: ArrayLike) -> NDArray[np.float32]:
-        """The nearest point of the floor within 2 m; (nan, nan, nan) if there is none."""
+        """The nearest point of the floor within 2 m, (3,); (nan, nan, nan) if there is none."""
         place = from_habitat(np.asarray(point, np.float64))
         found = self._native.nearest(self._building(), place, aside=2.0, above_below=2.0)
         return np.asarray(to_habitat(found) if found is not None else [np.nan] * 3, np.float32)
@@ -295,9 +302,9 @@ class Simulator:
 
 
 class Env:
-    """One body in the episodes of a split, one after the other: habitat.Env as evaluators call it.
+    """One agent in the episodes of a split, one after the other, with habitat.Env's interface.
 
-    reset() begins the next episode, in the order of `episodes`, and after the last one again the first.
+    reset() begins the next episode in the order of `episodes`; the first follows the last.
     """
 
     def __init__(self, config: Config) -> None:
@@ -307,7 +314,7 @@ class Env:
         self._set: ContinuousEpisodes = continuous_episodes(
             config.data, config.task, config.split, file=config.episodes_file
         )
-        # It counts the steps here, as moving the body begins anew in the simulator.
+        # Env counts the steps itself: set_agent_state() resets the simulator's count.
         options = {**config.simulator, "most_steps": 2**32 - 1}
         self._native = ContinuousSimulator(config.data, config.task, **options)
         self._sim = Simulator(self._native)
@@ -325,17 +332,18 @@ class Env:
 
     @property
     def sim(self) -> Simulator:
-        """The simulator: where the body is, and distances."""
+        """The simulator: the agent's pose, and distances."""
         return self._sim
 
     @property
     def all_episodes(self) -> list[Episode]:
-        """Those of the file, whatever `episodes` was set to."""
+        """All episodes of the file, whatever the value of `episodes`."""
         return list(self._all)
 
     @property
     def episodes(self) -> list[Episode]:
-        """Those that reset() goes through. Set a part of them, and it begins with the first."""
+        """The episodes of reset(). If you set it, reset() begins with the first. Raises ArgumentError for
+        an empty list."""
         return self._episodes
 
     @episodes.setter
@@ -346,12 +354,13 @@ class Env:
 
     @property
     def number_of_episodes(self) -> int:
-        """How many `episodes` has."""
+        """The length of `episodes`."""
         return len(self._episodes)
 
     @property
     def current_episode(self) -> Episode:
-        """The one that runs, or has just ended. Set it, and the next reset() begins it."""
+        """The episode that runs, or has just ended. If you set it, the next reset() begins it. Raises
+        ArgumentError before reset()."""
         if self._current is None:
             raise ArgumentError("current_episode: reset() has to come first")
         return self._current
@@ -362,11 +371,12 @@ class Env:
 
     @property
     def episode_over(self) -> bool:
-        """Whether the episode has ended, by stop or by too many steps; True before reset()."""
+        """Whether the episode has ended, by STOP or max_episode_steps; True before reset()."""
         return self._over
 
     def reset(self) -> dict[str, Any]:
-        """Begins the next episode. Raises ArgumentError if there is no floor where it starts."""
+        """Begins the next episode and returns its observations. Raises ArgumentError if its start has no
+        floor."""
         if self._forced and self._current is not None:
             episode, self._forced = self._current, False
         else:
@@ -379,8 +389,8 @@ class Env:
         return self._observations()
 
     def step(self, action: Any) -> dict[str, Any]:
-        """One action: its number, its name (ACTIONS), or {"action": either}. Raises ArgumentError if the
-        episode is over."""
+        """Executes an action: its number, its name (ACTIONS), or {"action": either}. Raises ArgumentError
+        for an unknown action, or if the episode has ended."""
         if self._over:
             raise ArgumentError("step(): the episode is over; reset() has to come first")
         number = self._number(action)
@@ -393,9 +403,9 @@ class Env:
         return self._observations()
 
     def get_metrics(self) -> dict[str, Any]:
-        """VLN-CE's measures of the walk so far; nothing where the goal is hidden. `collisions` and
-        `position` are as in Habitat and VLN-CE: {"count", "is_collision"}, and {"position", "distance"}
-        with one entry for the start and one for each action."""
+        """VLN-CE's measures of the trajectory so far; empty if the goal is hidden. `collisions` is
+        {"count", "is_collision"}, as in Habitat. `position` is {"position", "distance"}, as in VLN-CE, with
+        one entry for the start and one per action."""
         episode = self.current_episode
         if episode.goals is None:
             return {}
@@ -414,11 +424,11 @@ class Env:
         return metrics
 
     def seed(self, seed: int) -> None:
-        """Of no effect: nothing here is random."""
+        """No effect: nothing here is random."""
         whole("seed", seed, 2**64 - 1)
 
     def close(self) -> None:
-        """Of no effect: memory is given back with the object."""
+        """No effect: memory is freed with the object."""
 
     def __enter__(self) -> Env:
         return self

@@ -1,13 +1,13 @@
-"""The arena for OpenEnv's clients: https://github.com/meta-pytorch/OpenEnv (needs `pip install openenv-core`).
+"""The arena as an OpenEnv server: https://github.com/meta-pytorch/OpenEnv (needs `pip install openenv-core`).
 
     python -m enfilade.openenv r2r/val_unseen --data homes --port 8000
 
-serves episodes as OpenEnv's own server does, over HTTP and WebSockets. In a client:
+serves episodes over HTTP and WebSockets, as OpenEnv's own server does. In a client:
 
 >>> with GenericEnvClient(base_url="http://127.0.0.1:8000").sync() as env:
 ...     seen = env.reset().observation                      # {"prompt": ..., "observation": {...}, "images": []}
 ...     result = env.step({"tool": "go_to", "argument": "B"})
-...     result.reward, result.done                          # the reward comes with the end
+...     result.reward, result.done                          # the reward is 0 before the end
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ from enfilade._arena import Arena, ArenaStep
 
 __all__ = ["Walk", "WalkAction", "WalkObservation", "app", "main"]
 
-_SUCCESS = ("success", "success_rate", "sr")  # as benchmarks call it
+_SUCCESS = ("success", "success_rate", "sr")  # benchmarks' names of success
 _arenas = threading.Lock()  # opening one reads the whole split
 
 
 class WalkAction(Action):  # type: ignore[misc, unused-ignore]
-    """A call of a tool, or a model's words (docs/arena.md)."""
+    """A tool call, or a model's text (docs/arena.md)."""
 
     tool: str = Field("", description="go_to, back_to, look, move, turn_back, answer or stop")
     argument: str = Field("", description="The tool's value: B; of move several, with commas between")
@@ -44,8 +44,8 @@ class WalkAction(Action):  # type: ignore[misc, unused-ignore]
 
 
 class WalkObservation(Observation):  # type: ignore[misc, unused-ignore]
-    """What is known at a step. `metadata` of the last one of an episode has how it ended, and its
-    metrics where the goal is not hidden."""
+    """The observation of a step. An episode's last one has its ending in `metadata`, and its metrics
+    unless the goal is hidden."""
 
     prompt: str = Field("", description="The prompt's text for this step")
     observation: dict[str, Any] = Field(default_factory=dict, description="docs/arena.md, A step")
@@ -54,11 +54,11 @@ class WalkObservation(Observation):  # type: ignore[misc, unused-ignore]
 
 
 class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[misc, unused-ignore]
-    """An environment of OpenEnv. The reward is 0 until the end, and then the benchmark's success, 0 or 1;
-    0 where the goal is hidden, and where its metrics have none (all of them are in the metadata).
+    """An OpenEnv environment. The reward is 0 until the end, and then the benchmark's success, 0 or 1.
+    It stays 0 if the goal is hidden, or if the benchmark has no such metric. The metadata has all metrics.
 
     Args:
-        make: opens the arena.
+        make: returns the arena.
     """
 
     SUPPORTS_CONCURRENT_SESSIONS = True
@@ -74,7 +74,7 @@ class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[mis
     def reset(
         self, seed: Optional[int] = None, episode_id: Optional[str] = None, **_: Any
     ) -> WalkObservation:  # fmt: skip
-        """Begins the episode of that id; without one that of number `seed`; without both the next."""
+        """Begins the episode `episode_id`; without it, episode number `seed`; without both, the next."""
         ids = self._arena.ids
         if episode_id is None:
             episode_id = ids[(self._next if seed is None else seed) % len(ids)]
@@ -84,7 +84,8 @@ class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[mis
         return self._seen(self._step)
 
     def step(self, action: WalkAction, timeout_s: Optional[float] = None, **_: Any) -> WalkObservation:
-        """Does what was called. What is impossible changes nothing: `told` says what would be possible."""
+        """Executes a call. An invalid one has no effect: `told` lists the valid ones. Raises RuntimeError
+        before reset()."""
         step = self._step
         if step is None:
             raise RuntimeError("no episode is being walked: call reset()")
@@ -107,7 +108,7 @@ class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[mis
 
     @property
     def state(self) -> State:
-        """The episode's id, and how many calls were answered in it."""
+        """The episode's id and the number of its calls."""
         return State(episode_id=self._step.episode if self._step else None, step_count=self._calls)
 
     def _metrics(self, episode: str) -> dict[str, float]:
@@ -126,7 +127,7 @@ class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[mis
 
 
 def app(name: str, *, sessions: int = 16, **options: Any) -> Any:
-    """The FastAPI application of OpenEnv's server. Arguments as enfilade.arena(); sessions: at once."""
+    """OpenEnv's FastAPI application. Arguments are those of enfilade.arena(); sessions: most at once."""
     return create_fastapi_app(
         lambda: Walk(lambda: enfilade.arena(name, **options)),
         WalkAction,

@@ -3,9 +3,9 @@
     python -m enfilade.stores publish homes s3://bucket/homes
     python -m enfilade.stores fetch s3://bucket/homes homes
 
-Any URL of fsspec will do: ``s3://`` (with the package s3fs; AWS_ENDPOINT_URL names another maker's store that
-speaks S3), ``gs://``, ``az://``, ``file://``. Beside the files lies ``enfilade-files.json`` with their sizes and
-SHA-256. It is written last, so that who fetches finds a whole folder or none, and checks each file.
+Any URL of fsspec works: ``s3://`` (with the package s3fs; AWS_ENDPOINT_URL names another S3-compatible
+store), ``gs://``, ``az://``, ``file://``. The file ``enfilade-files.json`` lists the files with sizes and
+SHA-256. It is written last, so fetch() finds a whole folder or none, and it checks each file.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ _Entry = Dict[str, Any]
 
 
 class Copied(NamedTuple):
-    """What was copied, and what was there already."""
+    """Files copied, and files already present."""
 
     files: int
     bytes: int
-    there: int  #: files that were the same
+    there: int  #: files that were equal already
 
 
 def _open_store(url: str) -> tuple[Any, str]:
@@ -75,7 +75,7 @@ def _read_list(store: Any, root: str, url: str) -> Optional[dict[str, _Entry]]:
         listed = json.loads(store.cat_file(place))
         files = listed["files"]
         for name, entry in files.items():
-            # A list may come from anywhere: nothing is written outside of the folder.
+            # The list is untrusted: nothing is written outside the folder.
             parts = Path(name).parts
             if not parts or Path(name).is_absolute() or ".." in parts:
                 raise ValueError(f"{name!r} is no path below the folder")
@@ -111,16 +111,16 @@ def _copy_all(
 
 
 def publish(folder: str, url: str, *, threads: int = 8, progress: bool = True) -> Copied:
-    """Copies a folder into a store. What the store's list has already, with the same bytes, is not copied.
+    """Copies a folder into a store. Files that the store's list has with the same bytes are skipped.
 
     Args:
-        folder: all files in it and below.
-        url: of a folder in a store, which this one alone writes.
-        threads: files at a time.
+        folder: all files in it and in its subfolders.
+        url: of a folder in a store, with no other writer.
+        threads: files copied at the same time.
         progress: show a bar, on a terminal.
 
     Raises:
-        FileError: the folder has no files, or one cannot be read or written; the list is then the old one.
+        FileError: the folder has no files, or a file cannot be read or written; the list is unchanged.
     """
     root_folder = Path(folder)
     names = _files_in(root_folder)
@@ -147,17 +147,18 @@ def publish(folder: str, url: str, *, threads: int = 8, progress: bool = True) -
 
 
 def fetch(url: str, folder: str, *, threads: int = 8, progress: bool = True) -> Copied:
-    """Copies a published folder from a store. Files that are there with the right bytes stay; begun again, it goes on.
+    """Copies a published folder from a store. Files with the right bytes are kept, so an interrupted copy
+    resumes.
 
     Args:
-        url: what publish() was given.
-        folder: made if it is missing. Files of it that the store does not have are left alone.
-        threads: files at a time.
+        url: the URL of publish().
+        folder: made if missing. Files that the store does not have are not changed.
+        threads: files copied at the same time.
         progress: show a bar, on a terminal.
 
     Raises:
-        FileError: nothing was published there, a file cannot be read or written, or came with other bytes than the
-            list has, which are then not kept.
+        FileError: nothing was published there, or a file cannot be read or written, or its bytes differ
+            from the list's; it is then not kept.
     """
     store, root = _open_store(url)
     files = _read_list(store, root, url)
@@ -193,7 +194,7 @@ def fetch(url: str, folder: str, *, threads: int = 8, progress: bool = True) -> 
 
 
 def main(words: Optional[list[str]] = None) -> int:
-    """The command line. Returns its exit code: 3 for a file or store that cannot be used."""
+    """The command line. Returns its exit code: 0, or 3 for a file or store that cannot be used."""
     parser = argparse.ArgumentParser(
         prog="python -m enfilade.stores",
         description="Copies folders into object stores (publish) and out of them (fetch).",

@@ -1,5 +1,5 @@
-"""Model homes: synthetic, furnished buildings with panoramas, depth, labels, graphs, paths and
-instructions, for machines without Matterport3D. Results on them are results on synthetic data.
+"""Synthetic homes: furnished buildings with panoramas, depth, labels, graphs, paths and instructions,
+for machines without Matterport3D. Results on them are results on synthetic data.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from enfilade._errors import ArgumentError
 
 @dataclass(frozen=True)
 class HomeReport:
-    """What write_homes() has made."""
+    """The result of write_homes()."""
 
     homes: int
-    paths: int  #: 0 for fewer than 3 homes: splits by building take as many
+    paths: int  #: 0 for fewer than 3 homes, the least for splits by building
     instructions: int
 
 
@@ -31,20 +31,20 @@ def write_homes(
     face_size: Optional[int] = None,
     threads: int = 0,
 ) -> HomeReport:
-    """Makes, or completes, a data folder of model homes; the same arguments give the same bytes.
+    """Makes, or completes, a data folder of synthetic homes. The same arguments give the same bytes.
 
     Args:
-        folder: new, empty, or of an earlier run, which is continued.
+        folder: new, empty, or of an earlier run, which is then continued.
         preset: "small" (a few viewpoints per home), "pretty" (25 to 50), "full" (117 on average),
-            "graphs" (homes like those of "pretty" without pictures), "training" (96 for agents to
-            learn from), "demo" (90 of these, four of them pretty).
-        homes: how many; 0: as many as the preset has.
-        face_size: texels of a panorama's faces; 0: no pictures; None: as the preset has.
+            "graphs" (homes like those of "pretty", without images), "training" (96 homes for training
+            agents), "demo" (90 of these, four of them pretty).
+        homes: number of homes; 0: the preset's.
+        face_size: texels along an edge of a panorama's faces; 0: no images; None: the preset's.
         threads: 0: all cores; never changes a byte.
 
-    A viewpoint takes about a second of one core at 256 texels. Raises ArgumentError for a preset or
-    a number that is not allowed, FileError for a folder that cannot be written or that holds
-    something else.
+    A viewpoint takes about a second of one core at 256 texels. Raises ArgumentError for an unknown
+    preset or an invalid number. Raises FileError for a folder that cannot be written or that holds
+    other files.
     """
     made = _synth.write_homes(
         os.fspath(folder),
@@ -60,7 +60,7 @@ def write_homes(
 def write_small_dataset(
     folder: Union[str, os.PathLike[str]], buildings: int = 6, seed: int = 1
 ) -> None:
-    """Writes a small synthetic data set without pictures: graphs, R2R annotations.
+    """Writes a small synthetic data set without images: graphs and R2R annotations.
 
     Short for `write_homes(folder, preset="graphs", homes=buildings, seed=seed)`; the same arguments
     give the same bytes. Raises ArgumentError for fewer than 3 buildings (train, val_unseen and test

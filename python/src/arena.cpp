@@ -1,4 +1,4 @@
-// ArenaPlay: what enfilade.arena() is made of.
+// ArenaPlay: the core of enfilade.arena().
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -39,7 +39,7 @@ nb::str measure_name(const tasks::ContinuousMeasure& measure) {
   return nb::str(measure.name.data(), measure.name.size());
 }
 
-/// An arena::Play that answers nobody while another thread is in it.
+/// An arena::Play that refuses calls while another thread uses it.
 class ArenaPlay {
  public:
   ArenaPlay(std::unique_ptr<arena::World> world, arena::Sights sights, const std::string& subset,
@@ -105,7 +105,7 @@ class ArenaPlay {
     return pictures;
   }
 
-  // (carried out, how the episode ended or None, what came of it)
+  // (valid, the episode's ending or None, feedback)
   nb::tuple answer(const std::string& text) {
     return told(with_session([&] { return play_->call(play_->read(text)); }));
   }
@@ -118,11 +118,11 @@ class ArenaPlay {
     return told(with_session([&] { return play_->call(reading); }));
   }
 
-  // Of one episode, or of all that are done.
+  // A results file of one episode, or of all completed ones.
   std::string results(const std::optional<std::string>& episode) const {
     return episode ? play_->result(index_of(*episode)) : play_->results();
   }
-  // Of walks in continuous space: ({measure: (mean, low, high)}, {episode: {measure: value}})
+  // Scores of continuous episodes: ({measure: (mean, low, high)}, {episode: {measure: value}})
   nb::tuple free_score(const std::optional<std::string>& episode) {
     const Busy busy(busy_);
     const auto& free = dynamic_cast<const arena::FreeWorld&>(*world_);
@@ -180,8 +180,8 @@ class ArenaPlay {
   }
 
   std::unique_ptr<arena::World> world_;        // for scores
-  std::filesystem::path data_;                 // of continuous space
-  std::optional<tasks::ExpertWalks> experts_;  // read when scores are first asked for
+  std::filesystem::path data_;                 // of continuous episodes
+  std::optional<tasks::ExpertWalks> experts_;  // read at the first score
   std::unique_ptr<arena::Play> play_;
   std::atomic_flag busy_;
 };
@@ -211,7 +211,7 @@ std::unique_ptr<ArenaPlay> open_play(const dataset::Dataset& data, nb::handle ep
                                      config_of(answers, picture_size, folder), steps, mistakes);
 }
 
-// In continuous space, where Python draws with enfilade.eyes.
+// A session of continuous episodes; Python draws them with enfilade.eyes.
 std::unique_ptr<ArenaPlay> open_free_play(const std::filesystem::path& data,
                                           const std::string& task, const std::string& split,
                                           const std::string& subset, const std::string& prompt,
@@ -219,7 +219,7 @@ std::unique_ptr<ArenaPlay> open_free_play(const std::filesystem::path& data,
                                           std::uint32_t mistakes,
                                           const std::optional<std::filesystem::path>& folder) {
   const nb::gil_scoped_release unlocked;
-  constexpr std::uint32_t kNoPictures = 64;  // their size is checked, whether there are any or not
+  constexpr std::uint32_t kNoPictures = 64;  // a valid size, although no images are drawn
   arena::PlayConfig config = config_of(answers, kNoPictures, folder);
   config.pictures = arena::Pictures::kNone;
   const auto& benchmark = agents::continuous_benchmark(task);
@@ -231,7 +231,7 @@ std::unique_ptr<ArenaPlay> open_free_play(const std::filesystem::path& data,
 }  // namespace
 
 void bind_arena(nb::module_& m) {
-  nb::class_<ArenaPlay>(m, "ArenaPlay", "What enfilade.arena() is made of.")
+  nb::class_<ArenaPlay>(m, "ArenaPlay", "The core of enfilade.arena().")
       .def(nb::new_(&open_play), "dataset"_a, "episodes"_a, "subset"_a, "prompt"_a, "answers"_a,
            "steps"_a, "mistakes"_a, "picture_size"_a, "folder"_a.none(), "words"_a)
       .def_static("free", &open_free_play, "data"_a, "task"_a, "split"_a, "subset"_a, "prompt"_a,

@@ -18,8 +18,8 @@ namespace enfilade::python {
 
 namespace nb = nanobind;
 
-/// One value per agent or view. Arrays of another type of numbers are converted; memory of this
-/// type is read where it is.
+/// One value per agent or view. Arrays of another type are converted; arrays of this type are read
+/// without a copy.
 template <class T>
 using Row = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
@@ -54,7 +54,7 @@ nb::object view_of(const Values& values, nb::handle owner, Sizes... sizes) {
 
 /// A viewpoint by its id. \throws LookupError
 ViewpointIndex find_viewpoint(const graph::NavGraph& graph, const std::string& id);
-/// What an EpisodeSet of Python's holds. \throws nb::cast_error for another object
+/// The C++ object of a Python EpisodeSet. \throws nb::cast_error for another object
 std::shared_ptr<const tasks::EpisodeSet> episode_set(nb::handle episodes);
 /// {"nav_error": ..., "success": ..., ...}
 nb::dict metrics_dict(const tasks::EpisodeMetrics& metrics);

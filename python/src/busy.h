@@ -6,7 +6,7 @@
 
 namespace enfilade::python {
 
-/// A call at the wrong time: Python's RuntimeError.
+/// A call in the wrong order or from a second thread: Python's RuntimeError.
 class WrongOrder : public Error {
  public:
   using Error::Error;

@@ -1,4 +1,4 @@
-// Navigation meshes, and the simulator of bodies that walk freely.
+// Navigation meshes, and the simulator of continuous agents.
 #include "python/src/continuous.h"
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ std::size_t checked(const Buildings& buildings, std::size_t building) {
       fmt::format("building {}: 0 to {} are allowed", building, buildings.size() - 1));
 }
 
-// The points of an array that have floor within reach.
+// The floor points of those rows of an array that have floor within reach.
 std::vector<FloorPoint> on_floor(const NavigationMesh& floor, const PointRows& points,
                                  continuous::Reach reach) {
   std::vector<FloorPoint> found;
@@ -97,7 +97,7 @@ std::vector<double> floor_areas(const Buildings& self, std::size_t building) {
   return found;
 }
 
-/// A simulator, and the teachers that its agents were given.
+/// A simulator and its agents' teachers.
 class BatchContinuous {
  public:
   BatchContinuous(std::shared_ptr<const Buildings> buildings,
@@ -179,7 +179,7 @@ class BatchContinuous {
     if (agent < actions_.size()) return;
     throw ArgumentError(fmt::format("agent {}: 0 to {} are allowed", agent, actions_.size() - 1));
   }
-  // An agent without an episode stands nowhere.
+  // An agent without an episode has no position.
   void check_walking(std::size_t agent) const {
     check_agent(agent);
     if (begun_[agent]) return;
@@ -320,7 +320,7 @@ void bind_continuous(nb::module_& m) {
         nb::sig("def continuous_benchmarks() -> list[tuple[str, str, float, float, float, "
                 "float]]"));
   nb::class_<BatchContinuous>(m, "BatchContinuous",
-                              "What enfilade.ContinuousSimulator is made of: indices and arrays.")
+                              "The core of enfilade.ContinuousSimulator: indices and arrays.")
       .def(nb::new_(&make_continuous), "buildings"_a, "task"_a, "batch_size"_a, "options"_a)
       .def("new_episodes", &BatchContinuous::new_episodes, "buildings"_a, "positions"_a,
            "headings"_a, "elevations"_a)

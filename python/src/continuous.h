@@ -1,4 +1,4 @@
-/// \file  What the bindings of free walking share.
+/// \file  Shared by the bindings of continuous episodes.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -35,7 +35,7 @@ nb::dict continuous_state(const continuous::StateSpans& state, nb::handle owner)
 using Options = nb::typed<nb::dict, nb::str, nb::object>;
 
 /// A benchmark's configuration with another batch size and options by their names.
-/// \throws ArgumentError for an option that there is not
+/// \throws ArgumentError for an unknown option
 continuous::SimulatorConfig continuous_config(const std::string& task, std::size_t batch_size,
                                               const Options& options);
 

@@ -1,4 +1,4 @@
-// Episodes of walking freely, and the environment that runs them.
+// Continuous episodes, and their environment.
 #include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
@@ -28,7 +28,7 @@ using namespace nb::literals;
 using continuous::Buildings;
 using tasks::text_of;
 
-/// A split's episodes, and what their experts did.
+/// A split's episodes and their experts' trajectories.
 class ContinuousSet {
  public:
   ContinuousSet(const std::filesystem::path& data, const std::string& task,
@@ -123,7 +123,7 @@ nb::dict score_dict(const tasks::ContinuousScore& score) {
   return d;
 }
 
-// The measures of any walk, and the distance to the goal at each of its poses.
+// The measures of a trajectory, and the distance to the goal at each of its poses.
 nb::tuple score_walk(const ContinuousSet& self, const std::shared_ptr<const Buildings>& buildings,
                      std::size_t i, const FloatRows& positions, const Row<std::uint8_t>& actions,
                      const Row<std::uint8_t>& collided) {
@@ -145,7 +145,7 @@ nb::tuple score_walk(const ContinuousSet& self, const std::shared_ptr<const Buil
   return nb::make_tuple(score, owned_array(distances, distances.size()));
 }
 
-/// Episodes that run at once.
+/// Episodes that step together.
 class FreeEnvironment {
  public:
   FreeEnvironment(const ContinuousSet& set, std::shared_ptr<const Buildings> buildings,
@@ -192,7 +192,7 @@ class FreeEnvironment {
   }
   nb::dict arrays(nb::handle self) const {
     nb::dict d = continuous_state(native_.simulator().state(), self);
-    d["state"] = d["episode"];  // whether it walks; the index has the name that others give it
+    d["state"] = d["episode"];  // its status; `episode` is the index, as in other environments
     d["episode"] = view_of(native_.episode(), self, actions_.size());
     d["distance"] = view_of(native_.distance(), self, actions_.size());
     return d;
@@ -213,7 +213,7 @@ std::unique_ptr<FreeEnvironment> make_free_environment(
 }
 
 void bind_set(nb::module_& m) {
-  nb::class_<ContinuousSet>(m, "ContinuousSet", "What enfilade.ContinuousEpisodes is made of.")
+  nb::class_<ContinuousSet>(m, "ContinuousSet", "The core of enfilade.ContinuousEpisodes.")
       .def(nb::new_(&load_set), "data"_a, "task"_a, "split"_a, "file"_a.none())
       .def("__len__", [](const ContinuousSet& s) { return s.all().size(); })
       .def_prop_ro("file", [](const ContinuousSet& s) { return s.episodes()->file; })
@@ -245,7 +245,7 @@ void bind_set(nb::module_& m) {
 void bind_continuous_episodes(nb::module_& m) {
   bind_set(m);
   nb::class_<FreeEnvironment>(m, "FreeEnvironment",
-                              "What the environments of walking freely are made of.")
+                              "The core of enfilade.gym's continuous environments.")
       .def(nb::new_(&make_free_environment), "episodes"_a, "buildings"_a, "batch_size"_a,
            "options"_a)
       .def("begin", &FreeEnvironment::begin, "chosen"_a)

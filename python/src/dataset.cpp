@@ -1,4 +1,4 @@
-// A folder of data by one name.
+// DatasetFolder: a data folder.
 #include "enfilade/dataset/dataset.h"
 
 #include <nanobind/stl/filesystem.h>
@@ -31,7 +31,7 @@ Dataset open_dataset(const std::optional<std::filesystem::path>& folder) {
   throw FileError("no folder was named, and the environment variable ENFILADE_DATA is not set");
 }
 
-// (name, is it there, what was found or why not, how to get it)
+// (name, present, what was found or why not, how to get it)
 nb::list examine(const Dataset& dataset) {
   std::vector<dataset::Part> parts;
   {
@@ -74,7 +74,7 @@ nb::list objects_at(const Dataset& dataset, const std::string& scan, const std::
 }  // namespace
 
 void bind_dataset(nb::module_& m) {
-  nb::class_<Dataset>(m, "DatasetFolder", "What enfilade.Dataset is made of.")
+  nb::class_<Dataset>(m, "DatasetFolder", "The core of enfilade.Dataset.")
       .def(nb::new_(&open_dataset), "folder"_a.none())
       .def_prop_ro("folder", &Dataset::folder)
       .def_prop_ro("synthetic", &Dataset::synthetic)

@@ -24,7 +24,7 @@ using namespace nb::literals;
 constexpr std::size_t kCandidateValues = 3;  // rel_heading, rel_elevation, distance
 constexpr std::size_t kNodeValues = std::tuple_size_v<agents::MapFeature>;
 
-/// An environment, and its candidates as one array.
+/// An environment with its candidates as one array.
 class Environment {
  public:
   Environment(std::shared_ptr<const tasks::EpisodeSet> episodes,
@@ -120,7 +120,7 @@ class Environment {
     }
   }
 
-  // Row 0 is where the agent stands, row k what action k of the panoramic space leads to.
+  // Row 0 is the agent's viewpoint, row k the target of action k of the panoramic space.
   void gather_panorama(std::size_t agent) {
     const sim::StateSpans& state = native_.state();
     const std::size_t m = native_.config().max_navigable, first = agent * m;
@@ -144,7 +144,7 @@ class Environment {
     }
   }
 
-  // Row 0 is [stop], row k what action k of the map space leads to.
+  // Row 0 is [stop], row k the target of action k of the map space.
   void gather_map(std::size_t agent) {
     const sim::StateSpans& state = native_.state();
     const agents::TopologicalMap& map = native_.map(agent);
@@ -193,10 +193,10 @@ class Environment {
   std::vector<float> candidates_;      // (n, m, 3), 0 beyond the list
   std::vector<std::int8_t> mask_;      // (n, m), 1 within it
   std::vector<std::uint32_t> filled_;  // (n), rows in use
-  // Of the panoramic and the map space alone, (n, m).
+  // Panoramic and map space only, (n, m).
   std::vector<ViewpointIndex> viewpoints_;
   std::vector<std::uint32_t> candidate_views_;
-  // Of the map space alone, (n, actions), and (n, actions, 7).
+  // Map space only, (n, actions), and (n, actions, 7).
   std::vector<ViewpointIndex> node_viewpoints_;
   std::vector<std::int8_t> node_mask_, node_visited_;
   std::vector<float> node_features_;
@@ -239,8 +239,7 @@ std::unique_ptr<Environment> make_environment(nb::handle episodes, std::size_t b
 }  // namespace
 
 void bind_environment(nb::module_& m) {
-  nb::class_<Environment>(m, "BatchEnvironment",
-                          "What the environments of enfilade.gym are made of.")
+  nb::class_<Environment>(m, "BatchEnvironment", "The core of enfilade.gym's environments.")
       .def(nb::new_(&make_environment), "episodes"_a, nb::kw_only(), "batch_size"_a, "actions"_a,
            "reward"_a, "max_steps"_a, "success_distance"_a, "reset_at_next_step"_a, "seed"_a,
            "width"_a, "height"_a, "vfov"_a, "max_navigable"_a)

@@ -41,7 +41,7 @@ tasks::EpisodeSet load(const dataset::Dataset& dataset, tasks::Task task, const 
                               tasks::needs_boxes(read) ? &dataset.objects() : nullptr);
 }
 
-/// The episodes, and their places by id once somebody has asked for one.
+/// The episodes, and their indices by id, made at first use.
 class Episodes {
  public:
   explicit Episodes(Set set) : set_(std::move(set)) {}
@@ -113,14 +113,14 @@ nb::tuple episode(const Episodes& self, std::size_t i) {
                         path.group, details_tuple(e.details));
 }
 
-// For enfilade._learn, which is built with this module and has the same classes, but not its types
-// of Python objects.
+// For enfilade._learn, which is built with this module. It has the same C++ classes, but not their
+// Python types.
 nb::capsule shared(const Episodes& self) {
   return nb::capsule(new Set(self.set()), "enfilade.EpisodeSet",
                      [](void* set) noexcept { delete static_cast<Set*>(set); });
 }
 
-// (instruction_id, path_id, group, scan, language): what a table of scores begins with.
+// (instruction_id, path_id, group, scan, language): the first columns of a table of scores.
 nb::tuple about(const Episodes& self, std::size_t i) {
   const tasks::EpisodeSet& set = *self.set();
   if (i >= set.episodes.size()) throw nb::index_error("episode");
@@ -132,7 +132,7 @@ nb::tuple about(const Episodes& self, std::size_t i) {
 
 struct Scored {
   std::vector<std::string> names;       // of the columns
-  std::vector<std::string> mean_names;  // as the scorer calls their means
+  std::vector<std::string> mean_names;  // the scorer's names of their means
   std::vector<tasks::MeanInterval> means;
   std::vector<bool> has_mean;
   std::vector<double> values;  // n x columns
@@ -211,7 +211,7 @@ nb::tuple scored_tuple(const std::string& scorer, Scored scored,
                         told);
 }
 
-// (scorer, names, {metric: (mean, low, high)}, values, places of the episodes, warnings)
+// (scorer, names, {metric: (mean, low, high)}, values, indices of the episodes, warnings)
 nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>& file,
                 const std::string& text, const std::string& wanted, double success_distance,
                 int samples, bool part) {
@@ -252,7 +252,7 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
 Set episode_set(nb::handle episodes) { return nb::cast<const Episodes&>(episodes).set(); }
 
 void bind_episodes(nb::module_& m) {
-  nb::class_<Episodes>(m, "EpisodeSet", "What enfilade.Episodes is made of.")
+  nb::class_<Episodes>(m, "EpisodeSet", "The core of enfilade.Episodes.")
       .def(nb::new_(&load_episodes), "dataset"_a, "task"_a, "split"_a, "all_instructions"_a,
            "file"_a.none())
       .def("__len__", [](const Episodes& s) { return s.set()->episodes.size(); })

@@ -1,4 +1,4 @@
-// The extension module enfilade._eyes: what bodies see. Separate from _core, as it loads a ray
+// The extension module enfilade._eyes: views of meshes. Separate from _core, because it loads a ray
 // tracer.
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
@@ -46,13 +46,13 @@ auto bytes_of(const Array& array) {
   return std::as_writable_bytes(std::span(array.data(), array.size()));
 }
 
-/// The eyes of one building.
+/// The renderer of one building.
 class BuildingEyes {
  public:
   BuildingEyes(std::shared_ptr<const Scene> scene, int threads)
       : eyes_({std::move(scene)}, {.method = continuous::Method::kRaster, .threads = threads}) {}
 
-  // Into arrays of (n, height, width); empty ones are not drawn.
+  // Draws into arrays of (n, height, width); empty ones are skipped.
   void render(const Points& eyes, const Numbers<double>& headings,
               const Numbers<double>& elevations, std::uint32_t width, std::uint32_t height,
               double vfov, Rgb rgb, Depth depth, Classes classes, Instances instances) {
@@ -94,7 +94,7 @@ class BuildingEyes {
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
 
-// Light that an earlier call has kept in `file`, or new light, which is then kept.
+// Light from `file`, where an earlier call stored it, or new light, which is then stored there.
 std::shared_ptr<const Scene> lit_scene(const homes::BuiltHome& built, const std::string& file,
                                        double spacing, int threads) {
   if (!file.empty() && file_exists(file)) return Scene::load(built.tracer, file);

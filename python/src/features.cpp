@@ -40,7 +40,7 @@ std::optional<nb::dlpack::dtype> float_type(DType type) {
   return std::nullopt;
 }
 
-// A view of the file's memory, which `self` keeps.
+// A view of the file's memory, which `self` keeps alive.
 AnyArray array_view(nb::handle_t<TensorFile> self, const std::string& name) {
   const auto& file = nb::cast<const TensorFile&>(self);
   const NamedArray& array = array_named(file, name);

@@ -1,4 +1,4 @@
-// OpenGL's drivers are tried by another Python before this one loads them.
+// Another Python process tries OpenGL's drivers before this one loads them.
 #include <dlfcn.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -13,14 +13,14 @@
 namespace enfilade::python {
 namespace {
 
-// Its arguments: where this package lies, then those of try_gl().
+// Its arguments: this package's folder, then those of try_gl().
 constexpr const char* kScript =
     "import sys\n"
     "sys.path.insert(0, sys.argv[1])\n"
     "from enfilade import _core\n"
     "sys.exit(_core._try_gl(sys.argv[2:]))\n";
 
-// Of this module: a package's folder.
+// The folder of this module's package.
 std::filesystem::path own_folder() {
   Dl_info info{};
   if (dladdr(reinterpret_cast<const void*>(&own_folder), &info) == 0) return {};
@@ -32,7 +32,7 @@ std::filesystem::path own_folder() {
 void bind_gl_trial(nb::module_& m) {
   m.def("_try_gl",
         [](const std::vector<std::string>& arguments) { return render::try_gl(arguments); });
-  // Where Python is a part of another program, sys.executable is that or nothing.
+  // If Python is embedded, sys.executable is the other program or empty.
   const nb::object executable = nb::module_::import_("sys").attr("executable");
   std::string program;
   if (!nb::try_cast(executable, program)) return;

@@ -47,7 +47,7 @@ tasks::Box read_box(nb::handle box, const graph::NavGraph& graph) {
   return read;
 }
 
-// Where an empty path is allowed.
+// For paths that may be empty.
 std::vector<ViewpointIndex> list_of(nb::handle path, const graph::NavGraph& graph) {
   if (nb::len(path) == 0) return {};
   return read_viewpoints(path, graph, "goal");

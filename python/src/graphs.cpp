@@ -67,7 +67,7 @@ nb::list edges(const Graph& g) {
   for (std::size_t v = 0; v < g.graph->size(); ++v) {
     const ViewpointIndex from(v);
     for (const graph::Edge& edge : g.graph->edges(from)) {
-      // Each edge once; one that leads one way only is an edge, too.
+      // Each edge once, one-way edges included.
       if (edge.target < from && g.graph->edge(edge.target, from) != nullptr) continue;
       rows.append(nb::make_tuple(g.graph->id(from), g.graph->id(edge.target), edge.length));
     }
@@ -82,7 +82,7 @@ T* keep(std::unique_ptr<T> kept, nb::object& owner) {
   return pointer;
 }
 
-// (m, 2) indices, and (m) metres; an edge that may be walked both ways is there twice.
+// (m, 2) indices, and (m) metres; an edge in both directions is listed twice.
 nb::tuple edge_arrays(const Graph& g) {
   auto pairs = std::make_unique<std::vector<std::uint32_t>>();
   auto lengths = std::make_unique<std::vector<double>>();
@@ -117,15 +117,16 @@ nb::object distances(const Graph& g) {
 
 void bind_graph_arrays(nb::class_<Graph>& c) {
   c.def("edges", edges, nb::sig("def edges(self) -> list[tuple[str, str, float]]"),
-        "(from, to, metres), each edge once: what networkx's add_weighted_edges_from() takes.")
+        "(from, to, metres), each edge once, for networkx's add_weighted_edges_from().")
       .def("edge_arrays", edge_arrays,
            nb::sig("def edge_arrays(self) -> tuple[numpy.typing.NDArray[numpy.uint32], "
                    "numpy.typing.NDArray[numpy.float64]]"),
-           "(m, 2) indices from and to, and (m,) metres; an edge for both ways is there twice.")
+           "(m, 2) indices from and to, and (m,) metres; an edge in both directions is listed "
+           "twice.")
       .def("distances", distances,
            nb::sig("def distances(self) -> numpy.typing.NDArray[numpy.float64]"),
-           "(n, n) shortest ways along edges, metres, by index; inf where there is none. What "
-           "networkx's all_pairs_dijkstra_path_length() gives, in milliseconds.");
+           "(n, n) lengths of shortest paths, metres, by index; inf where there is none. The "
+           "result of networkx's all_pairs_dijkstra_path_length(), in milliseconds.");
 }
 
 void bind_graph(nb::module_& m) {
@@ -159,19 +160,20 @@ void bind_graph(nb::module_& m) {
       .def(
           "included",
           [](const Graph& g, const std::string& v) { return g.graph->included(g.at(v)); },
-          "viewpoint"_a, "Whether agents may stand there.")
+          "viewpoint"_a, "Whether agents can be at a viewpoint.")
       .def(
           "index", [](const Graph& g, const std::string& v) { return g.at(v).value; },
-          "viewpoint"_a, "Place in `viewpoints`: MatterSim's `ix`. Raises UnknownNameError.")
-      .def("neighbours", neighbours, "viewpoint"_a, "Ids of where one can step to.")
+          "viewpoint"_a, "Index in `viewpoints`: MatterSim's `ix`. Raises UnknownNameError.")
+      .def("neighbours", neighbours, "viewpoint"_a, "Ids of the viewpoints that an edge leads to.")
       .def(
           "distance",
           [](const Graph& g, const std::string& a, const std::string& b) {
             return g.graph->distance(g.at(a), g.at(b));
           },
           "a"_a, "b"_a,
-          "Shortest way along edges, metres; inf if there is none. Raises UnknownNameError.")
-      .def("path", path, "a"_a, "b"_a, "That way's viewpoints, both ends too; None if none.")
+          "Length of the shortest path, metres; inf if there is none. Raises UnknownNameError.")
+      .def("path", path, "a"_a, "b"_a,
+           "Ids of the shortest path, both ends included; None if there is none.")
       .def(
           "nearest",
           [](const Graph& g, std::tuple<float, float, float> p) {
@@ -201,7 +203,7 @@ std::shared_ptr<const GraphSet> open_graphs(const std::filesystem::path& folder)
   return set;
 }
 
-// Graphs of a folder are opened again; those that a data set keeps in its stores are asked of it.
+// Graphs of a folder are opened again; those of a data set's stores come from the data set.
 nb::tuple reduce_graphs(nb::handle self) {
   if (nb::hasattr(self, "_folder")) {
     return nb::make_tuple(nb::module_::import_("enfilade._dataset").attr("_graphs_of"),
@@ -222,11 +224,10 @@ ViewpointIndex find_viewpoint(const NavGraph& graph, const std::string& id) {
 
 void bind_graphs(nb::module_& m) {
   bind_graph(m);
-  nb::class_<GraphSet>(
-      m, "Graphs",
-      "The scans of a folder of <scan>_connectivity.json and scans.txt. A graph is "
-      "read when first used, once a process.",
-      nb::dynamic_attr())
+  nb::class_<GraphSet>(m, "Graphs",
+                       "The scans of a folder of <scan>_connectivity.json and scans.txt. A graph "
+                       "is read at first use, once per process.",
+                       nb::dynamic_attr())
       .def(nb::new_(&open_graphs), "folder"_a,
            "Raises FileError or InvalidInput for a folder without a scans.txt.")
       .def("__reduce__", reduce_graphs, nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
@@ -240,7 +241,7 @@ void bind_graphs(nb::module_& m) {
       .def("__getitem__", graph_of, "scan"_a, "Raises UnknownNameError.")
       .def(
           "index", [](const GraphSet& s, const std::string& scan) { return s.at(scan).value; },
-          "scan"_a, "Place in `scans`. Raises UnknownNameError.")
+          "scan"_a, "Index in `scans`. Raises UnknownNameError.")
       .def(
           "locate",
           [](const GraphSet& s, const std::string& scan, const std::string& viewpoint) {
@@ -248,11 +249,11 @@ void bind_graphs(nb::module_& m) {
             return std::tuple(found.scan.value, found.viewpoint.value);
           },
           "scan"_a, "viewpoint"_a,
-          "Indices of an included viewpoint, of its scan first. Raises UnknownNameError.")
-      .def(
-          "load_all", &GraphSet::load_all, "threads"_a = 0,
-          nb::call_guard<nb::gil_scoped_release>(),
-          "Reads all that are not read yet; threads 0: all cores. Raises FileError, InvalidInput.");
+          "Indices of an included viewpoint: its scan, then itself. Raises UnknownNameError.")
+      .def("load_all", &GraphSet::load_all, "threads"_a = 0,
+           nb::call_guard<nb::gil_scoped_release>(),
+           "Reads all graphs that are not read yet; threads 0: all cores. Raises FileError, "
+           "InvalidInput.");
 }
 
 }  // namespace enfilade::python

@@ -1,4 +1,4 @@
-// The extension module enfilade._learn: trained agents. Separate from _core, as it needs libtorch.
+// The extension module enfilade._learn: trained agents. Separate from _core: it needs libtorch.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
@@ -39,13 +39,13 @@ agents::ActionSpace action_space(const std::string& name) {
   throw ArgumentError(fmt::format("actions {:?}: one of viewpoint, six, panoramic, map", name));
 }
 
-/// A trained agent, the episodes that it is in, and its episodes of somebody else's environment.
+/// A trained agent, its episodes, and the episodes that it runs in an environment of Python.
 class LearntAgent {
  public:
   LearntAgent(const std::filesystem::path& folder, const std::string& device)
       : agent_(neural::load_trained_agent(folder, device)) {}
 
-  // `episodes`: what EpisodeSet.shared() of _core gives.
+  // `episodes`: the result of _core's EpisodeSet.shared().
   void enter(const nb::capsule& episodes, const std::optional<std::filesystem::path>& features) {
     const Busy busy(busy_);
     Set set = *static_cast<const Set*>(episodes.data("enfilade.EpisodeSet"));
@@ -79,7 +79,7 @@ class LearntAgent {
     pilot_ = std::move(pilot);
   }
 
-  // For each slot (stop, viewpoint, number of the six, object), the latter of its last answer.
+  // Per slot (stop, viewpoint, number of the six, object); the object is that of its last answer.
   nb::list next(const Row<std::uint32_t>& viewpoints, const Row<std::uint8_t>& asked) {
     const Busy busy(busy_);
     if (!pilot_) throw WrongOrder("act(): no episodes have begun");

@@ -7,7 +7,7 @@
 namespace nb = nanobind;
 
 NB_MODULE(_core, m) {
-  nb::set_leak_warnings(false);  // what caches of the process hold is no leak
+  nb::set_leak_warnings(false);  // objects in caches of the process are not leaks
   enfilade::python::bind_errors();
   enfilade::python::bind_features(m);
   enfilade::python::bind_graphs(m);

@@ -1,4 +1,5 @@
-/// \file  What shared objects were opened with, so that other processes can open them again.
+/// \file  The arguments with which shared objects were opened, for other processes to open them
+/// again.
 #pragma once
 #include <map>
 #include <memory>
@@ -6,16 +7,16 @@
 
 namespace enfilade::python {
 
-/// Remembers a value for each object as long as that lives. Under the GIL.
+/// Stores a value for each object, for its lifetime. Under the GIL.
 template <class T, class Value>
 class Origins {
  public:
-  /// Remembers, and forgets those of objects that are gone.
+  /// Stores a value, and removes those of destroyed objects.
   void put(const std::shared_ptr<const T>& object, Value value) {
     std::erase_if(known_, [](const auto& entry) { return entry.second.first.expired(); });
     known_.insert_or_assign(object.get(), std::pair(std::weak_ptr<const T>(object), value));
   }
-  /// Null for an object that it does not know.
+  /// Null for an unknown object.
   const Value* find(const T& object) const {
     const auto found = known_.find(&object);
     const bool alive = found != known_.end() && !found->second.first.expired();

@@ -23,7 +23,7 @@ struct Free {
   void operator()(std::byte* memory) const { ::operator delete(memory, kAlignment); }
 };
 
-/// Memory, and how much.
+/// Memory and its size.
 struct Piece {
   std::size_t bytes = 0;
   std::unique_ptr<std::byte, Free> memory;
@@ -68,7 +68,7 @@ struct PictureMemory::Store {
   }
 };
 
-/// What an array owns.
+/// The owner of an array's memory.
 struct PictureMemory::Block {
   std::shared_ptr<Store> store;
   Piece piece;

@@ -1,4 +1,4 @@
-/// \file  Memory of pictures, reused when Python has released it.
+/// \file  Memory of images, reused when Python has released it.
 #pragma once
 #include <nanobind/nanobind.h>
 
@@ -10,9 +10,9 @@
 
 namespace enfilade::python {
 
-/// Makes NumPy arrays. Their memory is reused after the last view of them is gone: to zero new
-/// pages, the system would take a fifth of the time of drawing on them. Keeps the memory of the
-/// last few arrays. Any thread.
+/// Makes NumPy arrays. Their memory is reused after the last view of them is gone: zeroing new
+/// pages would take the system a fifth of the drawing time. Keeps the memory of the last few
+/// arrays. Any thread.
 class PictureMemory {
  public:
   PictureMemory();

@@ -1,4 +1,4 @@
-// Panoramas and Renderer: pictures into the caller's memory.
+// Panoramas and Renderer: images into the caller's memory.
 #include "enfilade/render/renderer.h"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ namespace {
 using scan::PanoramaSet;
 using namespace nb::literals;
 
-/// Memory of any library that supports DLPack: NumPy, torch, CuPy. On the CPU, or on a card for the
+/// Memory of any library that supports DLPack: NumPy, torch, CuPy. On the CPU, or on a GPU for the
 /// back end that draws there: check_device().
 using Buffer = nb::ndarray<nb::c_contig>;
 
@@ -50,7 +50,7 @@ std::shared_ptr<const PanoramaSet> open_panoramas(const std::vector<std::filesys
   return open_of_scans(images, connectivity, graphs.scans());
 }
 
-// Opened again, or asked of the data set that they are of.
+// Panoramas are opened again, or come from their data set.
 nb::tuple reduce_panoramas(nb::handle self) {
   const auto& set = nb::cast<const PanoramaSet&>(self);
   if (nb::hasattr(self, "_folder")) {
@@ -64,9 +64,8 @@ nb::tuple reduce_panoramas(nb::handle self) {
   throw nb::type_error("these panoramas are of no folder: pickle their Dataset");
 }
 
-/// The poses of n views: arrays that are read whenever the views are drawn. Converting arrays from
-/// Python costs about as much as the rest of a call, so arrays that are drawn at each step are
-/// converted once.
+/// The poses of n views: arrays that each rendering reads. Converting arrays from Python costs
+/// about as much as the rest of a call, so arrays for every step are converted once.
 class ViewArrays {
  public:
   ViewArrays(Row<std::uint32_t> scans, Row<std::uint32_t> viewpoints, Row<double> headings,
@@ -160,7 +159,7 @@ render::InstanceOutput instance_output(const Buffer& buffer) {
   return {memory_of<std::uint32_t>(buffer)};
 }
 
-/// 0: nothing is shared.
+/// 0: not shared.
 std::optional<render::SharedCacheConfig> shared_cache(std::size_t bytes) {
   if (bytes == 0) return {};
   return render::SharedCacheConfig{{}, bytes};
@@ -231,13 +230,13 @@ class ViewRenderer {
 
 void bind_renderer(nb::module_& m) {
   nb::class_<PanoramaSet>(m, "Panoramas",
-                          "The panoramas of the scans of a Graphs: stores, or Matterport3D's files "
-                          "in any layout. A scan is opened when first used.",
+                          "The panoramas of a Graphs' scans: stores, or Matterport3D's files in "
+                          "any layout. A scan is opened at first use.",
                           nb::dynamic_attr())
       .def(nb::new_(&open_panoramas), "images"_a, "connectivity"_a, "graphs"_a,
-           "images: folders to look in, in this order. connectivity: folder of the graphs' files.")
+           "images: folders to search, in this order. connectivity: folder of the graphs' files.")
       .def_static("of_scans", &open_of_scans, "images"_a, "connectivity"_a, "scans"_a,
-                  "The same of scans by their names.")
+                  "The same, with names of scans.")
       .def(
           "__contains__",
           [](const PanoramaSet& set, const std::string& scan) {
@@ -245,24 +244,22 @@ void bind_renderer(nb::module_& m) {
             const auto index = set.find(scan);
             return index && set.find_source(*index) != nullptr;
           },
-          "scan"_a,
-          "Whether there are pictures of a scan. Raises FileError, InvalidInput for broken ones.")
+          "scan"_a, "Whether a scan has images. Raises FileError, InvalidInput for broken ones.")
       .def("__reduce__", reduce_panoramas,
            nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
       .def_prop_ro("scans", &PanoramaSet::scans, "Names by index, as Graphs.scans.");
-  nb::class_<ViewArrays>(m, "ViewArrays",
-                         "Where n views are taken from: arrays that are read when they are drawn.")
+  nb::class_<ViewArrays>(m, "ViewArrays", "The poses of n views: arrays that each rendering reads.")
       .def(nb::init<Row<std::uint32_t>, Row<std::uint32_t>, Row<double>, Row<double>>(), "scans"_a,
            "viewpoints"_a, "headings"_a, "elevations"_a)
       .def("__len__", &ViewArrays::size);
-  nb::class_<ViewRenderer>(m, "ViewRenderer", "What enfilade.Renderer is made of.")
+  nb::class_<ViewRenderer>(m, "ViewRenderer", "The core of enfilade.Renderer.")
       .def(nb::init<const std::shared_ptr<const PanoramaSet>&, const std::string&, int, std::size_t,
                     std::size_t, bool, bool, const std::string&, std::size_t>(),
            "panoramas"_a, "backend"_a, "threads"_a, "cache_bytes"_a, "shared_bytes"_a,
            "clamped_edges"_a, "eight_bit_depth"_a, "device"_a, "card_bytes"_a)
       .def_prop_ro("description", &ViewRenderer::description)
       .def("memory", &ViewRenderer::memory, "shape"_a, "type"_a,
-           "A new array to draw into; what it holds is left over.",
+           "A new array to draw into; its content is undefined.",
            nb::sig("def memory(self, shape: tuple[int, ...], type: str) -> "
                    "numpy.typing.NDArray[typing.Any]"))
       .def("render", &ViewRenderer::render, "views"_a, "width"_a, "height"_a, "vfov"_a,
@@ -276,7 +273,7 @@ void bind_renderer(nb::module_& m) {
         for (const render::Backend b : render::backends()) names.emplace_back(to_string(b));
         return names;
       },
-      "What a Renderer may draw with in this build, such as \"cpu\" and \"gl\".");
+      "The Renderer's back ends in this build, such as \"cpu\" and \"gl\".");
 }
 
 }  // namespace enfilade::python

@@ -39,14 +39,14 @@ nb::dict metrics(const graph::GraphSet& graphs, const std::string& scan, nb::han
       read_viewpoints(reference, graph, "reference"), metric_options(success_distance)));
 }
 
-/// A path with all that a scorer asks about.
+/// A trajectory with everything that a scorer needs.
 struct Item {
   const graph::NavGraph* graph = nullptr;
   tasks::ReferencePath reference;
   tasks::Trajectory trajectory;
 };
 
-// What an agent says beside its path: an object's id, a point, where it turned; None: nothing.
+// An agent's answer: an object's id, a point, the turning point; None: no answer.
 void read_answer(nb::handle answer, tasks::Task task, const graph::NavGraph& graph,
                  tasks::Trajectory& trajectory) {
   if (answer.is_none()) return;

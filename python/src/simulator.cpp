@@ -22,7 +22,7 @@ namespace {
 using graph::GraphSet;
 using namespace nb::literals;
 
-/// A simulator and the arrays that its state is in.
+/// A simulator and the arrays of its state.
 class BatchSimulator {
  public:
   BatchSimulator(const std::shared_ptr<const GraphSet>& graphs, const sim::SimulatorConfig& config)
@@ -159,7 +159,7 @@ struct CandidateColumns {
   std::vector<double> reals;  // heading, elevation, rel_heading, rel_elevation, angle, distance
 };
 
-// Every candidate of every included viewpoint of these scans, a row each.
+// Every candidate of every included viewpoint of these scans, one per row.
 CandidateColumns all_candidates(const std::shared_ptr<const GraphSet>& graphs,
                                 const sim::SimulatorConfig& config,
                                 std::span<const std::uint32_t> scans) {
@@ -200,7 +200,7 @@ nb::tuple candidate_arrays(BatchSimulator& self, const Row<std::uint32_t>& scans
 
 void bind_simulator(nb::module_& m) {
   nb::class_<BatchSimulator>(m, "BatchSimulator",
-                             "What enfilade.Simulator is made of: indices and arrays only.")
+                             "The core of enfilade.Simulator: indices and arrays only.")
       .def(nb::new_(&make_simulator), "graphs"_a, nb::kw_only(), "batch_size"_a, "width"_a,
            "height"_a, "vfov"_a, "discretized"_a, "restricted"_a, "linear_view"_a,
            "elevation_limits"_a, "mattersim_starts"_a, "seed"_a, "max_navigable"_a, "threads"_a)

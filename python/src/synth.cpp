@@ -1,4 +1,5 @@
-// The extension module enfilade._synth: model homes. Separate from _core, as it loads a ray tracer.
+// The extension module enfilade._synth: synthetic homes. Separate from _core: it loads a ray
+// tracer.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>

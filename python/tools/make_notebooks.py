@@ -1,10 +1,10 @@
-"""Makes examples/python/notebooks/ of the scripts beside it: run it when they change.
+"""Makes examples/python/notebooks/ from the scripts beside it: run it when they change.
 
     python python/tools/make_notebooks.py
 
-Needs jupytext. Scripts are in its percent format; cells tagged active-py are of the script only, those
-tagged active-ipynb of the notebook only. With --check it writes nothing, and its status says whether
-the notebooks are up to date. They hold no outputs.
+Needs jupytext. Scripts are in its percent format. Cells tagged active-py belong to the script only, those
+tagged active-ipynb to the notebook only. Notebooks hold no outputs. With --check it writes nothing; its
+exit status is 0 if the notebooks are up to date, else 1.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ SCRIPTS = Path(__file__).resolve().parents[2] / "examples" / "python"
 
 def notebook_of(script: Path) -> str:
     notebook = jupytext.reads(script.read_text(), fmt="py:percent")
-    # What is active in the script only comes as raw cells.
+    # Cells that are active in the script only arrive as raw cells.
     notebook.cells = [cell for cell in notebook.cells if cell.cell_type != "raw"]
     for number, cell in enumerate(notebook.cells):
         cell.id, cell.metadata = f"cell-{number}", {}

@@ -1,8 +1,8 @@
-"""Writes the type stubs of the extension module anew: run it when bindings change.
+"""Writes the type stubs of the extension module: run it when bindings change.
 
     PYTHONPATH=build/NAME/python python python/tools/make_stubs.py
 
-Needs nanobind. With --check it writes nothing, and its status says whether the stubs are up to date.
+Needs nanobind. With --check it writes nothing; its exit status is 0 if the stubs are up to date, else 1.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def make_stubs() -> str:
     generator = StubGen(importlib.import_module("enfilade._core"), quiet=True)
     generator.put(generator.module)
     # The drop-in's names have stubs of their own, in MatterSim/.
-    # Memory to draw into may be of any library; strict checkers want to know of what a path is.
+    # Memory to draw into may be of any library; strict checkers require the parameter of PathLike.
     lines = [
         line.replace("Annotated[NDArray, ", "Annotated[Any, ").replace("PathLike", "PathLike[str]")
         for line in generator.get().splitlines()

@@ -1,4 +1,4 @@
-"""Room-to-Room, and the benchmarks that came after it, as Gymnasium environments.
+"""Room-to-Room and later benchmarks as Gymnasium environments.
 
 >>> import gymnasium, enfilade.gym
 >>> env = gymnasium.make("RoomToRoom-v0", config=enfilade.gym.EnvConfig("data", "train"))
@@ -44,13 +44,13 @@ ENV_TASKS = {
     "enfilade/CVDN-v0": "cvdn",
     "enfilade/SOON-v0": "soon",
 }
-"""The ids of environments, and the task that each sets; that of the config where there is none."""
+"""The ids of environments, and the task that each sets; None: the config's."""
 
 CONTINUOUS_ENV_TASKS = {
     "Enfilade/ContinuousRoomToRoom-v0": "r2r-ce",
     "Enfilade/ContinuousRoomAcrossRoom-v0": "rxr-ce",
 }
-"""The same of environments in which agents walk freely; they take a ContinuousEnvConfig."""
+"""The same for continuous environments; they take a ContinuousEnvConfig."""
 
 
 def register() -> None:

@@ -1,4 +1,4 @@
-"""What the single and the vector environment share: n agents, their observations and spaces."""
+"""Shared by the single and the vector environment: n agents, their observations and spaces."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ RENDER_MODES = ["rgb_array", "ansi"]
 PI = np.float32(np.pi)  # above pi, as a rounded angle may be
 MOST_METRES = 1000  # the spaces' bound of distances and depths, larger than any building
 
-# Of the tasks that ask for an answer beside the path: the metric that says whether it is right.
+# Tasks with an answer beside the trajectory: the metric that shows whether it is right.
 ANSWERS = {"reverie": "rgs", "soon": "det_success", "r2r-back": "success"}
 
-# The renderer's names of layers, and what comes out.
+# Layer -> the renderer's name of it, type and largest value.
 _LAYERS: dict[str, tuple[str, type[Any], float]] = {
     "depth": ("depth", np.float32, MOST_METRES),
     "class": ("classes", np.uint16, 2**16 - 1),
@@ -70,18 +70,18 @@ class Batch:
         self.single_action_space = spaces.Discrete(int(self.core.action_count))
 
     def renderer(self) -> Renderer:
-        """Made at its first use, as graphs alone need no pictures."""
+        """The renderer, made at first use: graphs alone need no images."""
         if self._renderer is None:
             self._renderer = self.dataset.renderer(backend=self.config.backend, cache=self.config.cache)
         return self._renderer
 
     def render_modes(self) -> list[str]:
-        """Those of RENDER_MODES that the data are enough for."""
+        """Those of RENDER_MODES for which the data folder has the images."""
         drawn = bool(self.config.observe) or self.episodes[0].scan in self.dataset.panoramas
         return RENDER_MODES if drawn else [mode for mode in RENDER_MODES if mode != "rgb_array"]
 
     def checked_mode(self, mode: Optional[str]) -> Optional[str]:
-        """A render mode that there is. Raises ArgumentError."""
+        """The mode, if valid. Raises ArgumentError for an unknown one, or one without images."""
         if mode is None:
             return None
         if mode not in RENDER_MODES:
@@ -130,7 +130,7 @@ class Batch:
     # --- episodes ---------------------------------------------------------------------------------
 
     def seed(self, seeds: Sequence[Optional[int]]) -> None:
-        """None leaves an agent's stream of episodes as it is."""
+        """Seeds each agent's stream of episodes; None leaves it unchanged."""
         numbers = [None if seed is None else whole("seed", seed, 2**64 - 1) for seed in seeds]
         for agent, number in enumerate(numbers):
             if number is not None:
@@ -147,7 +147,8 @@ class Batch:
         self.read_instructions()
 
     def step(self, chosen: ArrayLike) -> NDArray[np.float64]:
-        """The rewards, (n,). No agent has moved if it raises TypeError or ArgumentError."""
+        """Steps all agents. Returns the rewards, (n,). Raises TypeError or ArgumentError for invalid
+        actions; then no agent has moved."""
         actions = np.asarray(chosen)
         if actions.dtype.kind not in "iub":
             raise TypeError(f"actions of type {actions.dtype}: integers are wanted")
@@ -183,8 +184,8 @@ class Batch:
     # --- answers ----------------------------------------------------------------------------------
 
     def answer(self, agent: int, answer: Any) -> None:
-        """Keeps what an agent answers in its episode; the last one counts. Raises ArgumentError for a
-        task that asks for none, TypeError for one of another kind."""
+        """Stores an agent's answer in its episode; the last one counts. Raises ArgumentError for a task
+        without answers, TypeError for an answer of the wrong type."""
         if not self._begun:
             raise ArgumentError("answer(): reset() has to come first")
         task = self.config.task
@@ -200,7 +201,7 @@ class Batch:
         self.answers[whole("agent", agent, self.n - 1)] = answer
 
     def answered(self, agents: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which of these agents have given a right answer; none where the goal is hidden."""
+        """(n,) which of `agents` have given a right answer; none if the goal is hidden."""
         right = np.zeros(self.n, bool)
         if self.config.task in ANSWERS:
             for agent in np.flatnonzero(agents):
@@ -210,8 +211,8 @@ class Batch:
         return right
 
     def metrics(self, agent: int) -> dict[str, float]:
-        """Of what an agent has walked and answered in its episode so far: our metrics for R2R, those of
-        the task's first scorer for others."""
+        """Metrics of an agent's trajectory and answer so far: ours for R2R, those of the task's first
+        scorer for others. Raises ArgumentError before reset()."""
         if self.config.task == "r2r":
             return self.core.metrics(agent)
         if not self._begun:
@@ -222,7 +223,7 @@ class Batch:
         return {name: float(values[0]) for name, values in scored.items()}
 
     def expert(self, agent: int, rule: str) -> Optional[int]:
-        """The action of a teacher. Raises ArgumentError before reset()."""
+        """A teacher's action. Raises ArgumentError before reset(), or for an unknown rule."""
         if not self._begun:
             raise ArgumentError("expert(): reset() has to come first")
         if rule not in EXPERTS:
@@ -231,24 +232,24 @@ class Batch:
         return action
 
     def objects(self, agent: int) -> list[SeenObject]:
-        """What may be named where an agent is: the objects that a view shows (REVERIE)."""
+        """The objects that an agent may name: those that a view of its viewpoint shows (REVERIE)."""
         scan = self.episodes.graphs.scans[int(self.arrays["scan"][agent])]
         viewpoint = self.episodes.graphs[scan].viewpoints[int(self.arrays["viewpoint"][agent])]
         return [one for one in self.dataset.objects(scan, viewpoint) if one.views]
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """(n, actions): which do something. The others leave an agent where it is."""
+        """(n, actions): which actions have an effect. The others do not move an agent."""
         if self.config.actions == "map":
             open_nodes: NDArray[np.bool_] = self.arrays["node_mask"].astype(bool)
             open_nodes[:, 0] = True
             return open_nodes
         there: NDArray[np.bool_] = self.arrays["candidate_mask"].astype(bool)
         if self.config.actions != "six":
-            there[:, 0] = True  # to stop
+            there[:, 0] = True  # stop
             return there
         possible = np.ones((self.n, 6), bool)
         elevation = self.arrays["elevation"]
-        possible[:, 2] = elevation < 0.25  # 30 degrees are the highest, and the lowest below
+        possible[:, 2] = elevation < 0.25  # elevations are -30 to 30 degrees
         possible[:, 3] = elevation > -0.25
         possible[:, 4] = there[:, 1:].any(axis=1)
         return possible
@@ -279,15 +280,15 @@ class Batch:
             raise ArgumentError(f"episode '{wanted}' is not in the split {self.config.split}")
         return place
 
-    # --- what is seen -----------------------------------------------------------------------------
+    # --- observations ------------------------------------------------------------------------------
 
     def observe(self) -> dict[str, Any]:
         """Copies by name, shape (n, ...), and a tuple of n texts."""
         return {**self._numbers(), **self.pictures(self.config.observe)}
 
     def observe_again(self, seen: dict[str, Any], agents: NDArray[np.intp]) -> None:
-        """Updates an observation where only these agents have been reset since: the
-        pictures of the others need not be drawn twice."""
+        """Updates an observation after a reset of only these agents; the others' images are not rendered
+        again."""
         seen.update(self._numbers())
         for name, redrawn in self.pictures(self.config.observe, agents).items():
             seen[name][agents] = redrawn
@@ -313,7 +314,7 @@ class Batch:
     def pictures(
         self, names: Sequence[str], agents: Optional[NDArray[np.intp]] = None
     ) -> dict[str, NDArray[Any]]:
-        """What all agents, or these of them, see now."""
+        """The current images of all agents, or of these, by name."""
         if not names:
             return {}
         drawn = self.renderer()._draw(
@@ -341,7 +342,7 @@ class Batch:
         return [self._describe(agent) for agent in range(self.n)]
 
     def _describe(self, agent: int) -> str:
-        """Where an agent is, in words: render_mode "ansi"."""
+        """An agent's state as text: render_mode "ansi"."""
         episode = self.episodes[int(self.arrays["episode"][agent])]
         graph = self.episodes.graphs[episode.scan]
         ids = graph.viewpoints

@@ -24,11 +24,11 @@ LAYERS = ("rgb", "depth", "class", "instance")
 class Transition:
     """One step of n agents, for a reward function."""
 
-    distance_before: NDArray[np.float64]  #: (n,) to the goal along the graph, metres
-    distance: NDArray[np.float64]  #: (n,) after the step
-    stopped: NDArray[np.bool_]  #: (n,)
-    success: NDArray[np.bool_]  #: (n,) stopped where the goal is reached
-    answered: NDArray[np.bool_]  #: (n,) stopped with a right answer, where the task asks for one
+    distance_before: NDArray[np.float64]  #: (n,) metres along the graph to the goal, before the step
+    distance: NDArray[np.float64]  #: (n,) metres, after the step
+    stopped: NDArray[np.bool_]  #: (n,) by the action stop
+    success: NDArray[np.bool_]  #: (n,) stopped at the goal
+    answered: NDArray[np.bool_]  #: (n,) stopped with a right answer, in tasks with answers
 
 
 @dataclass(frozen=True)
@@ -36,32 +36,31 @@ class EnvConfig:
     """Episodes, observations, actions and reward of an environment.
 
     Args:
-        data: folder of graphs and annotations, and of pictures where `observe` wants some.
+        data: folder of graphs and annotations, and of images if `observe` names any.
         split: "train", "val_seen", "val_unseen", ...
-        task: the benchmark: "r2r", "r4r", "rxr", "reverie", "cvdn", "soon", ...; environments whose ids
-            name a benchmark set it.
-        actions: "viewpoint": 0 stops, k walks to candidate k and looks along the way; "six": left,
-            right, up, down (30 degrees), forward, stop; "panoramic": 0 stops, k walks to candidate k
-            of all neighbours and looks as the one of 36 views that has it; "map": 0 stops, k walks
-            to node k of what the agent has seen so far, unless it was there before. An action that
-            is not possible leaves the agent where it is.
+        task: the benchmark: "r2r", "r4r", "rxr", "reverie", "cvdn", "soon", ...; environment ids with a
+            benchmark's name set it.
+        actions: "viewpoint": 0 stops, k moves to candidate k and faces along the edge. "six": left,
+            right, up, down (30 degrees), forward, stop. "panoramic": 0 stops, k moves to candidate k of
+            all neighbours and faces as that of the 36 views which shows it. "map": 0 stops, k moves to
+            node k of the map, if unvisited. An invalid action does not move the agent.
         reward: "progress" (metres nearer to the goal, 2 for a successful stop, -2 for another),
-            "success" (1 for a successful stop), "none", or a function of a Transition that gives (n,) numbers; it has
-            to be importable by its name for the config to be pickled.
+            "success" (1 for a successful stop), "none", or a function of a Transition that returns (n,)
+            numbers. To pickle the config, the function has to be importable by its name.
         max_steps: actions after which an episode is truncated.
-        answer_reward: added to a reward that has a name, for a stop with a right answer (answer()), where
-            the task asks for one; a function finds Transition.answered instead.
-        success_distance: metres along the graph, of goals that a distance decides.
-        text: whether observations have the instruction's text, which not every library takes.
+        answer_reward: added to a named reward for a stop with a right answer (answer()), in tasks with
+            answers; a function has Transition.answered instead.
+        success_distance: metres along the graph, for goals that a distance decides.
+        text: whether observations have the instruction's text; some libraries do not support it.
         observe: any of "rgb", "depth", "class", "instance".
-        width, height, vfov: of the camera, pixels and radians. They also decide what "six" can
-            reach.
+        width, height, vfov: of the camera, pixels and radians. They also determine the neighbours that
+            "six" can reach.
         vocabulary: file of words (R2R's train_vocab.txt), for token ids; None: no tokens.
         tokens: length of the row of ids.
-        max_candidates: rows of the candidates, the present viewpoint included.
-        backend: of the renderer: "cpu", "cpu-scalar", "gl" or "cuda".
-        cache: of the renderer: "private", or "shared" by the environments of all processes.
-        seed: of the episodes, until reset(seed=...) gives another.
+        max_candidates: rows of the candidates, the current viewpoint included.
+        backend: the renderer's: "cpu", "cpu-scalar", "gl" or "cuda".
+        cache: the renderer's: "private", or "shared" by the environments of all processes.
+        seed: of the order of episodes, until reset(seed=...).
     """
 
     data: Union[str, os.PathLike[str]]

@@ -1,4 +1,4 @@
-"""What the single and the vector environment of walking freely share."""
+"""Shared by the single and the vector continuous environment."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MOST_METRES = 10000  # the spaces' bound of coordinates, larger than any buildin
 SUCCESS_METRES = 3.0  # a stop nearer than this, as VLN-CE counts
 EXPERTS = ("reference", "shortest")
 RENDER_MODES = ["rgb_array", "ansi"]
-# What a picture is made of, and above all of its values.
+# The type of an image's values, and their largest value.
 _PICTURES: dict[str, tuple[Any, float]] = {
     "rgb": (np.uint8, 255),
     "depth": (np.float32, MOST_METRES),
@@ -41,23 +41,23 @@ _PICTURES: dict[str, tuple[Any, float]] = {
 
 @dataclass(frozen=True)
 class ContinuousEnvConfig:
-    """Episodes and reward of an environment in which agents walk freely.
+    """Episodes, observations and reward of a continuous environment.
 
     Args:
         data: folder of the data set, with navigation meshes and episodes (`enfilade continuous`).
         split: "train", "val_seen", "val_unseen", ...
-        task: "r2r-ce": 4 actions; "rxr-ce": 6 actions. Environments whose ids name one set it.
-        reward: "progress" (metres nearer to the goal by the shortest way, 2 for a stop within 3 m, -2 for
+        task: "r2r-ce": 4 actions; "rxr-ce": 6 actions. Environment ids with a task's name set it.
+        reward: "progress" (metres nearer to the goal by the shortest path, 2 for a stop within 3 m, -2 for
             another), "success" (1 for a stop within 3 m), "none", or a function of a Transition that
-            gives (n,) numbers; it has to be importable by its name for the config to be pickled.
+            returns (n,) numbers. To pickle the config, the function has to be importable by its name.
         max_steps: actions after which an episode is truncated.
-        text: whether observations have the instruction's text, which not every library takes.
+        text: whether observations have the instruction's text; some libraries do not support it.
         simulator: options of ContinuousSimulator that differ from the task's: {"slide": False}.
-        seed: of the episodes, until reset(seed=...) gives another.
-        observe: any of "rgb", "depth" (metres), "class", "instance": pictures (enfilade.eyes).
-        sizes: their widths and heights by name; those of VLN-CE where there is none.
-        vfov: their vertical field of view, radians.
-        eyes: options of enfilade.eyes.Eyes: {"meshes": "glb"}; without "meshes" the data are model homes.
+        seed: of the order of episodes, until reset(seed=...).
+        observe: images, any of "rgb", "depth" (metres), "class", "instance" (enfilade.eyes).
+        sizes: (width, height) of images by name; default: VLN-CE's.
+        vfov: vertical field of view of images, radians.
+        eyes: options of enfilade.eyes.Eyes: {"meshes": "glb"}; without "meshes" the data are synthetic homes.
     """
 
     data: Union[str, os.PathLike[str]]
@@ -119,7 +119,7 @@ class ContinuousBatch:
         self.single_action_space = spaces.Discrete(4 if config.task == "r2r-ce" else 6)
 
     def eyes(self) -> Any:
-        """Made at their first use, as they load a ray tracer."""
+        """The renderer, made at first use: it loads a ray tracer."""
         if self._eyes is None:
             from enfilade.eyes import Eyes
 
@@ -128,7 +128,7 @@ class ContinuousBatch:
         return self._eyes
 
     def pictures(self, layers: Sequence[str], agents: NDArray[np.intp]) -> dict[str, NDArray[Any]]:
-        """What these agents see."""
+        """The current images of these agents, by name."""
         names = self._floors.scans
         scans = [names[building] for building in self.arrays["building"][agents]]
         at = self.arrays["position"][agents].astype(np.float64)
@@ -163,7 +163,7 @@ class ContinuousBatch:
         return spaces.Dict(space)
 
     def seed(self, seeds: Sequence[Optional[int]]) -> None:
-        """None leaves an agent's stream of episodes as it is."""
+        """Seeds each agent's stream of episodes; None leaves it unchanged."""
         numbers = [None if seed is None else whole("seed", seed, 2**64 - 1) for seed in seeds]
         for agent, number in enumerate(numbers):
             if number is not None:
@@ -174,7 +174,8 @@ class ContinuousBatch:
         mask: Optional[NDArray[np.bool_]] = None,
         chosen: Optional[NDArray[np.int64]] = None,
     ) -> None:
-        """Begins episodes of all agents or those of a mask: chosen ones, or drawn ones."""
+        """Begins episodes of all agents or those of a mask: `chosen` ones, or drawn. Raises ArgumentError
+        if the first call has a mask."""
         if mask is not None and not self._begun and not mask.all():
             raise ArgumentError("reset(): the first one is for all agents")
         begin = np.full(self.n, -1, np.int64)
@@ -189,8 +190,8 @@ class ContinuousBatch:
     def step(
         self, chosen: ArrayLike, skip: Optional[NDArray[np.bool_]] = None
     ) -> NDArray[np.float64]:
-        """The rewards, (n,); no agent has moved if it raises TypeError or ArgumentError. Those of `skip`
-        begin a new episode instead."""
+        """Steps all agents; those of `skip` begin a new episode instead. Returns the rewards, (n,). Raises
+        TypeError or ArgumentError for invalid actions; then no agent has moved."""
         actions = np.asarray(chosen)
         if actions.dtype.kind not in "iub":
             raise TypeError(f"actions of type {actions.dtype}: integers are wanted")
@@ -229,32 +230,32 @@ class ContinuousBatch:
             return np.where(success, 1.0, 0.0)
         if reward == "none":
             return np.zeros(self.n)
-        finite = np.isfinite(before) & np.isfinite(distance)  # an island without a way to the goal
+        finite = np.isfinite(before) & np.isfinite(distance)  # not finite: no path to the goal
         nearer = np.subtract(before, distance, out=np.zeros(self.n), where=finite)
         bonus: NDArray[np.float64] = np.where(stopped, np.where(success, 2.0, -2.0), 0.0)
         bonus += nearer
         return bonus
 
     def terminated(self) -> NDArray[np.bool_]:
-        """(n,) who has said stop."""
+        """(n,) episodes that ended by STOP."""
         flags: NDArray[np.bool_] = self.arrays["state"] == EpisodeStatus.STOPPED
         return flags
 
     def truncated(self) -> NDArray[np.bool_]:
-        """(n,) who had too many actions."""
+        """(n,) episodes that ended after max_steps actions."""
         flags: NDArray[np.bool_] = self.arrays["state"] == EpisodeStatus.CUT_SHORT
         return flags
 
     def metrics(self, agent: int) -> dict[str, float]:
-        """VLN-CE's measures so far."""
+        """VLN-CE's measures of an agent's trajectory so far."""
         return self.core.score(whole("agent", agent, self.n - 1))
 
     def final_metrics(self, agent: int) -> dict[str, float]:
-        """The same at an episode's end; nothing where the goal is hidden."""
+        """The same at an episode's end; empty if the goal is hidden."""
         return {} if np.isnan(self.arrays["distance"][agent]) else self.metrics(agent)
 
     def expert(self, agent: int, rule: str) -> Optional[int]:
-        """The action of a teacher."""
+        """A teacher's action. Raises ArgumentError for an unknown rule."""
         if rule not in EXPERTS:
             raise ArgumentError(f"rule '{rule}': one of {', '.join(EXPERTS)} is wanted")
         return self.core.expert(whole("agent", agent, self.n - 1), rule == "shortest")
@@ -285,7 +286,7 @@ class ContinuousBatch:
         return {**self._numbers(), **drawn}
 
     def observe_again(self, seen: dict[str, Any], agents: NDArray[np.intp]) -> None:
-        """Updates an observation where only these agents have been reset since."""
+        """Updates an observation after a reset of only these agents."""
         seen.update(self._numbers())
         if self.config.observe:
             for name, redrawn in self.pictures(self.config.observe, agents).items():
@@ -326,7 +327,7 @@ class ContinuousBatch:
 
 
 def checked_mode(mode: Optional[str]) -> Optional[str]:
-    """A render mode that there is. Raises ArgumentError."""
+    """The mode, if valid. Raises ArgumentError for an unknown one."""
     if mode is not None and mode not in RENDER_MODES:
         raise ArgumentError(f"render_mode '{mode}': one of {', '.join(RENDER_MODES)}")
     return mode

@@ -1,4 +1,4 @@
-"""Agents that walk freely in episodes of VLN-CE: one, or many at once."""
+"""Continuous environments of VLN-CE's episodes: one agent, or many at once."""
 
 from __future__ import annotations
 
@@ -25,15 +25,21 @@ Flags = NDArray[np.bool_]
 class ContinuousRoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
     """Enfilade/ContinuousRoomToRoom-v0 (R2R-CE) and Enfilade/ContinuousRoomAcrossRoom-v0 (RxR-CE).
 
-    Actions: 0 stop, 1 forward, 2 left, 3 right; of RxR-CE also 4 look up, 5 look down. Observations, a
-    Dict: instruction: text, unless the config has text=False. position: (3,) of the feet, metres, world
-    frame (z up). pose: heading (clockwise from +y) and elevation of the camera, radians. collided: (1,)
-    whether a wall cut the last step short. rgb, depth, class, instance: where the config wants them.
+    Actions: 0 stop, 1 forward, 2 left, 3 right; RxR-CE also 4 look up, 5 look down.
 
-    reset(options={"episode": e}) takes an index or an episode's id instead of drawing one. info:
-    episode_id, scan, distance (metres to the goal by the shortest way; NaN if it is hidden); at an
-    episode's end also VLN-CE's measures (success, spl, ndtw, ...) unless the goal is hidden. Pickled or
-    copied, it is a new one of the same config.
+    Observations:
+        - instruction: text, unless the config has text=False.
+        - position: (3,) the feet, metres, world frame (z up).
+        - pose: (2,) heading (clockwise from +y) and elevation of the camera, radians.
+        - collided: (1,) whether a wall shortened the last step.
+        - rgb, depth, class, instance: those of the config's `observe`.
+
+    Info:
+        - episode_id, scan.
+        - distance: metres to the goal by the shortest path; NaN if the goal is hidden.
+        - VLN-CE's measures (success, spl, ndtw, ...): at an episode's end, unless the goal is hidden.
+
+    A pickled or copied environment has the same config.
     """
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 4}
@@ -54,7 +60,8 @@ class ContinuousRoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode: one drawn by the seed's stream, or options["episode"]."""
+        """Begins an episode: drawn from the seed's stream, or options["episode"], an index or an episode
+        id."""
         chosen = self._batch.chosen_episodes(options)
         self._batch.seed([seed])
         super().reset(seed=seed)
@@ -62,7 +69,7 @@ class ContinuousRoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One action; at the episode's end `info` has the measures."""
+        """Executes an action; at the episode's end `info` has the measures."""
         rewards = self._batch.step([action])
         terminated = bool(self._batch.terminated()[0])
         truncated = bool(self._batch.truncated()[0])
@@ -72,26 +79,26 @@ class ContinuousRoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         return self._observation(), float(rewards[0]), terminated, truncated, info
 
     def expert(self, rule: str = "reference") -> Optional[int]:
-        """The action of a teacher, which knows the goal: along the reference path by the rule of VLN-CE's
-        experts, or "shortest", straight to the goal. None if the goal is hidden."""
+        """A teacher's action. "reference": along the reference path, by the rule of VLN-CE's experts;
+        "shortest": along the shortest path to the goal. None if the goal is hidden."""
         return self._batch.expert(0, rule)
 
     @property
     def episodes(self) -> ContinuousEpisodes:
-        """Of the split; `arrays["episode"]` says which one runs."""
+        """The episodes of the split; `arrays["episode"]` is the index of the current one."""
         return self._batch.episodes
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The state of the agent, by name, as in ContinuousRoomToRoomVectorEnv.arrays with n = 1."""
+        """The agent's state, by name, as in ContinuousRoomToRoomVectorEnv.arrays with n = 1."""
         return self._batch.arrays
 
     def metrics(self) -> dict[str, float]:
-        """VLN-CE's measures of the walk so far. Raises ArgumentError for a goal that is hidden."""
+        """VLN-CE's measures of the trajectory so far. Raises ArgumentError for a hidden goal."""
         return self._batch.metrics(0)
 
     def render(self) -> Union[None, NDArray[np.uint8], str]:
-        """rgb_array: (height, width, 3) uint8, what the agent sees. ansi: where it is, in words."""
+        """rgb_array: (height, width, 3) uint8, the agent's view. ansi: its state as text."""
         seen = self._batch.describe(self.render_mode)
         return None if seen is None else seen[0]
 
@@ -110,19 +117,24 @@ class ContinuousRoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
 class ContinuousRoomToRoomVectorEnv(
     gymnasium.vector.VectorEnv[Observation, Any, NDArray[Any]], EzPickle
 ):
-    """The same, n at a time, all stepped together in C++; observations with n in front of each shape.
+    """n continuous environments, stepped together in C++. Observations have n in front of each shape.
 
     Args:
-        config: of all agents; reset(seed=s) gives agent k the episodes that a single environment gets by
+        config: of all agents; reset(seed=s) gives agent k the episodes of a single environment's
             reset(seed=s + k).
         num_envs: n.
         autoreset_mode: Gymnasium's NEXT_STEP, SAME_STEP (final_obs and final_info in the info) or
             DISABLED (reset(options={"reset_mask": flags})).
-        render_mode: "rgb_array" or "ansi"; render() gives n of them.
+        render_mode: "rgb_array" or "ansi"; render() returns n of them.
+        task: overrides the config's.
 
-    info: distance (metres to the goal), episode_index (into `episodes`), and at an episode's end VLN-CE's
-    measures, each with its mask `_name` as Gymnasium has it. Pickled or copied, it is a new one of the
-    same config.
+    Info:
+        - distance: (n,) metres to the goal.
+        - episode_index: (n,) indices into `episodes`.
+        - VLN-CE's measures: (n,) at an episode's end.
+        - Each has its mask `_name`, as usual in Gymnasium.
+
+    A pickled or copied environment has the same config.
     """
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 4}
@@ -158,8 +170,9 @@ class ContinuousRoomToRoomVectorEnv(
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[dict[str, Any]] = None,
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode in every environment, or in those of options["reset_mask"]. Environment k of
-        seed s gets the episodes of a single one with seed s + k."""
+        """Begins an episode in every environment, or in those of options["reset_mask"]. With seed s,
+        environment k gets the episodes of a single one with seed s + k. Raises ArgumentError for a wrong
+        number of seeds or an invalid mask."""
         if isinstance(seed, (int, np.integer)):
             seed = [int(seed) + k for k in range(self.num_envs)]
         if seed is not None and len(seed) != self.num_envs:
@@ -177,7 +190,7 @@ class ContinuousRoomToRoomVectorEnv(
     def step(
         self, actions: ArrayLike
     ) -> tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
-        """One action for every environment, all stepped together in C++."""
+        """One action per environment, (n,). Raises TypeError or ArgumentError for invalid actions."""
         batch = self._batch
         next_step = self.autoreset_mode == AutoresetMode.NEXT_STEP
         rewards = batch.step(actions, self._ended if next_step else None)
@@ -194,28 +207,29 @@ class ContinuousRoomToRoomVectorEnv(
         return seen, rewards, terminated, truncated, info
 
     def expert(self, agent: int, rule: str = "reference") -> Optional[int]:
-        """The action of a teacher; as ContinuousRoomToRoomEnv.expert()."""
+        """A teacher's action; see ContinuousRoomToRoomEnv.expert()."""
         return self._batch.expert(agent, rule)
 
     @property
     def episodes(self) -> ContinuousEpisodes:
-        """Of the split; `arrays["episode"]` says which ones run."""
+        """The episodes of the split; `arrays["episode"]` has the indices of the current ones."""
         return self._batch.episodes
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The state of n agents, by name: what ContinuousState has, but for `episode`, which is the index
-        into `episodes`, (n,), and `state`, the EpisodeStatus, (n,); distance (metres), (n,). Views of the
-        environment's memory, read-only, written over by the next call: for teachers."""
+        """The state of n agents, by name, for teachers: the arrays of ContinuousState, with two changes.
+        `episode` is the index into `episodes`, and `state` the EpisodeStatus. There is also `distance`,
+        metres. All are (n, ...), read-only views of the environment's memory; the next call overwrites
+        them."""
         return self._batch.arrays
 
     def metrics(self, agent: int) -> dict[str, float]:
-        """VLN-CE's measures of an agent's walk in its episode so far; with SAME_STEP that is the new
-        episode already."""
+        """VLN-CE's measures of an agent's trajectory so far. With SAME_STEP this is the new episode's after
+        an end."""
         return self._batch.metrics(agent)
 
     def render(self) -> Optional[tuple[Any, ...]]:
-        """A tuple of n, each as of ContinuousRoomToRoomEnv.render()."""
+        """A tuple of n results of ContinuousRoomToRoomEnv.render(); None without a render mode."""
         seen = self._batch.describe(self.render_mode)
         return None if seen is None else tuple(seen)
 

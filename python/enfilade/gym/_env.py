@@ -20,20 +20,27 @@ _ALONE = np.ones(1, bool)
 
 
 class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
-    """RoomToRoom-v0, and the environments of other benchmarks (enfilade.gym.ENV_TASKS). Observations, a
-    Dict:
+    """RoomToRoom-v0, and the environments of other benchmarks (enfilade.gym.ENV_TASKS).
 
-    instruction: text, unless the config has text=False. pose: heading and elevation, radians. candidates: (m, 3) rel_heading,
-    rel_elevation (radians from where the agent looks) and distance (metres); row 0 is where it
-    stands. candidate_mask: (m,) 1 for rows in use. tokens: token ids, where the config names a
-    vocabulary. rgb, depth, class, instance: where the config wants them. Of "map" actions also nodes:
-    (actions, 7), where each lies, as DUET's position features have it (docs/agents.md), row 0 being [stop], and
-    node_mask: (actions,) 1 where the agent can go.
+    Observations:
+        - instruction: text, unless the config has text=False.
+        - pose: (2,) heading and elevation, radians.
+        - candidates: (m, 3) rel_heading, rel_elevation (radians from the agent's view) and distance
+          (metres); row 0 is the current viewpoint.
+        - candidate_mask: (m,) 1 for rows in use.
+        - tokens: token ids, if the config names a vocabulary.
+        - rgb, depth, class, instance: those of the config's `observe`.
+        - nodes: "map" actions only, (actions, 7), positions as in DUET's features (docs/agents.md); row 0
+          is [stop].
+        - node_mask: "map" actions only, (actions,) 1 for nodes that the agent can go to.
 
-    reset(options={"episode": e}) takes an index or instruction id instead of drawing one.
-    info: instruction_id, scan, viewpoint, distance (metres to the goal); at an episode's end also
-    success and spl, of the walk alone, and where the task asks for an answer, answered: whether it was
-    right. metrics() has the others. Pickled or copied, it is a new one of the same config.
+    Info:
+        - instruction_id, scan, viewpoint.
+        - distance: metres to the goal.
+        - success, spl: at an episode's end, of the trajectory alone. metrics() has the others.
+        - answered: at an episode's end, in tasks with answers: whether the answer is right.
+
+    A pickled or copied environment has the same config.
     """
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 2}
@@ -52,8 +59,8 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode: one drawn by the seed's stream, or options["episode"], an index or an
-        instruction's id."""
+        """Begins an episode: drawn from the seed's stream, or options["episode"], an index or an
+        instruction id."""
         chosen = self._batch.chosen_episodes(options)
         self._batch.seed([seed])
         super().reset(seed=seed)
@@ -61,7 +68,7 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One action; at the episode's end `info` has "success" and "spl"."""
+        """Executes an action; at the episode's end `info` has "success" and "spl"."""
         rewards = self._batch.step([action])
         terminated = bool(self._batch.arrays["terminated"][0])
         truncated = bool(self._batch.arrays["truncated"][0])
@@ -73,44 +80,48 @@ class RoomToRoomEnv(gymnasium.Env[Observation, Any], EzPickle):
         return self._observation(), float(rewards[0]), terminated, truncated, info
 
     def answer(self, answer: Any) -> None:
-        """What the agent answers in this episode; the last one before its end counts, None is no answer.
-        REVERIE: the object's id; SOON: (heading, elevation) of the object from where the agent stops,
-        radians, world frame; R2R-Back: the id of the viewpoint where it turned. Raises ArgumentError for
-        a task that asks for none."""
+        """Sets the agent's answer in this episode; the last one before the end counts.
+
+        Args:
+            answer: REVERIE: the object's id. SOON: (heading, elevation) of the object from the last
+                viewpoint, radians, world frame. R2R-Back: the id of the turning point. None: no answer.
+
+        Raises ArgumentError for a task without answers, TypeError for an answer of the wrong type.
+        """
         self._batch.answer(0, answer)
 
     def objects(self) -> list[SeenObject]:
-        """What may be named here: the objects around the agent that a view shows (REVERIE)."""
+        """The objects that the agent may name: those that a view of its viewpoint shows (REVERIE)."""
         return self._batch.objects(0)
 
     def expert(self, rule: str = "spl") -> Optional[int]:
-        """The action of a teacher, which knows the goal: a step on the shortest path to it, or stop; of
-        "map" actions that of DUET's pseudo-expert, by its rule "spl" or "ndtw". None if the goal is
-        hidden or out of reach."""
+        """A teacher's action: the next step on the shortest path to the goal, or stop. With "map" actions
+        it is DUET's pseudo-expert's, by its rule "spl" or "ndtw". None if the goal is hidden or out of
+        reach."""
         return self._batch.expert(0, rule)
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """(actions,) bool: which actions do something, as sb3-contrib's MaskablePPO asks for them."""
+        """(actions,) bool: which actions have an effect, for sb3-contrib's MaskablePPO."""
         mask: NDArray[np.bool_] = self._batch.action_masks()[0]
         return mask
 
     @property
     def episodes(self) -> Episodes:
-        """Of the split; `arrays["episode"]` says which one runs."""
+        """The episodes of the split; `arrays["episode"]` is the index of the current one."""
         return self._batch.episodes
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The state of the agent, by name, as in RoomToRoomVectorEnv.arrays with n = 1."""
+        """The agent's state, by name, as in RoomToRoomVectorEnv.arrays with n = 1."""
         return self._batch.arrays
 
     def metrics(self) -> dict[str, float]:
-        """All metrics of the path, and of the answer, in this episode so far (docs/tasks.md): of R2R ours,
-        of other tasks those of the first of enfilade.scorers(task)."""
+        """All metrics of the trajectory and the answer so far (docs/tasks.md): ours for R2R, those of the
+        first of enfilade.scorers(task) for others."""
         return self._batch.metrics(0)
 
     def render(self) -> Union[None, NDArray[np.uint8], str]:
-        """rgb_array: (height, width, 3) uint8, what the agent sees. ansi: where it is, in words."""
+        """rgb_array: (height, width, 3) uint8, the agent's view. ansi: its state as text."""
         seen = self._batch.render(self.render_mode)
         return None if seen is None else seen[0]
 

@@ -25,19 +25,26 @@ Flags = NDArray[np.bool_]
 
 
 class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[Any]], EzPickle):
-    """RoomToRoom-v0, n at a time; observations as of RoomToRoomEnv, with n in front of each shape.
+    """n environments of RoomToRoom-v0. Observations are those of RoomToRoomEnv, with n in front of each
+    shape.
 
     Args:
-        config: of all agents; reset(seed=s) gives agent k the episodes that a single environment
-            gets by reset(seed=s + k).
+        config: of all agents; reset(seed=s) gives agent k the episodes of a single environment's
+            reset(seed=s + k).
         num_envs: n.
         autoreset_mode: Gymnasium's NEXT_STEP, SAME_STEP (final_obs and final_info in the info) or
             DISABLED (reset(options={"reset_mask": flags})).
-        render_mode: "rgb_array" or "ansi"; render() gives n of them.
+        render_mode: "rgb_array" or "ansi"; render() returns n of them.
+        task: overrides the config's.
 
-    info: distance (metres to the goal), episode_index (into `episodes`), and at an episode's end
-    success and spl, each with its mask `_name` as Gymnasium has it. metrics(k) has the others.
-    Pickled or copied, it is a new one of the same config.
+    Info:
+        - distance: (n,) metres to the goal.
+        - episode_index: (n,) indices into `episodes`.
+        - success, spl: (n,) at an episode's end. metrics(k) has the others.
+        - answered: (n,) at an episode's end, in tasks with answers.
+        - Each has its mask `_name`, as usual in Gymnasium.
+
+    A pickled or copied environment has the same config.
     """
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 2}
@@ -79,8 +86,9 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[dict[str, Any]] = None,
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode in every environment, or in those of options["reset_mask"]. Environment k of
-        seed s gets the episodes of a single one with seed s + k."""
+        """Begins an episode in every environment, or in those of options["reset_mask"]. With seed s,
+        environment k gets the episodes of a single one with seed s + k. Raises ArgumentError for a wrong
+        number of seeds or an invalid mask."""
         if isinstance(seed, (int, np.integer)):
             seed = [int(seed) + k for k in range(self.num_envs)]
         if seed is not None and len(seed) != self.num_envs:
@@ -97,7 +105,7 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
     def step(
         self, actions: ArrayLike
     ) -> tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
-        """One action for every environment, all stepped together in C++."""
+        """One action per environment, (n,). Raises TypeError or ArgumentError for invalid actions."""
         batch = self._batch
         rewards = batch.step(actions)
         terminated = batch.arrays["terminated"].astype(bool)
@@ -114,43 +122,49 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         return seen, rewards, terminated, truncated, info
 
     def answer(self, agent: int, answer: Any) -> None:
-        """What an agent answers in its episode; as RoomToRoomEnv.answer()."""
+        """Sets an agent's answer in its episode; see RoomToRoomEnv.answer()."""
         self._batch.answer(agent, answer)
 
     def objects(self, agent: int) -> list[SeenObject]:
-        """What may be named where an agent is; as RoomToRoomEnv.objects()."""
+        """The objects that an agent may name; see RoomToRoomEnv.objects()."""
         return self._batch.objects(agent)
 
     def expert(self, agent: int, rule: str = "spl") -> Optional[int]:
-        """The action of a teacher; as RoomToRoomEnv.expert()."""
+        """A teacher's action; see RoomToRoomEnv.expert()."""
         return self._batch.expert(agent, rule)
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """(n, actions) bool: which actions do something."""
+        """(n, actions) bool: which actions have an effect."""
         return self._batch.action_masks()
 
     @property
     def episodes(self) -> Episodes:
-        """Of the split; `arrays["episode"]` says which ones run."""
+        """The episodes of the split; `arrays["episode"]` has the indices of the current ones."""
         return self._batch.episodes
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The state of n agents, by name: scan, viewpoint (indices), heading, elevation (radians),
-        view_index, step, episode, distance (metres), reward, terminated, truncated, began, success, spl:
-        (n,); candidate_viewpoint (indices), candidate_mask: (n, m); candidates: (n, m, 3). Of "panoramic"
-        and "map" actions candidate_view (of 36): (n, m); of "map" node_viewpoint, node_visited, node_mask:
-        (n, actions), nodes: (n, actions, 7). Views of the
-        environment's memory, read-only, written over by the next call: for teachers."""
+        """The state of n agents, by name, for teachers. Read-only views of the environment's memory; the
+        next call overwrites them.
+
+        Arrays:
+            - (n,): scan, viewpoint (indices), heading, elevation (radians), view_index, step, episode,
+              distance (metres), reward, terminated, truncated, began, success, spl.
+            - (n, m): candidate_viewpoint (indices), candidate_mask.
+            - (n, m, 3): candidates.
+            - (n, m), "panoramic" and "map" actions only: candidate_view (of 36).
+            - (n, actions), "map" only: node_viewpoint, node_visited, node_mask.
+            - (n, actions, 7), "map" only: nodes.
+        """
         return self._batch.arrays
 
     def metrics(self, agent: int) -> dict[str, float]:
-        """All metrics of the path of an agent in its episode so far (docs/tasks.md); with
-        SAME_STEP that is the new episode already."""
+        """All metrics of an agent's trajectory so far (docs/tasks.md). With SAME_STEP this is the new
+        episode's after an end."""
         return self._batch.metrics(agent)
 
     def render(self) -> Optional[tuple[Any, ...]]:
-        """A tuple of n, each as of RoomToRoomEnv.render()."""
+        """A tuple of n results of RoomToRoomEnv.render(); None without a render mode."""
         seen = self._batch.render(self.render_mode)
         return None if seen is None else tuple(seen)
 

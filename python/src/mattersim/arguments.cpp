@@ -51,7 +51,7 @@ bool is_text(PyObject* o) { return PyUnicode_Check(o) || PyBytes_Check(o); }
 
 bool is_list(PyObject* o) {
   if (PyList_Check(o) || PyTuple_Check(o)) return true;
-  // An array of no dimension is a sequence by its type, but has no length.
+  // An array without dimensions is a sequence by its type, but has no length.
   if (is_text(o) || !PySequence_Check(o)) return false;
   if (PySequence_Size(o) >= 0) return true;
   PyErr_Clear();

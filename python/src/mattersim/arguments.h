@@ -9,9 +9,9 @@
 
 namespace enfilade::python::mattersim {
 
-/// Text, not a list of them. bytes count as text.
+/// A text, not a list of texts. bytes count as text.
 bool is_text(PyObject* o);
-bool is_list(PyObject* o);  ///< a sequence that is no text
+bool is_list(PyObject* o);  ///< a sequence other than a text
 
 std::string to_text(PyObject* o, const char* name);
 bool to_flag(PyObject* o, const char* name);  ///< a number or another object with __bool__; None
@@ -22,7 +22,7 @@ std::int64_t to_integer(PyObject* o, const char* name, std::int64_t least, std::
 
 std::vector<std::string> to_texts(PyObject* o, const char* name);
 /// The first `count` elements; `out` is reused, so that a step allocates nothing.
-/// IndexError for a list that is shorter, or that an element's methods shorten meanwhile.
+/// IndexError for a shorter list, or one that an element's methods shorten meanwhile.
 void to_angles(PyObject* o, const char* name, std::size_t count, std::vector<double>& out);
 /// A TypeError for negative ones, as in the old binding.
 void to_indices(PyObject* o, const char* name, std::size_t count, std::vector<std::int64_t>& out);

@@ -1,8 +1,8 @@
-// Fills the holes of depth pictures with a cross-bilateral filter on a pyramid of three sizes, as
+// Fills the holes of depth images with a cross-bilateral filter on a pyramid of three sizes, as
 // the toolbox of the NYU Depth data set does (Silberman, Hoiem, Kohli, Fergus, ECCV 2012). A
-// missing pixel becomes the mean of the known ones within 5 pixels, weighted by nearness in place
-// and in brightness; where there are none, the value of the next smaller size. All pictures are
-// height x width, column after column; the result may be the depth picture itself.
+// missing pixel becomes the mean of the known ones within 5 pixels, weighted by distance and by
+// difference in brightness. Without known ones, it takes the value of the next smaller size. All
+// images are height x width, column-major; the result may be the depth image itself.
 #include <array>
 #include <cmath>
 #include <vector>
@@ -20,11 +20,11 @@ struct Sigmas {
 // Largest size first.
 constexpr std::array<Sigmas, 3> kSigmas{{{12.0F, 0.2F}, {5.0F, 0.08F}, {8.0F, 0.02F}}};
 
-/// One size of the pyramid; columns lie one after the other.
+/// One size of the pyramid, column-major.
 struct Level {
   int height = 0, width = 0;
   std::vector<float> depth, brightness;
-  std::vector<float> filled;  // 0 where nothing was filled
+  std::vector<float> filled;  // 0: not filled
   std::vector<char> missing;
   std::vector<char> usable;  // 1: known, or filled at a smaller size, so means may include it
 
@@ -52,7 +52,7 @@ Level shrink(const Level& full, int height, int width) {
   return level;
 }
 
-// Weights over the window, columns of it one after the other; they sum to 1.
+// Weights over the window, column-major; they sum to 1.
 std::vector<float> window_weights(float sigma) {
   std::vector<float> weights;
   float sum = 0;
@@ -73,7 +73,7 @@ void fill_pixel(Level& level, const std::vector<char>& usable, const std::vector
   const auto at = [](int i) { return static_cast<std::size_t>(i); };
   float weight_sum = 0, value_sum = 0;
   std::size_t place = 0;
-  // Rows in the outer loop: the order of summation decides the last bit.
+  // Rows in the outer loop: the order of summation determines the last bit.
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
     for (int dx = -kRadius; dx <= kRadius; ++dx, ++place) {
       if (x + dx < 0 || x + dx >= level.width || y + dy < 0 || y + dy >= level.height) continue;
@@ -135,7 +135,7 @@ void cbf(const Picture& depth, const Picture& intensity, const Mask& mask, const
   if (!fits(mask, depth) || !fits(result, depth)) {
     throw nb::value_error("cbf: depth, mask and result must have one shape");
   }
-  // A larger one is read as the old code read it: as many values as depth has, from the first.
+  // Of a larger one only the first values are read, as many as depth has, as in the old code.
   if (intensity.size() < depth.size()) {
     throw nb::value_error("cbf: intensity must have at least as many values as depth");
   }

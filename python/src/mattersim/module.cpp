@@ -37,7 +37,7 @@ T converted(PyObject* o, const char* name) {
   }
 }
 
-// An argument of any type. None too: it is a flag that is not set.
+// An argument of any type, None included: None is an unset flag.
 template <class>
 auto anything() {
   return nb::arg().none();
@@ -68,7 +68,7 @@ void def_of_objects(nb::class_<Simulator>& c, const char* name,
       doc);
 }
 
-/// Binds a setter of one setting, used at the next initialize(). \tparam Value as Python gives it
+/// Binds a setter of one setting, used at the next initialize(). \tparam Value the type in Python
 template <class Value, class T>
 void def_setting(nb::class_<Simulator>& c, const char* name, T Settings::*field, const char* doc) {
   c.def(
@@ -85,29 +85,29 @@ nb::object get_state(Simulator& self) {
 
 void bind_setters(nb::class_<Simulator>& c) {
   def_of_objects(c, "setDatasetPath", &Simulator::set_dataset_path,
-                 "Folder of the scans' pictures. Default ./data/v1/scans/ (v0.1: ./data).");
+                 "Folder of the scans' images. Default ./data/v1/scans/ (v0.1: ./data).");
   def_of_objects(c, "setNavGraphPath", &Simulator::set_nav_graph_path,
                  "Folder of scans.txt and <scan>_connectivity.json. Default ./connectivity.");
   def_setting<bool>(c, "setRenderingEnabled", &Settings::rendering,
-                    "False: no picture is opened. Default True.");
+                    "False: no image is opened. Default True.");
   def(c, "setCameraResolution", &Simulator::set_camera_resolution,
       "Width and height, pixels. Default 320, 240. Takes effect at the next action.");
   def(c, "setCameraVFOV", &Simulator::set_camera_vfov,
       "Vertical field of view, radians. Default 0.8. Takes effect at the next action.");
   def(c, "setElevationLimits", &Simulator::set_elevation_limits,
-      "Radians, -pi/2 < min < 0 < max < pi/2, else False is returned and nothing changes.");
+      "Radians, -pi/2 < min < 0 < max < pi/2, else nothing changes and False is returned.");
   def_setting<bool>(c, "setDiscretizedViewingAngles", &Settings::discretized,
                     "36 views: 12 headings x 3 elevations of 30 degrees. Default False.");
   def_setting<bool>(c, "setRestrictedNavigation", &Settings::restricted,
-                    "Only what the picture's width shows is navigable. Default True.");
+                    "Only viewpoints within the image's width are navigable. Default True.");
   def_setting<bool>(
       c, "setPreloadingEnabled", &Settings::preloading,
-      "Decode all pictures of all scans at initialize(), and keep them. Default False.");
+      "Decode all images of all scans at initialize(), and keep them. Default False.");
   def_setting<bool>(c, "setDepthEnabled", &Settings::depth, "Draw depth too. Default False.");
   def_setting<unsigned>(c, "setBatchSize", &Settings::batch_size, "Agents. Default 1.");
   def_setting<unsigned>(c, "setCacheSize", &Settings::cache_panoramas,
                         "Decoded panoramas to keep. Default 200.");
-  def(c, "setSeed", &Simulator::set_seed, "Of random starts. Default 1 (v0.1: the clock).");
+  def(c, "setSeed", &Simulator::set_seed, "Seed of random starts. Default 1 (v0.1: the clock).");
 }
 
 }  // namespace
@@ -119,25 +119,25 @@ void bind(nb::module_& m) {
   c.attr("__module__") = "MatterSim";
   c.def("__init__", [](Simulator* self) { as_before([&] { new (self) Simulator(); }); });
   bind_setters(c);
-  def(c, "initialize", &Simulator::initialize, "Takes the settings over; v0.2.");
-  def(c, "init", &Simulator::init, "Takes the settings over; v0.1.");
-  def(c, "close", &Simulator::close, "Lets go of pictures; initialize() begins anew.");
+  def(c, "initialize", &Simulator::initialize, "Applies the settings; v0.2.");
+  def(c, "init", &Simulator::init, "Applies the settings; v0.1.");
+  def(c, "close", &Simulator::close, "Releases the images; initialize() starts again.");
   def_of_objects(
       c, "newEpisode", &Simulator::new_episode,
-      "newEpisode(scanIds, viewpointIds, headings, elevations): lists, an element an agent "
+      "newEpisode(scanIds, viewpointIds, headings, elevations): lists with one element per agent "
       "(v0.2), or scalars (v0.1, where viewpoint \"\" is a random one).");
   def_of_objects(c, "newRandomEpisode", &Simulator::new_random_episode,
                  "newRandomEpisode(scanIds): random viewpoints, the old simulator's headings.");
   def_of_objects(
       c, "makeAction", &Simulator::make_action,
-      "makeAction(indices, headings, elevations): move to navigableLocations[index], then turn "
-      "by so many radians.");
+      "makeAction(indices, headings, elevations): move to navigableLocations[index], then turn by "
+      "heading and elevation, radians.");
   c.def("getState", get_state,
         "A list of SimStates that later actions change (v0.2), or a copy of one (v0.1).");
-  def(c, "resetTimers", &Simulator::reset_timers, "Begins timingInfo() anew.");
+  def(c, "resetTimers", &Simulator::reset_timers, "Resets timingInfo().");
   c.def(
       "timingInfo", [](const Simulator& self) { return self.timing_info(); },
-      "How long what took, as text.");
+      "Times of the simulator's parts, as text.");
   bind_cbf(m);
 }
 

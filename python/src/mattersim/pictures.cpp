@@ -30,7 +30,7 @@ std::size_t cache_bytes(const Settings& settings) {
   return std::max<std::size_t>(settings.cache_panoramas, 1) * panorama;
 }
 
-// What make() returns: one for all who ask with this key, as long as one of them keeps it.
+// The result of make(): one object per key, shared as long as a caller keeps it.
 template <class Key, class Make>
 auto shared_by(const Key& key, const Make& make) {
   using Shared = decltype(make());

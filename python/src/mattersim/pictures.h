@@ -1,4 +1,4 @@
-/// \file  Pictures of what the agents of a simulator see, in memory that old code reads.
+/// \file  Images of the views of a simulator's agents, in memory that old code reads.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,16 +12,16 @@
 
 namespace enfilade::python::mattersim {
 
-/// Draws each agent's picture into the same memory every time. Does not need the GIL.
+/// Draws each agent's image into the same memory every time. Does not need the GIL.
 class Pictures {
  public:
-  /// Opens no picture yet. \throws ArgumentError for an invalid camera
+  /// Opens no image yet. \throws ArgumentError for an invalid camera
   Pictures(const std::shared_ptr<const scan::PanoramaSet>& panoramas, const Settings& settings,
            const Options& options);
 
-  /// \throws LookupError, FileError, InvalidInput for missing or broken pictures
+  /// \throws LookupError, FileError, InvalidInput for missing or broken images
   void draw(const sim::StateSpans& state);
-  /// Decodes all pictures of these viewpoints and keeps them. \throws likewise
+  /// Decodes all images of these viewpoints and keeps them. \throws likewise
   void preload(ScanIndex scan, const std::vector<ViewpointIndex>& viewpoints);
 
   const Camera& camera() const noexcept { return camera_; }
@@ -38,7 +38,7 @@ class Pictures {
   std::vector<render::View> views_;
 };
 
-/// The panoramas below a data set path, shared by all simulators that name the same ones.
+/// The panoramas below a data set path, shared by all simulators with the same path.
 std::shared_ptr<const scan::PanoramaSet> open_panoramas(const std::string& dataset_path,
                                                         const std::string& nav_graph_path,
                                                         const std::vector<std::string>& scans);

@@ -1,4 +1,5 @@
-/// \file  Settings of a Simulator by old code, and options for the old simulator's defects.
+/// \file  A Simulator's settings, as old code sets them, and options for the old simulator's
+/// defects.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -7,7 +8,7 @@
 
 namespace enfilade::python::mattersim {
 
-/// The interface that a simulator is used with.
+/// The interface that old code uses.
 enum class Api : std::uint8_t { kUnknown, kV1, kV2 };
 
 struct Settings {
@@ -35,7 +36,7 @@ struct Options {
   bool one_stream = false;        ///< "one-stream"
   bool shared_cache = false;      ///< "shared-cache"
 
-  /// \throws ArgumentError for a word that is none of them
+  /// \throws ArgumentError for an unknown word
   static Options from_environment();
 };
 

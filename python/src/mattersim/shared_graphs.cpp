@@ -10,7 +10,7 @@
 namespace enfilade::python::mattersim {
 namespace {
 
-// Never freed: Python ends before static objects are destroyed. The GIL guards it.
+// Never freed: Python ends before static objects are destroyed. Guarded by the GIL.
 using Registry = std::map<std::pair<std::string, std::string>, std::shared_ptr<SharedGraphs>>;
 Registry& registry() {
   static auto* kept = new Registry;

@@ -13,7 +13,7 @@ namespace enfilade::python::mattersim {
 /// a scan once. A scans.txt that has changed is read again.
 class SharedGraphs {
  public:
-  /// The folder's scans, by its scans.txt (v0.2). Reads that list only. \throws FileError,
+  /// The folder's scans, by its scans.txt (v0.2). Reads only that list. \throws FileError,
   /// InvalidInput
   static std::shared_ptr<SharedGraphs> of_folder(const std::string& folder);
   /// One scan of a folder that needs no scans.txt (v0.1). Reads its graph. \throws likewise
@@ -29,7 +29,7 @@ class SharedGraphs {
  private:
   std::shared_ptr<const graph::GraphSet> set_;
   std::vector<nb::object> scan_names_;
-  std::vector<std::vector<ViewpointNames>> names_;  // empty until they are asked for
+  std::vector<std::vector<ViewpointNames>> names_;  // empty until first use
 };
 
 }  // namespace enfilade::python::mattersim

@@ -79,7 +79,7 @@ void Simulator::begin(Api api) {
   pictures_.reset();
   if (seed_) {
     seed_stream();
-  } else {  // v0.1 seeds itself with the clock
+  } else {  // v0.1 takes its seed from the clock
     random_ =
         sim::MatterSimRandom(api == Api::kV1 ? static_cast<std::uint64_t>(std::time(nullptr)) : 1);
   }
@@ -141,7 +141,7 @@ sim::SimulatorConfig Simulator::native_config(std::size_t max_navigable) const {
   return config;
 }
 
-// --- pictures
+// --- images
 
 void Simulator::ensure_pictures(const SharedGraphs& graphs) {
   const sim::SimulatorConfig config = native_config(kNavigable);
@@ -380,7 +380,7 @@ void Simulator::read_actions(PyObject* indices, PyObject* headings, PyObject* el
   }
 }
 
-// The poses after the actions, as starts of the simulator with the new camera.
+// The poses after the actions: the starts of the simulator with the new camera.
 std::vector<sim::EpisodeStart> Simulator::after_action() const {
   std::vector<sim::EpisodeStart> starts;
   const sim::StateSpans& now = walk_->native.state();

@@ -17,7 +17,7 @@
 
 namespace enfilade::python::mattersim {
 
-/// A scan that is not in scans.txt: an IndexError, as it was.
+/// A scan that is not in scans.txt: an IndexError, as in the old simulator.
 class UnknownScan : public LookupError {
  public:
   using LookupError::LookupError;
@@ -36,9 +36,9 @@ class Simulator {
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
 
-  // Camera, limits and seed take effect at once: at the next episode or action; after init(), so do
-  // the paths. Every other setting takes effect at the next initialize() or init() only, and gives
-  // a RuntimeWarning if it is set in between, where the old simulator was silent.
+  // Camera, limits and seed take effect at the next episode or action; after init(), so do the
+  // paths. Every other setting takes effect only at the next initialize() or init(). If it is set
+  // in between, there is a RuntimeWarning; the old simulator was silent.
   void set_dataset_path(PyObject* path);
   void set_nav_graph_path(PyObject* path);
   void set_camera_resolution(int width, int height);
@@ -98,7 +98,7 @@ class Simulator {
 
   void seed_stream();
   void make_states();
-  /// Gives the states the memory that pictures_ draws into, if they have that of earlier ones.
+  /// Points the states to the memory of pictures_, if they have that of earlier images.
   void show_pictures();
   void write_states(bool moved);
   void write_state(std::size_t agent, bool moved);

@@ -58,7 +58,7 @@ void* slot(Function function) {
   return reinterpret_cast<void*>(function);
 }
 
-// A type that Python code cannot make objects of. `more` are the slots of its attributes.
+// A type whose objects Python code cannot make. `more` are the slots of its attributes.
 PyTypeObject* make_type(const char* name, std::size_t size, const char* doc, destructor free,
                         std::initializer_list<PyType_Slot> more) {
   std::vector<PyType_Slot> slots{{Py_tp_dealloc, slot(free)},
@@ -95,21 +95,21 @@ PyTypeObject* make_viewpoint_type() {
   static std::array members{
       member("viewpointId", offsetof(ViewPointObject, viewpoint_id), "str: the viewpoint's id."),
       member("ix", offsetof(ViewPointObject, ix),
-             "int: place in the scan's connectivity file, excluded viewpoints counted."),
+             "int: index in the scan's connectivity file, excluded viewpoints counted."),
       member("x", offsetof(ViewPointObject, x), "float: metres, world frame."),
       member("y", offsetof(ViewPointObject, y), "float: metres, world frame."),
       member("z", offsetof(ViewPointObject, z), "float: metres, world frame, up."),
       member("rel_heading", offsetof(ViewPointObject, rel_heading),
-             "float: radians from the picture's middle, right positive."),
+             "float: radians from the image's centre, right positive."),
       member("rel_elevation", offsetof(ViewPointObject, rel_elevation),
-             "float: radians from the picture's middle, up positive."),
+             "float: radians from the image's centre, up positive."),
       member("rel_distance", offsetof(ViewPointObject, rel_distance), "float: metres."),
       PyMemberDef{}};
   static std::array getters{
-      PyGetSetDef{"point", get_point, nullptr, "list: [x, y, z], as v0.1 has it.", nullptr},
+      PyGetSetDef{"point", get_point, nullptr, "list: [x, y, z], as in v0.1.", nullptr},
       PyGetSetDef{}};
   return make_type("MatterSim.ViewPoint", sizeof(ViewPointObject),
-                   "A viewpoint as an agent sees it.", free_viewpoint,
+                   "A viewpoint, relative to an agent's view.", free_viewpoint,
                    {{Py_tp_members, members.data()}, {Py_tp_getset, getters.data()}});
 }
 
@@ -126,7 +126,7 @@ void free_state(PyObject* self) {
 
 PyObject* black_picture(const SimStateObject& s, std::uint32_t channels, std::uint32_t bytes) {
   Pixels pixels{nullptr, 0, s.width, s.height, channels, bytes};
-  // calloc: the system allocates pages of zeros when they are first used; these hardly ever are.
+  // calloc: the system allocates pages of zeros at first use; these are rarely used.
   pixels.memory = {static_cast<std::byte*>(std::calloc(pixels.bytes() + 1, 1)), std::free};
   if (!pixels.memory) return PyErr_NoMemory();
   return make_mat(pixels).release().ptr();
@@ -158,7 +158,7 @@ PyObject* get_depth(PyObject* self, void*) {
   return get_picture(s.depth, s, 1, 2);
 }
 
-// v0.2 makes a new list at each access, so that readers may change theirs.
+// v0.2 returns a new list at each access, which callers may change.
 PyObject* get_navigable(PyObject* self, void*) {
   const SimStateObject& s = as_state(self);
   if (!s.is_copy) return PyList_GetSlice(s.navigable, 0, PyList_Size(s.navigable));
@@ -170,7 +170,7 @@ PyTypeObject* make_state_type() {
       member("scanId", offsetof(SimStateObject, scan_id), "str: the building."),
       member("step", offsetof(SimStateObject, step), "int: actions since the episode began."),
       member("location", offsetof(SimStateObject, location),
-             "ViewPoint: where the agent is; None before the first episode."),
+             "ViewPoint: the agent's viewpoint; None before the first episode."),
       member("heading", offsetof(SimStateObject, heading),
              "float: radians clockwise from world +y, [0, 2 pi]."),
       member("elevation", offsetof(SimStateObject, elevation), "float: radians above the horizon."),
@@ -179,7 +179,7 @@ PyTypeObject* make_state_type() {
       PyMemberDef{}};
   static std::array getters{
       PyGetSetDef{"navigableLocations", get_navigable, nullptr,
-                  "list[ViewPoint]: where a move may lead; [0] is the present place.", nullptr},
+                  "list[ViewPoint]: the navigable viewpoints; [0] is the current one.", nullptr},
       PyGetSetDef{"rgb", get_rgb, nullptr,
                   "(height, width, 3) uint8, B G R, row 0 on top: a Mat that later actions draw "
                   "over (v0.2), or an array that is a copy (v0.1).",
@@ -191,11 +191,10 @@ PyTypeObject* make_state_type() {
       PyGetSetDef{}};
   return make_type(
       "MatterSim.SimState", sizeof(SimStateObject),
-      "Where an agent is, and what it sees and can reach. World frame: metres, z up; "
-      "headings in radians clockwise from +y, elevations above the horizon. In v0.2 the "
-      "simulator changes the object, and the pixels of its pictures, at each action and "
-      "episode, until close() or another initialize(); in v0.1 it is a copy. It may be "
-      "read as long as it is kept, also after the simulator is gone.",
+      "The state of an agent: pose, images and navigable viewpoints. World frame: metres, z up; "
+      "headings in radians clockwise from +y, elevations above the horizon. In v0.2 the simulator "
+      "changes the object, and the pixels of its images, at each action and episode, until close() "
+      "or another initialize(). In v0.1 it is a copy. It stays valid without the simulator.",
       free_state, {{Py_tp_members, members.data()}, {Py_tp_getset, getters.data()}});
 }
 
@@ -229,11 +228,11 @@ PyTypeObject* make_mat_type() {
 #else
   const PyType_Slot buffer{};  // Python 3.8 has no slot for it
 #endif
-  PyTypeObject* type =
-      make_type("MatterSim.Mat", sizeof(MatObject),
-                "A picture: np.array(mat, copy=False) sees the simulator's own memory, shape "
-                "(height, width, channels), row 0 on top.",
-                free_mat, {buffer});
+  PyTypeObject* type = make_type(
+      "MatterSim.Mat", sizeof(MatObject),
+      "An image: np.array(mat, copy=False) shares the simulator's memory, shape (height, width, "
+      "channels), row 0 on top.",
+      free_mat, {buffer});
 #if PY_VERSION_HEX < 0x03090000
   if (type != nullptr) type->tp_as_buffer->bf_getbuffer = get_buffer;
 #endif

@@ -1,6 +1,6 @@
 /// \file  MatterSim's value types as Python objects: SimState, ViewPoint, Mat.
 ///
-/// Written against CPython rather than nanobind because old code reads fifty attributes a step: a
+/// Written against CPython rather than nanobind because old code reads fifty attributes per step: a
 /// member that holds a Python object is read without a call. All functions need the GIL.
 #pragma once
 #include <cstddef>
@@ -11,15 +11,15 @@
 
 namespace enfilade::python::mattersim {
 
-/// MatterSim.ViewPoint. Every field is filled, but for `point`, which is made when first read.
+/// MatterSim.ViewPoint. Every field is filled, except `point`, which is made at first read.
 struct ViewPointObject {
   PyObject_HEAD PyObject* viewpoint_id;  // str
-  PyObject* ix;                          // int: place in the connectivity file
+  PyObject* ix;                          // int: index in the connectivity file
   PyObject *x, *y, *z;                   // float: metres, world frame
   PyObject* rel_heading;                 // float: radians, right positive
   PyObject* rel_elevation;               // float: radians, up positive
   PyObject* rel_distance;                // float: metres
-  PyObject* point;                       // list [x, y, z], as v0.1 has it; null until it is read
+  PyObject* point;                       // list [x, y, z], as in v0.1; null until it is read
 };
 
 /// MatterSim.SimState. In v0.2 its simulator changes it at each action; in v0.1 it is a copy.
@@ -33,13 +33,13 @@ struct SimStateObject {
   PyObject* elevation;
   PyObject* view_index;
   PyObject* navigable;          // list
-  std::uint32_t width, height;  // of the black pictures that v0.2 shows when nothing is drawn
+  std::uint32_t width, height;  // of v0.2's black images if nothing is drawn
   bool is_copy;                 // v0.1
 };
 
 /// Pixels with their owner: shape (height, width, channels), row 0 on top, no padding.
 struct Pixels {
-  std::shared_ptr<std::byte[]> memory;  ///< may hold other pictures too
+  std::shared_ptr<std::byte[]> memory;  ///< may hold other images too
   std::size_t offset = 0;               ///< bytes
   std::uint32_t width = 0, height = 0, channels = 0;
   std::uint32_t value_bytes = 1;  ///< 1: uint8, 2: uint16
@@ -48,7 +48,8 @@ struct Pixels {
   std::size_t bytes() const { return std::size_t{width} * height * channels * value_bytes; }
 };
 
-/// Makes the three types, once a process, and adds them to the module. -1 with a Python error set.
+/// Makes the three types, once per process, and adds them to the module. -1 with a Python error
+/// set.
 int add_types(PyObject* module);
 
 /// The constant attributes of a viewpoint, as Python objects.
@@ -60,9 +61,9 @@ struct Relative {
 };
 
 nb::object make_viewpoint(const ViewpointNames& names, const Relative& relative);
-/// Sets rel_* to 0: v0.2 does so to the object of the viewpoint that the agent moved to.
+/// Sets rel_* to 0, as v0.2 does for the viewpoint that the agent moved to.
 void become_here(ViewPointObject& viewpoint);
-/// All 0, no location, an empty list; black pictures of that size.
+/// All 0, no location, an empty list; black images of that size.
 nb::object make_state(std::uint32_t width, std::uint32_t height);
 /// A NumPy array with the content of a Mat; a null object for null. Imports NumPy.
 nb::object copy_pixels(PyObject* mat);
