@@ -47,7 +47,7 @@ class Mcp : public ::testing::Test {
     const json listed = request("tools/list").at("result").at("tools");
     for (const json& one : listed) {
       EXPECT_EQ(one.at("inputSchema").at("type"), "object");
-      names.push_back(one.at("name"));
+      names.push_back(one.at("name").get<std::string>());
     }
     return names;
   }

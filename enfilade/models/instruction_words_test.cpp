@@ -8,12 +8,12 @@ namespace EN_UNIT {
 
 using ::testing::ElementsAre;
 
-tasks::Vocabulary words() {
+tasks::Vocabulary five_words() {
   return tasks::Vocabulary::of({"<PAD>", "<UNK>", "<EOS>", "go", "left"});
 }
 
 TEST(InstructionWords, WordsAreReadInTheirOrderBetweenTwoMarks) {
-  const InstructionWords words(models::words());
+  const InstructionWords words(five_words());
   EXPECT_EQ(words.size(), 7U);
   EXPECT_THAT(words.encode("Go right, left", 10), ElementsAre(5, 3, 1, 1, 4, 2));
   EXPECT_THAT(words.encode("", 10), ElementsAre(5, 2)) << "what an agent without language reads";
@@ -24,7 +24,7 @@ TEST(InstructionWords, WordsAreReadInTheirOrderBetweenTwoMarks) {
 }
 
 TEST(InstructionWords, ALongInstructionKeepsItsBeginningAndItsEndMark) {
-  const InstructionWords words(models::words());
+  const InstructionWords words(five_words());
   EXPECT_THAT(words.encode("go left go left", 4), ElementsAre(5, 3, 4, 2));
   const InstructionWords more(
       tasks::Vocabulary::of({"<PAD>", "<UNK>", "<EOS>", "walk", "past", "the"}));
@@ -58,7 +58,7 @@ TEST(InstructionWords, IdsOfTheAnnotationsAreReadAsTheyAre) {
   episode.details.tokens = {0, 7, 2};
   EXPECT_THAT(words.encode(episode, 10), ElementsAre(2, 5, 6, 7, 3)) << "another vocabulary's";
   episode.details.tokens = {2, 7, 3};
-  EXPECT_THAT(InstructionWords(models::words()).encode(episode, 10), ElementsAre(5, 3, 4, 2));
+  EXPECT_THAT(InstructionWords(five_words()).encode(episode, 10), ElementsAre(5, 3, 4, 2));
 }
 
 }  // namespace EN_UNIT

@@ -117,11 +117,11 @@ TEST_F(EvaluationTest, AttentionFilesSayWhatWasReadDoneAndSeen) {
       const tasks::TrajectoryPoint& point = walk.trajectories[i].points[step];
       EXPECT_EQ(said["action"], to_string(SixAction{walk.traces[i].actions[step]}));
       EXPECT_EQ(said["viewpoint"], split.episodes.graph_of(episode).id(point.viewpoint));
-      EXPECT_NEAR(said["heading"], point.heading.value, 1e-5);  // six digits are written
+      EXPECT_NEAR(said["heading"].get<double>(), point.heading.value, 1e-5);  // six digits are written
       ASSERT_EQ(said["attention"].size(), order.words.size());
       for (std::size_t k = 0; k < order.places.size(); ++k) {
         // Four digits after the point are written.
-        EXPECT_NEAR(said["attention"][k], walk.traces[i].attention[step][order.places[k]], 5.1e-5);
+        EXPECT_NEAR(said["attention"][k].get<double>(), walk.traces[i].attention[step][order.places[k]], 5.1e-5);
       }
     }
   }

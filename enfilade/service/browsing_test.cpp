@@ -117,11 +117,11 @@ bool is_in(const nlohmann::json& room, const nlohmann::json& position) {
   std::array<double, 4> box{1e9, 1e9, -1e9, -1e9};
   const auto& outline = room.at("outline");
   for (std::size_t k = 0; k < outline.size(); ++k) {
-    const double value = outline[k];
+    const auto value = outline[k].get<double>();
     box[k % 2] = std::min(box[k % 2], value);
     box[2 + k % 2] = std::max(box[2 + k % 2], value);
   }
-  const double x = position[0], y = position[1];
+  const auto x = position[0], y = position[1].get<double>();
   return x >= box[0] && y >= box[1] && x <= box[2] && y <= box[3];
 }
 
@@ -144,7 +144,7 @@ TEST(Browsing, AHomesPlanHasItsRoomsAroundTheirViewpoints) {
       const auto& room = plan["rooms"][r];
       EXPECT_EQ(room.at("name"), home.rooms[r].name);
       ASSERT_EQ(room.at("viewpoints").size(), home.rooms[r].viewpoints.size());
-      for (const std::size_t v : room["viewpoints"]) {
+      for (const auto v : room["viewpoints"].get<std::vector<std::size_t>>()) {
         EXPECT_TRUE(is_in(room, scan["viewpoints"][v]["position"])) << home.scan << ' ' << r;
       }
     }
@@ -186,7 +186,7 @@ TEST(Browsing, AScannedBuildingsPlanIsItsHouseFiles) {
   EXPECT_EQ(plan["rooms"][1].at("outline").size(), 8U);
   EXPECT_EQ(plan["rooms"][1].at("height"), 3.0);  // to the box's top
   // Four sides of the table, 1.6 m along y and 1 m along x; walls of a triangle and of a box.
-  const std::vector<double> table = plan["storeys"][0].at("furniture");
+  const auto table = plan["storeys"][0].at("furniture").get<std::vector<double>>();
   ASSERT_EQ(table.size(), 16U);
   for (std::size_t k = 0; k < table.size(); ++k) {
     // Millimetres are what is written; 1e-6 is the rounding of subtracting two of them.

@@ -108,7 +108,7 @@ TEST_F(Collect, OneWorkerHasNoTwoPlacesOfAPath) {
 TEST_F(Collect, HandingInTwiceIsOnce) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
-  const std::int64_t id = one.begin().at("task");
+  const auto id = one.begin().at("task").get<std::int64_t>();
   EXPECT_EQ(one.write(id, kText).at("done"), 1);
   EXPECT_EQ(one.write(id, kText).at("done"), 1);  // its answer was lost, say
   EXPECT_EQ(one.write(id, "Something else, as long.").at("error").at("code"), "already-submitted");
@@ -206,7 +206,7 @@ TEST_F(Collect, StrangersSeeATitleAndNoKey) {
 TEST_F(Collect, ALinkWithoutANameMakesAWorkerWhoCanComeBack) {
   create(collection_body("pilot", "write"));
   Worker one(served_.port(), "pilot", {{"key", key_}});
-  const std::string name = one.join().at("worker");
+  const auto name = one.join().at("worker").get<std::string>();
   EXPECT_EQ(name.size(), 34U);
   one.consent();
   const json task = one.lease().at("task");

@@ -353,8 +353,8 @@ class ServerProcess {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     const auto told = nlohmann::json::parse(read_file(file_));
-    told_.port = told.at("port");
-    told_.process = told.at("process");
+    told_.port = told.at("port").get<int>();
+    told_.process = told.at("process").get<int>();
     for (const auto& token : told.at("tokens")) {
       told_.teams.push_back({{"Authorization", token.get<std::string>()}});
     }

@@ -50,7 +50,7 @@ class PlayingTest : public ::testing::Test {
   /// The place that lies straight on: v1 of v0, and so on along the row.
   static std::string farther(const json& observation) {
     for (const json& place : observation.at("places")) {
-      if (!place.at("visited").get<bool>()) return place.at("name");
+      if (!place.at("visited").get<bool>()) return place.at("name").get<std::string>();
     }
     return {};
   }

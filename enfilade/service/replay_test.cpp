@@ -159,7 +159,7 @@ TEST_F(ReplayTest, OtherBenchmarksAreWalkedAgainToo) {
     ask(name, {"Action: go_to B", named ? "Action: answer 1" : "Action: stop"}, "test", task);
     const json run = get("/" + name);
     EXPECT_EQ(run.at("task"), name);
-    const std::string id = run.at("list").at(0).at("episode");
+    const auto id = run.at("list").at(0).at("episode").get<std::string>();
     const json episode = get("/" + name + "/episodes/" + id);
     EXPECT_FALSE(episode.contains("place_problem")) << name << episode.value("place_problem", "");
     EXPECT_EQ(episode.at("end").at("ending"), "stopped") << name;

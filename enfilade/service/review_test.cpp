@@ -20,7 +20,7 @@ class Review : public testing::Collecting {
   /// Has a worker write about a path. \returns the task's number
   std::int64_t written(const std::string& name, const std::string& text = kText) {
     Worker one = worker(name);
-    const std::int64_t task = one.begin().at("task");
+    const auto task = one.begin().at("task").get<std::int64_t>();
     one.write(task, text);
     return task;
   }
@@ -58,7 +58,7 @@ TEST_F(Review, ARejectedOnesPlaceGoesToAnotherWorker) {
   body["per_item"] = 1;
   create(body);
   Worker careless = worker("careless");
-  const std::int64_t task = careless.begin().at("task");
+  const auto task = careless.begin().at("task").get<std::int64_t>();
   careless.write(task, "bla bla bla bla");
   EXPECT_TRUE(worker("next").begin().is_null());
   EXPECT_EQ(judge(task, {{"verdict", "rejected"}}).at("status"), 400);  // why?
@@ -140,7 +140,7 @@ TEST_F(Review, WorkIsShownByWorkerAndByPath) {
     one.join();
     one.consent();
     for (int k = 0; k < 2; ++k) {
-      const std::int64_t task = one.lease().at("task").at("task");
+      const auto task = one.lease().at("task").at("task").get<std::int64_t>();
       now_ += 60;
       one.write(task, kText);
     }
@@ -148,9 +148,9 @@ TEST_F(Review, WorkIsShownByWorkerAndByPath) {
   const std::string work = "/api/v1/collections/pilot/work";
   const json all = served_.json(work + "?state=all", reviewer_);
   EXPECT_EQ(all.at("matching"), 4);
-  const std::int64_t worker_id = all.at("work")[0].at("worker");
-  const std::int64_t path_id = all.at("work")[0].at("path_id");
-  judge(all.at("work")[0].at("task"), {{"verdict", "rejected"}, {"reason", "Why not."}});
+  const auto worker_id = all.at("work")[0].at("worker").get<std::int64_t>();
+  const auto path_id = all.at("work")[0].at("path_id").get<std::int64_t>();
+  judge(all.at("work")[0].at("task").get<std::int64_t>(), {{"verdict", "rejected"}, {"reason", "Why not."}});
   const std::string of_worker = fmt::format("{}?state=all&worker={}", work, worker_id);
   EXPECT_EQ(served_.json(of_worker, reviewer_).at("matching"), 2);
   EXPECT_EQ(
@@ -173,7 +173,7 @@ TEST_F(Review, WorkIsShownByWorkerAndByPath) {
 TEST_F(Review, AWorkerWhoseAnswerWasLostMayRepeatItAfterACorrection) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   one.write(task, kText);
   correct(task, "Walk past the table; stop at the door.");
   EXPECT_EQ(one.write(task, kText).at("status"), 200);

@@ -137,8 +137,8 @@ TEST_F(RoamingTest, TheFloorIsTheNavigationMesh) {
       EXPECT_EQ(static_cast<std::uint16_t>(beyond), polygon.beyond[k]) << p;  // -1 is kNone
       // A corner is where its lattice says, and as high as the floor is there.
       const auto [x, y, z] = floor_->corners[polygon.corners[k]];
-      EXPECT_NEAR(polygons[p]["points"][3 * k], floor_->low.x + floor_->cell * x, 2e-5) << p;
-      EXPECT_NEAR(polygons[p]["points"][3 * k + 1], floor_->low.y + floor_->cell * y, 2e-5) << p;
+      EXPECT_NEAR(polygons[p]["points"][3 * k].get<double>(), floor_->low.x + floor_->cell * x, 2e-5) << p;
+      EXPECT_NEAR(polygons[p]["points"][3 * k + 1].get<double>(), floor_->low.y + floor_->cell * y, 2e-5) << p;
     }
     EXPECT_EQ(polygons[p]["points"].size(), 3 * floor_->heights[p].points);
     EXPECT_EQ(polygons[p]["triangles"].size(), 3 * floor_->heights[p].triangles);
@@ -149,7 +149,7 @@ TEST_F(RoamingTest, SaysWhereOneCanRoamAndWhatIsMissingElsewhere) {
   std::map<std::string, bool> roam;
   const auto scans = json("/api/v1/scans");
   for (const auto& scan : scans.at("scans")) {
-    roam[scan.at("scan")] = scan.at("roam");
+    roam[scan.at("scan").get<std::string>()] = scan.at("roam").get<bool>();
   }
   EXPECT_TRUE(roam.at("home0001"));
   EXPECT_FALSE(roam.at("home0002"));

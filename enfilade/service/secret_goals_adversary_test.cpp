@@ -148,7 +148,7 @@ class Adversary {
       for (std::size_t k = 0; k < submissions; ++k) {
         const Question question = finest_question(all.size() % kGroups);
         const json answer = target_.submit(team, file_of(question), fmt::format("m{}", k));
-        all.push_back({answer.at("id"), team, question});
+        all.push_back({answer.at("id").get<std::int64_t>(), team, question});
       }
     }
     target_.end();

@@ -75,7 +75,7 @@ TEST(SecretGoalsAttacks, ATeamHasOneRowByWhateverRoad) {
   for (std::size_t k = 0; k < 6; ++k) {
     Walks walks{};
     for (std::size_t path = 0; path < kPaths; ++path) walks[path].end = (path * 7 + k) % 11;
-    ids.push_back(target.submit(team, walks, "m").at("id"));
+    ids.push_back(target.submit(team, walks, "m").at("id").get<std::int64_t>());
   }
   target.end();
   std::set<std::string> means;

@@ -80,7 +80,7 @@ TEST_F(Walk, TwoInstructionsOfAPathComeOnlyWhenNoOtherPathIsFree) {
     body["name"] = fmt::format("pilot-{}", seed);
     body["seed"] = seed;
     create(body);
-    Worker one = worker("one", body["name"]);
+    Worker one = worker("one", body["name"].get<std::string>());
     one.join();
     one.consent();
     std::set<std::string> starts;
@@ -88,7 +88,7 @@ TEST_F(Walk, TwoInstructionsOfAPathComeOnlyWhenNoOtherPathIsFree) {
       const json task = one.lease().at("task");
       const int start = task.at("start").get<std::string>().at(1) - '0';
       if (k < 3) {
-        EXPECT_TRUE(starts.insert(task.at("start")).second) << seed << " " << k;
+        EXPECT_TRUE(starts.insert(task.at("start").get<std::string>()).second) << seed << " " << k;
       }
       one.walk(task.at("task"), row_steps(start, start + 3));
     }
@@ -125,7 +125,7 @@ TEST_F(Walk, TheOrderIsAWorkersOwnAndFollowsFromTheSeed) {
 TEST_F(Walk, OnlyMovesThatAnAgentMayMakeAreTaken) {
   create(collection_body("pilot", "walk"));
   Worker one = worker("one");
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   const auto code_of = [&](const char* field, const json& value) {
     json steps = row_steps(0, 2);
     steps[2][field] = value;
@@ -148,7 +148,7 @@ TEST_F(Walk, OnlyMovesThatAnAgentMayMakeAreTaken) {
 TEST_F(Walk, HandingInTwiceIsOnce) {
   create(collection_body("pilot", "walk"));
   Worker one = worker("one");
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   EXPECT_EQ(one.walk(task, row_steps(0, 3)).at("done"), 1);
   EXPECT_EQ(one.walk(task, row_steps(0, 3)).at("done"), 1);
   EXPECT_EQ(one.walk(task, row_steps(0, 2)).at("error").at("code"), "already-submitted");

@@ -25,7 +25,7 @@ TEST_F(WorkAttacks, AnotherWorkersTaskIsNotThere) {
   create(collection_body("pilot", "write"));
   Worker owner = worker("owner");
   Worker thief = worker("thief");
-  const std::int64_t task = owner.begin().at("task");
+  const auto task = owner.begin().at("task").get<std::int64_t>();
   thief.begin();
   EXPECT_EQ(thief.task(task).at("status"), 404);
   EXPECT_EQ(thief.write(task, kText).at("status"), 404);
@@ -52,7 +52,7 @@ TEST_F(WorkAttacks, ForgedTaskIdsAreNotThere) {
 TEST_F(WorkAttacks, RolesKeepToTheirs) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
-  const std::int64_t id = one.begin().at("task");
+  const auto id = one.begin().at("task").get<std::int64_t>();
   one.write(id, kText);
   const std::string task = "/api/v1/tasks/" + std::to_string(id);
   const auto team = served_.team("A team");
@@ -128,7 +128,7 @@ TEST_F(WorkAttacks, ALinkNeedsItsKeyAndGuessingIsSlow) {
 TEST_F(WorkAttacks, WorkersTokensExpire) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   now_ += 24 * 3600;
   EXPECT_EQ(one.write(task, kText).at("status"), 401);
   one.join();
@@ -143,7 +143,7 @@ TEST_F(WorkAttacks, SqlInAnyFieldIsText) {
   body["instructions"] = evil;
   create(body);
   Worker one = worker(evil);
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   EXPECT_EQ(one.draft(task, {{evil, evil}}).at("status"), 200);
   EXPECT_EQ(one.task(task).at("draft"), json({{evil, evil}}));
   EXPECT_EQ(one.write(task, evil).at("status"), 200);
@@ -175,7 +175,7 @@ TEST_F(WorkAttacks, ScriptsComeBackAsTextOfATypeThatRunsNothing) {
   body["consent"] = script + " [a](javascript:alert(1))";
   create(body);
   Worker one = worker(script);
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   EXPECT_EQ(one.write(task, "Go to the " + script).at("status"), 200);
   for (const std::string target : {"/api/v1/collections/pilot", "/api/v1/collections/pilot/work",
                                    "/api/v1/collections/pilot/workers",
@@ -198,7 +198,7 @@ TEST_F(WorkAttacks, AFormulaForANameIsQuotedInTheSheet) {
 TEST_F(WorkAttacks, OversizedBodiesAreRefused) {
   create(collection_body("pilot", "walk"));
   Worker one = worker("one");
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   EXPECT_EQ(one.draft(task, {{"text", std::string(300'000, 'a')}}).at("status"), 413);
   EXPECT_EQ(one.walk(task, std::string(1'100'000, 'a')).at("status"), 413);
   json steps = row_steps(0, 0);
@@ -213,7 +213,7 @@ TEST_F(WorkAttacks, OversizedBodiesAreRefused) {
 TEST_F(WorkAttacks, DraftsThatAreDeepOrWideDoNoHarm) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   const auto put_draft = [&](const std::string& draft) {
     const auto result =
         served_.client().Put(fmt::format("/api/v1/tasks/{}/draft", task), one.headers(),
@@ -239,19 +239,19 @@ TEST_F(WorkAttacks, DraftsThatAreDeepOrWideDoNoHarm) {
 TEST_F(WorkAttacks, BodiesOfTheWrongShapeAreRefused) {
   create(collection_body("pilot", "write"));
   Worker one = worker("one");
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   const std::string target = "/api/v1/tasks/" + std::to_string(task);
   for (const json& body :
        {json(nullptr), json(3), json("x"), json::array(), json::object(), json{{"instruction", 3}},
         json{{"instruction", nullptr}}, json{{"draft", 3}}, json{{"verdict", json::array()}}}) {
     for (const char* part : {"/submission", "/draft"}) {
-      const int status = one.put(target + part, body).at("status");
+      const auto status = one.put(target + part, body).at("status").get<int>();
       EXPECT_TRUE(status == 400 || status == 422) << part << body << status;
     }
     for (const char* part : {"/review", "/instruction"}) {
       EXPECT_EQ(put(target + part, reviewer_, body).at("status"), 400) << part << body;
     }
-    const int made = create(body).at("status");
+    const auto made = create(body).at("status").get<int>();
     EXPECT_EQ(made, 422) << body;
   }
   EXPECT_EQ(one.write(task, kText).at("status"), 200);

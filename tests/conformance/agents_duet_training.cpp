@@ -80,7 +80,7 @@ void check_gradients(const json& recorded, const DuetNetwork& network, const std
       tally.equal(variant + " gradient " + name, true, !gradient.defined());
       continue;
     }
-    const double length = recorded[name][0];
+    const auto length = recorded[name][0].get<double>();
     const double ours =
         gradient.defined() ? gradient.to(at::kDouble).norm().item<double>() : std::nan("");
     tally.near(variant + " gradient " + name, length, ours,

@@ -162,7 +162,8 @@ class EpisodeCheck {
     tally_.begin("envdrop_episodes.jsonl.gz");
     std::map<std::size_t, std::map<std::size_t, std::string>> batches;
     for (const auto& [id, e] : episodes_.all()) {
-      batches[e.recorded->at("batch")][e.recorded->at("row")] = id;
+      batches[e.recorded->at("batch").get<std::size_t>()]
+             [e.recorded->at("row").get<std::size_t>()] = id;
     }
     for (const auto& [number, rows] : batches) {
       std::vector<std::string> ids;
@@ -246,7 +247,7 @@ class EpisodeCheck {
   void results() {
     tally_.begin("envdrop_results.json");
     for (const json& result : folder_.json("envdrop_results.json")) {
-      const std::string id = result.at("instr_id");
+      const auto id = result.at("instr_id").get<std::string>();
       check_points(id, result.at("trajectory"), episodes_.graph_of(episodes_.at(id)), walked_[id],
                    tally_);
     }

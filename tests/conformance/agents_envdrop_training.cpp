@@ -69,10 +69,10 @@ class VariantCheck {
   static neural::detail::OptimizerConfig options_of(const json& settings) {
     neural::detail::OptimizerConfig options;
     options.kind = models::Optimizer::kRmsProp;
-    options.rates.learning_rate = settings.at("lr");
-    options.rates.beta2 = settings.at("alpha");
-    options.rates.epsilon = settings.at("eps");
-    options.clip = settings.at("clip");
+    options.rates.learning_rate = settings.at("lr").get<double>();
+    options.rates.beta2 = settings.at("alpha").get<double>();
+    options.rates.epsilon = settings.at("eps").get<double>();
+    options.clip = settings.at("clip").get<double>();
     options.parts = {"encoder.", "decoder."};
     return options;
   }
@@ -81,7 +81,8 @@ class VariantCheck {
     const json& rollouts = recorded.at("rollouts");
     at::Tensor loss = at::zeros({}, at::kFloat);
     for (std::size_t r = 0; r < rollouts.size(); ++r) {
-      const double weight = settings_.at(rollouts.size() > 1 ? "ml_weight" : "teacher_weight");
+      const auto weight =
+          settings_.at(rollouts.size() > 1 ? "ml_weight" : "teacher_weight").get<double>();
       loss = loss + roll(rollouts[r], weight, fmt::format("{}.{}", name, r));
     }
     tally_.near(name + ".loss", golden_number(recorded.at("loss")), loss.item<double>());
@@ -107,7 +108,7 @@ class VariantCheck {
     options.draw = Draw::kLikeliest;
     options.imitate = teacher;
     options.reinforce = !teacher;
-    options.discount = settings_.at("gamma");
+    options.discount = settings_.at("gamma").get<double>();
     std::vector<PanoramicWalk> walks = episodes_.walks(ids);
     std::vector<std::size_t> steps(ids.size(), 0);
     const RolloutLosses losses =

@@ -224,9 +224,9 @@ void check_followers(Check& check, const std::string& where, const fs::path& fil
 void check_set(Check& check, const Json& set, Task task, const Places& places,
                const std::shared_ptr<const graph::GraphSet>& graphs,
                const tasks::ObjectBoxes& objects) {
-  const std::string id = set.at("id");
+  const auto id = set.at("id").get<std::string>();
   const tasks::Annotations annotations =
-      tasks::load_annotations(places.of(set.at("annotations")), id, task);
+      tasks::load_annotations(places.of(set.at("annotations").get<std::string>()), id, task);
   const EpisodeSet episodes =
       tasks::make_episodes(annotations, graphs, tasks::Instructions::kAll, &objects);
   const Predictions predictions(episodes);
@@ -242,7 +242,7 @@ void check_set(Check& check, const Json& set, Task task, const Places& places,
   }
   check_means(check, id, episodes, trajectories, set.at("means"));
   if (set.contains("followers")) {
-    check_followers(check, id, places.of(set.at("followers")), episodes);
+    check_followers(check, id, places.of(set.at("followers").get<std::string>()), episodes);
   }
 }
 
@@ -284,8 +284,8 @@ std::pair<Task, std::string> threshold_scorer(const std::string& name) {
 }
 
 void check_threshold(Check& check, const Json& all, const Places& places) {
-  const std::string scan = all.at("scan");
-  const fs::path folder = places.of(all.at("connectivity")).parent_path();
+  const auto scan = all.at("scan").get<std::string>();
+  const fs::path folder = places.of(all.at("connectivity").get<std::string>()).parent_path();
   const auto graphs = graph::GraphSet::open(folder, {scan});
   const graph::NavGraph& graph = graphs->graph(ScanIndex(0));
   const auto path_of = [&graph](const Json& ids) {
@@ -386,11 +386,11 @@ void check_means(Check& check, const std::string& where, const Json& expected, N
 }
 
 void check_continuous_set(Check& check, const Json& set, const Places& places) {
-  const std::string id = set.at("id");
-  const Json references = Json::parse(read_text_file(places.of(set.at("gt"))));
+  const auto id = set.at("id").get<std::string>();
+  const Json references = Json::parse(read_text_file(places.of(set.at("gt").get<std::string>())));
   Named vlnce, etpnav;
   for (const Json& prediction : set.at("predictions")) {
-    const std::string episode = prediction.at("episode_id");
+    const auto episode = prediction.at("episode_id").get<std::string>();
     const auto reference = reference_of(references.at(episode).at("locations"));
     const RecordedWalk recording(prediction);
     const std::string where = fmt::format("{} {} {}", id, episode, prediction.at("kind").dump());
@@ -415,7 +415,7 @@ void check_continuous_set(Check& check, const Json& set, const Places& places) {
 // What ours has where the public code has an outcome.
 DoubtfulInput doubtful_walk(const std::string& scorer, const Json& input, const Named& ours) {
   const Json& outcome = input.at("outcome").at(scorer);
-  DoubtfulInput row{scorer, input.at("case"), "values", "the same values"};
+  DoubtfulInput row{scorer, input.at("case").get<std::string>(), "values", "the same values"};
   if (outcome.contains("error")) {
     const auto error = outcome["error"].get<std::string>();
     row.theirs = error.substr(0, error.find(':'));
@@ -437,11 +437,11 @@ std::vector<DoubtfulInput> doubtful_walks(const fs::path& file, const fs::path& 
     const Json all = Json::parse(read_file(file));
     std::vector<Json> experts;  // of each set, by episode: ids of two sets may be the same
     for (const Json& set : all.at("sets")) {
-      experts.push_back(Json::parse(read_text_file(places.of(set.at("gt")))));
+      experts.push_back(Json::parse(read_text_file(places.of(set.at("gt").get<std::string>()))));
     }
     for (const Json& input : all.at("behaviour")) {
       const RecordedWalk recording(input);
-      const std::string id = input.at("episode_id");
+      const auto id = input.at("episode_id").get<std::string>();
       const auto expert = std::ranges::find_if(experts, [&](const Json& of_set) {
         return of_set.contains(id) &&
                of_set[id].at("locations").front().get<std::array<float, 3>>() ==

@@ -30,7 +30,7 @@ std::string first_words(const std::string& text) {
 Json entry_of(const Json& input, const Json& all) {
   // Of the first input, which has every instruction of the path.
   const Json& complete = all.at("behaviour").front().at("predictions");
-  const std::string id = complete.front().at("instr_id");
+  const auto id = complete.front().at("instr_id").get<std::string>();
   Json entry{{"path_id", std::stoi(id.substr(0, id.find('_')))},
              {"scan", input.at("scan")},
              {"heading", 0},
@@ -56,7 +56,7 @@ Json entry_named(const std::string& id, const fs::path& data) {
 Json annotations_of(const Json& input, const Json& all, const fs::path& data) {
   if (!input.contains("annotations") || input["annotations"].is_null()) return entry_of(input, all);
   const Json& annotations = input["annotations"];
-  return annotations.is_string() ? entry_named(annotations, data) : annotations;
+  return annotations.is_string() ? entry_named(annotations.get<std::string>(), data) : annotations;
 }
 
 std::string codes_of(const InvalidInput& refused) {
@@ -90,7 +90,7 @@ std::string ours_of(const Json& input, const Json& annotations, Task task,
         tasks::parse_annotations(annotations.dump(), "annotations", "made", task), graphs,
         tasks::Instructions::kAll, &objects);
     const auto results = tasks::parse_results(input.at("predictions").dump(), "results", episodes);
-    const auto& scorer = tasks::public_scorer(task, scorer_name(input.at("scorer")));
+    const auto& scorer = tasks::public_scorer(task, scorer_name(input.at("scorer").get<std::string>()));
     const auto score =
         tasks::compute_task_score(results.trajectories, episodes, scorer, {.bootstrap_samples = 0});
     const Json& outcome = input.at("outcome");
@@ -105,9 +105,9 @@ std::string ours_of(const Json& input, const Json& annotations, Task task,
 }
 
 std::string theirs_of(const Json& outcome) {
-  if (outcome.contains("error")) return first_words(outcome["error"]);
+  if (outcome.contains("error")) return first_words(outcome["error"].get<std::string>());
   const Json& means = outcome.at("means");
-  return means.contains("error") ? first_words(means["error"]) : "means";
+  return means.contains("error") ? first_words(means["error"].get<std::string>()) : "means";
 }
 
 }  // namespace
@@ -124,7 +124,7 @@ std::vector<DoubtfulInput> doubtful_inputs(const fs::path& file, const fs::path&
                              ? tasks::ObjectBoxes::load(data / "reverie/BBox.json.gz")
                              : tasks::ObjectBoxes();
     for (const Json& input : all.at("behaviour")) {
-      rows.push_back({input.at("scorer"), input.at("case"), theirs_of(input.at("outcome")),
+      rows.push_back({input.at("scorer").get<std::string>(), input.at("case").get<std::string>(), theirs_of(input.at("outcome")),
                       ours_of(input, annotations_of(input, all, data), task, graphs, objects)});
     }
   } catch (const Json::exception& error) {

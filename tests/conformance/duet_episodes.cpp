@@ -48,16 +48,16 @@ void NamedSurroundings::object(const graph::NavGraph& graph, ViewpointIndex view
 
 WalkEpisode duet_episode(const json& record, const graph::GraphSet& graphs) {
   WalkEpisode episode;
-  episode.id = record["instr_id"];
+  episode.id = record["instr_id"].get<std::string>();
   episode.scan = graphs.at(record["scan"].get<std::string>());
   const graph::NavGraph& graph = graphs.graph(episode.scan);
   for (const json& viewpoint : record["gt_path"]) {
     episode.reference.push_back(*graph.find(viewpoint.get<std::string>()));
   }
   episode.start = episode.reference.front();
-  episode.start_view = record["start_view"];
+  episode.start_view = record["start_view"].get<std::uint32_t>();
   episode.words = record["token_ids"].get<std::vector<std::int64_t>>();
-  if (record.contains("gt_obj_id")) episode.object = record["gt_obj_id"];
+  if (record.contains("gt_obj_id")) episode.object = record["gt_obj_id"].get<std::string>();
   return episode;
 }
 

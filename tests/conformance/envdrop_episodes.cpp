@@ -35,8 +35,8 @@ EnvdropEpisodes::EnvdropEpisodes(const dataset::Dataset& data, const std::vector
 
 void EnvdropEpisodes::add(const json& recorded) {
   EnvdropEpisode e;
-  e.id = recorded.at("instr_id");
-  const std::string scan = recorded.at("scan");
+  e.id = recorded.at("instr_id").get<std::string>();
+  const auto scan = recorded.at("scan").get<std::string>();
   const json& path = recorded.at("gt_path");
   e.start.location = graphs_->locate(scan, path.front().get<std::string>());
   e.start.heading = Radians(recorded.at("start_heading").get<double>());

@@ -232,7 +232,7 @@ TEST_F(ReleasedAgentsTest, EnvDropsListenerWalksAsThePublishedCode) {
       return one.value("instr_id", "") == episode.instruction_id;
     });
     std::vector<std::string> alone;
-    for (const json& viewpoint : (*record)["alone"]["viewpoints"]) {
+    for (const auto& viewpoint : (*record)["alone"]["viewpoints"].get<std::vector<std::string>>()) {
       if (alone.empty() || alone.back() != viewpoint) alone.push_back(viewpoint);
     }
     std::vector<std::string> ours = viewpoints_of(walked[i], episodes.graph_of(episode));

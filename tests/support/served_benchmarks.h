@@ -90,7 +90,7 @@ inline json served_entry(tasks::Task task, std::size_t k, const HiddenThings* go
     entry["path_id"] = "4-" + id;
     entry["instructions"] = {{{"full", "Walk to the vase."}}, {{"full", "Go on."}}};
     entry.erase("heading");
-    if (goal != nullptr) entry["bboxes"] = {soon_box(path.back())};
+    if (goal != nullptr) entry["bboxes"] = {soon_box(path.back().get<std::string>())};
   }
   return entry;
 }

@@ -36,6 +36,13 @@ inline nlohmann::json read_answer(const httplib::Result& result) {
   return body;
 }
 
+/// A task's number, as it is or as an answer has it.
+struct TaskId {
+  TaskId(std::int64_t task) : value(task) {}                               // NOLINT: either is one
+  TaskId(const nlohmann::json& task) : value(task.get<std::int64_t>()) {}  // NOLINT
+  std::int64_t value;
+};
+
 class Worker {
  public:
   /// Nothing is sent yet. \param parameters of the page's address, the key among them
@@ -81,20 +88,20 @@ class Worker {
     return lease().value("task", nlohmann::json());
   }
 
-  nlohmann::json write(std::int64_t task, const std::string& instruction) {
+  nlohmann::json write(const TaskId& task, const std::string& instruction) {
     return put(address(task) + "/submission", {{"instruction", instruction}, {"seconds", 42.5}});
   }
-  nlohmann::json walk(std::int64_t task, const nlohmann::json& steps) {
+  nlohmann::json walk(const TaskId& task, const nlohmann::json& steps) {
     return put(address(task) + "/submission",
                {{"steps", steps}, {"camera", {{"width", 640}, {"height", 480}, {"vfov", 1.047}}}});
   }
-  nlohmann::json draft(std::int64_t task, const nlohmann::json& draft) {
+  nlohmann::json draft(const TaskId& task, const nlohmann::json& draft) {
     return put(address(task) + "/draft", {{"draft", draft}});
   }
-  nlohmann::json give_back(std::int64_t task) {
+  nlohmann::json give_back(const TaskId& task) {
     return answered([&] { return client_->Delete(address(task), token_); });
   }
-  nlohmann::json task(std::int64_t task) {
+  nlohmann::json task(const TaskId& task) {
     return answered([&] { return client_->Get(address(task), token_); });
   }
 
@@ -116,7 +123,9 @@ class Worker {
     ++sent_again_;
     return read_answer(call());
   }
-  static std::string address(std::int64_t task) { return "/api/v1/tasks/" + std::to_string(task); }
+  static std::string address(const TaskId& task) {
+    return "/api/v1/tasks/" + std::to_string(task.value);
+  }
 
   std::optional<httplib::Client> client_;  // always there
   std::string collection_;

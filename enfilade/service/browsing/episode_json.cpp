@@ -100,7 +100,7 @@ std::filesystem::path trace_file(const PublicSplit& split, const std::string& in
 
 // A broken trace is told, and leaves the episode as it is.
 void add_trace(const PublicSplit& split, ordered_json& episode) {
-  const auto file = trace_file(split, episode.at("instruction_id"));
+  const auto file = trace_file(split, episode.at("instruction_id").get<std::string>());
   if (file.empty()) return;
   try {
     episode["trace"] = trace_json(tasks::load_pose_trace(file));

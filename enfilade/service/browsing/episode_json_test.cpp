@@ -98,10 +98,11 @@ TEST(EpisodeJson, AnObjectHasItsOutline) {
 TEST(EpisodeJson, ADialogueHasTurnsAndARegion) {
   Served served;
   add_benchmarks(served);
-  const std::string id = served.json("/api/v1/splits/val_seen/episodes?task=cvdn")
-                             .at("episodes")
-                             .at(0)
-                             .at("instruction_id");
+  const auto id = served.json("/api/v1/splits/val_seen/episodes?task=cvdn")
+                      .at("episodes")
+                      .at(0)
+                      .at("instruction_id")
+                      .get<std::string>();
   const auto one = episode(served, "val_seen", "task=cvdn&id=" + id);
   EXPECT_EQ(one.at("task"), "cvdn");
   ASSERT_EQ(one.at("turns").size(), 2U);

@@ -40,7 +40,7 @@ class Conditions : public testing::Collecting {
   std::vector<std::string> listed(const std::string& query) {
     std::vector<std::string> names;
     const json answer = served_.json("/api/v1/collections" + query, organiser_);
-    for (const json& one : answer.at("collections")) names.push_back(one.at("collection"));
+    for (const json& one : answer.at("collections")) names.push_back(one.at("collection").get<std::string>());
     return names;
   }
   static json answer(Worker& one, const json& question, const char* choice) {
@@ -136,7 +136,7 @@ TEST_F(Conditions, AttentionChecksComeBetweenTasksAndAreCounted) {
   body["check_every"] = 2;
   create(body);
   Worker one = worker("one");
-  const std::int64_t first = one.begin().at("task");
+  const auto first = one.begin().at("task").get<std::int64_t>();
   EXPECT_FALSE(one.visit().contains("questions"));  // the first task comes without
   const json check = one.write(first, kText).at("questions");
   ASSERT_EQ(check.size(), 1U);
@@ -185,7 +185,7 @@ TEST_F(Conditions, AWorkerKnowsHowMuchThereIsToDo) {
   EXPECT_EQ(joined.at("collection").at("minutes"), 4.0);
   EXPECT_EQ(joined.at("visit").at("of"), 3);
   Worker one = worker("one");
-  const std::int64_t task = one.begin().at("task");
+  const auto task = one.begin().at("task").get<std::int64_t>();
   EXPECT_EQ(one.visit().at("of"), 3);  // the one that is held among them
   EXPECT_EQ(one.write(task, kText).at("of"), 3);
   one.give_back(one.lease().at("task").at("task"));

@@ -236,14 +236,16 @@ std::string rxr_lines(const Selection& selection) {
     const Item& item = task.item;
     const ordered_json content = ordered_json::parse(task.content);
     tasks::PathAnnotation path{item.path_id, item.scan,     item.heading,
-                               item.path,    item.distance, {content.at("instruction")}};
+                               item.path,    item.distance,
+                               {content.at("instruction").get<std::string>()}};
     path.group = item.path_id;
     tasks::InstructionDetails& details = path.details.emplace_back();
     details.id = guide_id(task);
     details.language = selection.report.language;
     for (const ordered_json& word : content.at("words")) {
       details.words.push_back(
-          {word.at("word"), word.at("start").get<double>(), word.at("end").get<double>()});
+          {word.at("word").get<std::string>(), word.at("start").get<double>(),
+           word.at("end").get<double>()});
     }
     annotations.paths.push_back(std::move(path));
   }

@@ -59,7 +59,7 @@ TEST_F(Benchmarks, EachIsScoredWithColumnsOfItsOwn) {
     EXPECT_EQ(board.at("task"), tasks::name_of(task));
     EXPECT_EQ(board.at("primary"), tasks::headline(task).name);
     std::vector<std::string> names;
-    for (const json& column : board.at("columns")) names.push_back(column.at("name"));
+    for (const json& column : board.at("columns")) names.push_back(column.at("name").get<std::string>());
     std::vector<std::string> expected;
     for (const tasks::Measure& measure : tasks::measures(task)) expected.emplace_back(measure.name);
     EXPECT_EQ(names, expected) << tasks::name_of(task);

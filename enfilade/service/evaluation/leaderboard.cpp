@@ -221,8 +221,8 @@ std::string leaderboard_csv(const ordered_json& rows, const Phase& phase) {
   }
   out += "\r\n";
   for (const ordered_json& row : rows) {
-    out += fmt::format("{},{},{}", detail::sheet_text(row["team"]),
-                       detail::sheet_text(row["method"]), row["created"].get<std::string>());
+    out += fmt::format("{},{},{}", detail::sheet_text(row["team"].get<std::string>()),
+                       detail::sheet_text(row["method"].get<std::string>()), row["created"].get<std::string>());
     for (const tasks::Measure& measure : phase.measures()) {
       for (const char* part : {"mean", "low", "high"}) {
         out += "," + cell(row["means"], measure.name, part);
