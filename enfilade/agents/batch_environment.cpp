@@ -56,7 +56,7 @@ double nearer(double before, double now) {
 }
 
 std::int64_t count_actions(const tasks::EpisodeSet& episodes, const EnvironmentConfig& config) {
-  if (config.actions == ActionSpace::kSix) return kSixActions;
+  if (config.actions == ActionSpace::kSixActions) return kSixActions;
   if (config.actions != ActionSpace::kMap) return static_cast<std::int64_t>(config.max_navigable);
   std::size_t most = 0;
   for (const tasks::ReferencePath& path : episodes.paths) {
@@ -173,7 +173,7 @@ void BatchEnvironment::check_actions(std::span<const std::int64_t> actions) cons
 sim::Action BatchEnvironment::action_of(std::size_t agent, std::int64_t number) const {
   const sim::StateSpans& now = state();
   const std::uint32_t count = now.navigable_count[agent];
-  if (config_.actions == ActionSpace::kSix) {
+  if (config_.actions == ActionSpace::kSixActions) {
     return to_action(static_cast<SixAction>(number), count);
   }
   if (number == 0 || number >= count) return {};
@@ -220,7 +220,7 @@ void BatchEnvironment::step(std::span<const std::int64_t> actions) {
     }
     batch_.step(actions_);
   }
-  const bool six = config_.actions == ActionSpace::kSix;
+  const bool six = config_.actions == ActionSpace::kSixActions;
   const std::int64_t stop = six ? static_cast<std::int64_t>(SixAction::kStop) : 0;
   for (std::size_t i = 0; i < actions.size(); ++i) {
     outcome_.began[i] = 0;
@@ -327,7 +327,7 @@ std::optional<std::int64_t> BatchEnvironment::expert(std::size_t agent, ExpertRu
   if (config_.actions == ActionSpace::kMap) return map_action(agent, rule);
   const auto goal = batch_.nearest_goal(agent);
   if (!goal) return std::nullopt;
-  if (config_.actions == ActionSpace::kSix) {
+  if (config_.actions == ActionSpace::kSixActions) {
     return static_cast<std::int64_t>(
         six_action_of(teacher_decision(batch_.observation(agent), *goal)));
   }

@@ -112,7 +112,7 @@ TEST(BatchEnvironment, JudgesAsTheMetricsDo) {
 
 TEST(BatchEnvironment, SixActionsTurnLookAndGoForward) {
   BatchEnvironment environment(square_episodes(),
-                               config(1, ActionSpace::kSix, Reward::kSuccess));
+                               config(1, ActionSpace::kSixActions, Reward::kSuccess));
   environment.reset({}, std::array<std::int64_t, 1>{1});
   const auto& state = environment.state();
   const auto act = [&](std::int64_t number) { environment.step(std::array{number}); };
@@ -206,7 +206,7 @@ TEST(BatchEnvironment, MapActionsWalkToAnyOpenNodeAsOneAction) {
 }
 
 TEST(BatchEnvironment, EveryActionSpaceHasATeacherThatArrives) {
-  for (const ActionSpace space : {ActionSpace::kViewpoint, ActionSpace::kSix,
+  for (const ActionSpace space : {ActionSpace::kViewpoint, ActionSpace::kSixActions,
                                   ActionSpace::kPanoramic, ActionSpace::kMap}) {
     BatchEnvironment environment(cross_episodes(), config(2, space, Reward::kSuccess));
     EXPECT_THROW((void)environment.expert(0), ArgumentError);
@@ -220,7 +220,7 @@ TEST(BatchEnvironment, EveryActionSpaceHasATeacherThatArrives) {
 }
 
 TEST(BatchEnvironment, CutsOffAndBeginsAnewAtTheNextStepIfAsked) {
-  EnvironmentConfig c = config(2, ActionSpace::kSix, Reward::kNone);
+  EnvironmentConfig c = config(2, ActionSpace::kSixActions, Reward::kNone);
   c.max_steps = 2;
   c.reset_at_next_step = true;
   BatchEnvironment environment(square_episodes(), c);
@@ -235,7 +235,7 @@ TEST(BatchEnvironment, CutsOffAndBeginsAnewAtTheNextStepIfAsked) {
 
 TEST(BatchEnvironment, WithoutThatAnEndedEpisodeHasToBeReset) {
   BatchEnvironment environment(square_episodes(),
-                               config(2, ActionSpace::kSix, Reward::kNone));
+                               config(2, ActionSpace::kSixActions, Reward::kNone));
   EXPECT_THAT(
       [&] {
         environment.step(std::array<std::int64_t, 2>{0, 0});
@@ -256,7 +256,7 @@ TEST(BatchEnvironment, WithoutThatAnEndedEpisodeHasToBeReset) {
 
 TEST(BatchEnvironment, SeedsDecideTheEpisodes) {
   const auto drawn = [](std::uint64_t seed) {
-    EnvironmentConfig c = config(8, ActionSpace::kSix, Reward::kNone);
+    EnvironmentConfig c = config(8, ActionSpace::kSixActions, Reward::kNone);
     c.seed = seed;
     BatchEnvironment environment(square_episodes(), c);
     std::vector<std::uint32_t> found;

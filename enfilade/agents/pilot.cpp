@@ -54,7 +54,7 @@ void Pilot::stop(std::size_t slot) {
 void Pilot::note(std::size_t i, const Decision& decision, ViewpointIndex before) {
   Slot& slot = slots_[i];
   const ViewpointIndex now = batch_->state().viewpoint[i];
-  if (actions_ == ActionSpace::kSix) {
+  if (actions_ == ActionSpace::kSixActions) {
     slot.moves.push_back({false, now, six_action_of(decision), slot.answer});
   } else if (now != before) {
     const bool fresh = slot.visited.insert(now).second;

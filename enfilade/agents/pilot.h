@@ -23,7 +23,7 @@ struct PilotMove {
   /// Where it goes: a neighbour; of kMap the next viewpoint that it has not visited, through
   /// visited ones. Where it is, if it stops or turns.
   ViewpointIndex to;
-  SixAction action = SixAction::kStop;  ///< of kSix
+  SixAction action = SixAction::kStop;  ///< of kSixActions
   std::optional<Answer> answer = {};    ///< the last one that it gave
   friend bool operator==(const PilotMove&, const PilotMove&) = default;
 };

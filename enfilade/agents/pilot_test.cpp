@@ -36,7 +36,7 @@ std::shared_ptr<const tasks::EpisodeSet> square_episodes() {
 std::int64_t number_of(const PilotMove& move, const BatchEnvironment& environment, std::size_t i) {
   const std::size_t m = environment.config().max_navigable;
   switch (environment.config().actions) {
-    case ActionSpace::kSix:
+    case ActionSpace::kSixActions:
       return static_cast<std::int64_t>(move.action);
     case ActionSpace::kViewpoint:
       for (std::size_t k = 1; !move.stop && k < m; ++k) {
@@ -99,7 +99,7 @@ TEST_P(PilotIn, AnEnvironmentGoesWhereTheAgentGoesAlone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PilotIn,
-                         ::testing::Values(ActionSpace::kViewpoint, ActionSpace::kSix,
+                         ::testing::Values(ActionSpace::kViewpoint, ActionSpace::kSixActions,
                                            ActionSpace::kPanoramic, ActionSpace::kMap));
 
 // Goes 0, 1, 0, 3 and stops, whatever the episode says: back through a visited viewpoint.

@@ -205,7 +205,7 @@ class Environment {
 
 agents::ActionSpace parse_actions(const std::string& name) {
   if (name == "viewpoint") return agents::ActionSpace::kViewpoint;
-  if (name == "six") return agents::ActionSpace::kSix;
+  if (name == "six") return agents::ActionSpace::kSixActions;
   if (name == "panoramic") return agents::ActionSpace::kPanoramic;
   if (name == "map") return agents::ActionSpace::kMap;
   throw ArgumentError("actions '" + name + "': viewpoint, six, panoramic and map are allowed");

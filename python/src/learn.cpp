@@ -33,7 +33,7 @@ using Set = std::shared_ptr<const tasks::EpisodeSet>;
 
 agents::ActionSpace action_space(const std::string& name) {
   if (name == "viewpoint") return agents::ActionSpace::kViewpoint;
-  if (name == "six") return agents::ActionSpace::kSix;
+  if (name == "six") return agents::ActionSpace::kSixActions;
   if (name == "panoramic") return agents::ActionSpace::kPanoramic;
   if (name == "map") return agents::ActionSpace::kMap;
   throw ArgumentError(fmt::format("actions {:?}: one of viewpoint, six, panoramic, map", name));
