@@ -19,6 +19,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/r4r.h"
@@ -164,7 +165,7 @@ R4rWalks r4r_walks() {
 // All of HAMT's metrics, nDTW, SDTW and CLS among them, with their intervals.
 void score_r4r(benchmark::State& state) {
   const R4rWalks walks = r4r_walks();
-  const auto& scorer = tasks::public_scorers(tasks::Task::kR4r).front();
+  const auto& scorer = tasks::benchmark(tasks::Task::kR4r).scorers.front();
   for (auto _ : state) {
     benchmark::DoNotOptimize(compute_task_score(walks.trajectories, walks.episodes, scorer));
   }

@@ -82,8 +82,8 @@ void score_stay_near(const graph::NavGraph& graph, const tasks::ReferencePath& p
   out[1] = walked - graph.distance(path.viewpoints.front(), end);
 }
 
-constexpr tasks::PublicScorer kScorer{tasks::Task::kCvdn, "stay-near", "examples/own_benchmark.cpp",
-                                      kMetrics, score_stay_near};
+constexpr tasks::Scorer kScorer{tasks::Task::kCvdn, "stay-near", "examples/own_benchmark.cpp",
+                                kMetrics, score_stay_near};
 
 // A small file of it, from a data set's own paths.
 std::string make_file(const tasks::EpisodeSet& r2r) {

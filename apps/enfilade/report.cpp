@@ -30,7 +30,7 @@ void make(const Options& options) {
   report::ReportConfig config = options.config;
   config.runs.assign(options.named.begin(), options.named.end());
   if (const auto* free = continuous_task_of(options.task, config.runs)) {
-    config.continuous = *free;
+    config.continuous = free;
   } else {
     config.task =
         task_of(options.task, data,

@@ -7,9 +7,9 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/continuous/walks.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/results.h"
@@ -42,7 +42,7 @@ struct Options {
 
 // What --task says, or what the files look like: annotations first, as they tell more.
 Task find_task(const Options& options, const std::string& annotations, const std::string& results) {
-  if (!options.task.empty()) return tasks::task_named(options.task);
+  if (!options.task.empty()) return tasks::benchmark(options.task, tasks::World::kGraph).task;
   std::optional<Task> found;
   if (!options.annotations.empty()) found = tasks::find_task(annotations);
   if (!found || *found == Task::kR2r) {
@@ -90,9 +90,7 @@ tasks::EpisodeSet load_episodes(const Options& options, Task task, const std::st
 // By the scorer that --scorer names, or the one behind the published tables.
 void print_task_score(const Options& options, const tasks::Results& results,
                       const tasks::EpisodeSet& episodes) {
-  const tasks::PublicScorer& scorer = options.scorer.empty()
-                                          ? tasks::public_scorers(episodes.task).front()
-                                          : tasks::public_scorer(episodes.task, options.scorer);
+  const tasks::Scorer& scorer = tasks::benchmark(episodes.task).scorer(options.scorer);
   const tasks::TaskScore score = tasks::compute_task_score(results.trajectories, episodes, scorer);
   if (!options.json.empty()) {
     write_output(options.json, to_json(score, episodes, options.per_episode));
@@ -144,7 +142,8 @@ ExitCode score_free(const Options& options) {
 }
 
 ExitCode score(const Options& options) {
-  if (agents::is_continuous(options.task)) return score_free(options);
+  const tasks::Benchmark* named = tasks::find_benchmark(options.task);
+  if (named != nullptr && named->continuous()) return score_free(options);
   if (options.split.empty() && options.annotations.empty()) {
     throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
   }

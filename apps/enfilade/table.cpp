@@ -28,7 +28,7 @@ std::string formatted(const report::ResultsTable& table, const Options& options)
   return options.markdown ? to_markdown(table) : to_text(table);
 }
 
-report::ResultsTable continuous_table(const agents::ContinuousBenchmark& benchmark,
+report::ResultsTable continuous_table(const tasks::Benchmark& benchmark,
                                       const dataset::Dataset& data,
                                       const std::vector<fs::path>& named) {
   const report::RunDirectory found = report::find_continuous_runs(named, data, benchmark);
@@ -47,7 +47,7 @@ report::ResultsTable graph_table(const Options& options, const dataset::Dataset&
 void table(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const std::vector<fs::path> named(options.named.begin(), options.named.end());
-  const agents::ContinuousBenchmark* free = continuous_task_of(options.task, named);
+  const tasks::Benchmark* free = continuous_task_of(options.task, named);
   const report::ResultsTable made =
       free != nullptr ? continuous_table(*free, data, named) : graph_table(options, data, named);
   if (made.rows.empty() && made.left_out.empty()) {

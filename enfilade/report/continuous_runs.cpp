@@ -4,16 +4,16 @@
 #include <utility>
 
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
 
 namespace enfilade::report {
 
-ContinuousRuns score_continuous_runs(const RunDirectory& found,
-                                     const agents::ContinuousBenchmark& benchmark,
+ContinuousRuns score_continuous_runs(const RunDirectory& found, const tasks::Benchmark& benchmark,
                                      const dataset::Dataset& data, const Progress& progress) {
   ContinuousRuns scored;
-  scored.benchmark = benchmark;
-  scored.buildings =
-      std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
+  scored.benchmark = &benchmark;
+  scored.buildings = std::make_shared<const continuous::Buildings>(
+      data.folder() / agents::continuous_setup(benchmark).navigation_folder());
   std::map<std::string, tasks::ExpertWalks> experts;
   std::size_t done = 0;
   for (const ResultsFile& file : found.results) {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/report/run_directory.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/continuous_measures.h"
 #include "enfilade/tasks/continuous_results.h"
@@ -27,7 +27,7 @@ struct ContinuousRun {
 
 /// A plain value: any thread.
 struct ContinuousRuns {
-  agents::ContinuousBenchmark benchmark;
+  const tasks::Benchmark* benchmark = nullptr;
   std::shared_ptr<const continuous::Buildings> buildings;
   std::map<std::string, tasks::ContinuousEpisodes> splits;  ///< those that a run has
   std::vector<ContinuousRun> runs;                          ///< in the order of the results files
@@ -38,8 +38,7 @@ struct ContinuousRuns {
 /// hidden are left out, and `left_out` says so. \param found  by find_continuous_runs()
 /// \throws FileError, also for navigation meshes that are not there; InvalidInput listing what is
 /// wrong with a results file
-ContinuousRuns score_continuous_runs(const RunDirectory& found,
-                                     const agents::ContinuousBenchmark& benchmark,
+ContinuousRuns score_continuous_runs(const RunDirectory& found, const tasks::Benchmark& benchmark,
                                      const dataset::Dataset& data, const Progress& progress = {});
 
 }  // namespace enfilade::report

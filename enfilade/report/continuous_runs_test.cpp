@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/navigation_mesh.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
@@ -66,7 +67,9 @@ class ContinuousRunsTest : public ::testing::Test {
     const auto walks = agents::run_continuous(
         *walker, episodes_,
         std::make_shared<const continuous::Buildings>(made_.data() / "navmesh/r2r-ce"),
-        {.batch_size = 2, .seed = seed, .simulator = benchmark_.simulator});
+        {.batch_size = 2,
+         .seed = seed,
+         .simulator = agents::continuous_setup(benchmark_).simulator});
     write_file_atomically(made_.run() / (as + "_" + split + ".json"),
                           to_json(walks, episodes_, tasks::ContinuousResultsForm::kR2r));
   }
@@ -77,7 +80,7 @@ class ContinuousRunsTest : public ::testing::Test {
   testing::MadeRun made_;
   dataset::Dataset data_;
   tasks::ContinuousEpisodes episodes_;
-  const agents::ContinuousBenchmark& benchmark_ = agents::continuous_benchmark("r2r-ce");
+  const tasks::Benchmark& benchmark_ = tasks::benchmark("r2r-ce");
 };
 
 TEST_F(ContinuousRunsTest, HaveATableWithSeedsInOneRow) {
@@ -142,7 +145,7 @@ TEST_F(ContinuousRunsTest, ReportHasMapsAndNoPartsOfTheGraph) {
   run("random", "random");
   ReportConfig config;
   config.runs = {made_.run()};
-  config.continuous = benchmark_;
+  config.continuous = &benchmark_;
   const std::string page = make_report(config, data_);
   for (const char* part : {"\"walks\"", "\"table\"", "\"errors\"", "data:image/svg+xml"}) {
     EXPECT_THAT(page, HasSubstr(part));

@@ -55,7 +55,7 @@ std::string decoded(const std::string& uri) {
 TEST_F(Goals, PlansMarkWhoSeesTheObject) {
   const auto part = parts::plans_part(run_, episodes_, {{"worst", 0}});
   ASSERT_EQ(part.at("plans").size(), 1U);
-  const std::string svg = decoded(part["plans"][0].at("picture"));
+  const std::string svg = decoded(part["plans"][0].at("picture").get<std::string>());
   EXPECT_THAT(svg, HasSubstr("sees the plant (1 viewpoint)"));
   EXPECT_THAT(svg, HasSubstr("Water the &lt;b&gt;plant&lt;/b&gt;."));
   EXPECT_THAT(svg, Not(HasSubstr("3 m around it"))) << "that is R2R's goal";

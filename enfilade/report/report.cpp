@@ -18,6 +18,7 @@
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
 #include "enfilade/report/scored_runs.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::report {
@@ -164,7 +165,7 @@ class Reporter {
     }
     const bool r2r = config_.task == tasks::Task::kR2r;
     return about_json(config_, data_, found_.models,
-                      {r2r ? std::string() : std::string(tasks::title_of(config_.task)),
+                      {r2r ? std::string() : std::string(tasks::benchmark(config_.task).title),
                        runs_.graphs->size(), std::move(instructions)});
   }
 
@@ -186,8 +187,9 @@ class Reporter {
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress) {
   const std::string title = data.synthetic() ? config.title + " (synthetic homes)" : config.title;
-  return parts::make_page(title, config.continuous ? continuous_page(config, data, progress)
-                                                   : Reporter(config, data, progress).run());
+  return parts::make_page(title, config.continuous != nullptr
+                                     ? continuous_page(config, data, progress)
+                                     : Reporter(config, data, progress).run());
 }
 
 }  // namespace enfilade::report

@@ -2,14 +2,13 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/dataset/dataset.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/goal.h"
 
 namespace enfilade::report {
@@ -20,7 +19,7 @@ struct ReportConfig {
   tasks::Task task = tasks::Task::kR2r;     ///< what the results are of
   /// What they are of where agents walk freely; `task` does not count then. The page has a table,
   /// training, where agents stop, and maps of walks.
-  std::optional<agents::ContinuousBenchmark> continuous;
+  const tasks::Benchmark* continuous = nullptr;
   std::string title = "Vision-and-language navigation";
   /// Named facts for its head, in order, such as {"machine", "..."}; what the data and the runs say
   /// of themselves comes before them.

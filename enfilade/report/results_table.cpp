@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/scorer.h"
 
 namespace enfilade::report {
 namespace {
@@ -168,8 +169,9 @@ tasks::MeanInterval student_interval(std::span<const double> samples) {
 
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
   ResultsTable table;
-  table.benchmark = tasks::name_of(runs.task);
-  table.title = tasks::title_of(runs.task);
+  const tasks::Benchmark& benchmark = tasks::benchmark(runs.task);
+  table.benchmark = benchmark.name;
+  table.title = benchmark.title;
   table.task = runs.task;
   table.columns = table_columns(runs.task);
   table.synthetic = synthetic;
@@ -188,8 +190,8 @@ ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
 
 ResultsTable make_table(const ContinuousRuns& runs, bool synthetic) {
   ResultsTable table;
-  table.benchmark = runs.benchmark.name;
-  table.title = runs.benchmark.title;
+  table.benchmark = runs.benchmark->name;
+  table.title = runs.benchmark->title;
   table.columns = continuous_columns();
   table.synthetic = synthetic;
   table.left_out = runs.left_out;

@@ -21,7 +21,7 @@ struct TableColumn {
   double scale = 1;         ///< 100 for what is shown in per cent
   int digits = 2;           ///< after the point
   std::string_view scored =
-      {};            ///< what table_scorer() calls its mean; empty: tasks/metrics.h has it
+      {};            ///< what Benchmark::table_scorer calls its mean; empty: tasks/metrics.h has it
   double least = 0;  ///< the smallest value that is possible
 };
 /// What the published tables of a benchmark show, in their order: of R2R TL NE SR OSR SPL; of
@@ -29,8 +29,6 @@ struct TableColumn {
 std::span<const TableColumn> table_columns(tasks::Task task = tasks::Task::kR2r) noexcept;
 /// Those of walks in continuous space, by the names of tasks::continuous_measures().
 std::span<const TableColumn> continuous_columns() noexcept;
-/// The name of the public scorer behind the columns; empty for R2R, which has our own metrics.
-std::string_view table_scorer(tasks::Task task) noexcept;
 
 /// A figure that somebody published for a split called "val unseen", as it stands in their text.
 struct PublishedResult {

@@ -5,8 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/report/results_table.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/scorer.h"
 
 namespace enfilade::report {
 namespace {
@@ -83,12 +84,12 @@ std::vector<PublishedResult> published_beside(const ResultsTable& table) {
 
 // The scorer behind the columns, and its repository; empty for our own.
 std::string_view scorer_of(const ResultsTable& table) {
-  return table.task ? table_scorer(*table.task) : std::string_view("vln-ce");
+  return table.task ? tasks::benchmark(*table.task).table_scorer : std::string_view("vln-ce");
 }
 std::string_view source_of(const ResultsTable& table) {
   const auto scorer = scorer_of(table);
   if (!table.task) return "the measures of jacobkrantz/VLN-CE; nDTW and SDTW exact";
-  return scorer.empty() ? std::string_view() : tasks::public_scorer(*table.task, scorer).source;
+  return scorer.empty() ? std::string_view() : tasks::benchmark(*table.task).scorer(scorer).source;
 }
 
 bool has_stars(const ResultsTable& table) {

@@ -234,8 +234,7 @@ std::optional<tasks::Task> find_task_of_runs(std::span<const fs::path> named) {
   return std::nullopt;
 }
 
-const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
-    std::span<const fs::path> named) {
+const tasks::Benchmark* find_continuous_benchmark_of_runs(std::span<const fs::path> named) {
   for (const fs::path& file : candidates(named)) {
     std::string text = beginning_of(file);
     std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
@@ -246,10 +245,10 @@ const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
     };
     if (!record.starts_with("{\"")) continue;
     if (has("\"instruction_id\":") && has("\"path\":[[")) {
-      return &agents::continuous_benchmark("rxr-ce");
+      return &tasks::benchmark("rxr-ce");
     }
     if (has("\":[{\"") && has("\"position\":[") && has("\"stop\":")) {
-      return &agents::continuous_benchmark("r2r-ce");
+      return &tasks::benchmark("r2r-ce");
     }
   }
   return nullptr;
@@ -284,11 +283,11 @@ RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& 
 }
 
 RunDirectory find_continuous_runs(std::span<const fs::path> named, const dataset::Dataset& data,
-                                  const agents::ContinuousBenchmark& benchmark) {
+                                  const tasks::Benchmark& benchmark) {
   const auto has_split = [&](const std::string& split) {
-    return std::ranges::any_of(
-        tasks::continuous_places(benchmark.form, split),
-        [&](const fs::path& place) { return file_exists(data.folder() / place); });
+    return std::ranges::any_of(tasks::episode_places(benchmark, split), [&](const fs::path& place) {
+      return file_exists(data.folder() / place);
+    });
   };
   return find(Finder(data.folder(), has_split, '{'), named);
 }

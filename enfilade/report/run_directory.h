@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/dataset/dataset.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/goal.h"
 
 namespace enfilade::report {
@@ -58,11 +58,10 @@ RunDirectory find_runs(std::span<const std::filesystem::path> named, const datas
 /// `data`. In a folder, results of the graph are passed over, as find_runs() does with these.
 /// \throws as find_runs()
 RunDirectory find_continuous_runs(std::span<const std::filesystem::path> named,
-                                  const dataset::Dataset& data,
-                                  const agents::ContinuousBenchmark& benchmark);
+                                  const dataset::Dataset& data, const tasks::Benchmark& benchmark);
 /// The benchmark of walks in continuous space whose results are named or lie in the named folders,
 /// by their first record; none if results of the graph come first. \throws as find_task_of_runs()
-const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
+const tasks::Benchmark* find_continuous_benchmark_of_runs(
     std::span<const std::filesystem::path> named);
 
 }  // namespace enfilade::report

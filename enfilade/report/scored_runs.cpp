@@ -5,7 +5,7 @@
 #include <utility>
 #include <variant>
 
-#include "enfilade/report/results_table.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/goal_distance.h"
 
 namespace enfilade::report {
@@ -49,8 +49,9 @@ void judge_by_goal(EpisodeMetrics& m, const graph::NavGraph& graph,
 Scores score(const std::vector<Trajectory>& trajectories, const tasks::EpisodeSet& episodes) {
   Scores scores{compute_score(trajectories, episodes), {}};
   if (episodes.task == Task::kR2r) return scores;
-  scores.by_task = compute_task_score(
-      trajectories, episodes, tasks::public_scorer(episodes.task, table_scorer(episodes.task)));
+  const tasks::Benchmark& benchmark = tasks::benchmark(episodes.task);
+  scores.by_task =
+      compute_task_score(trajectories, episodes, benchmark.scorer(benchmark.table_scorer));
   for (const Trajectory& one : trajectories) {
     const tasks::Episode& episode = episodes.episodes[one.episode];
     const tasks::ReferencePath& path = episodes.path_of(episode);

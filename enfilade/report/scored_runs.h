@@ -23,7 +23,7 @@ struct Scores {
   /// viewpoint, `success`, `nav_error`, `oracle_success`, `oracle_error`, `shortest` and `spl` are
   /// of the goal that there is (tasks/goal_distance.h), answers aside but for R2R-Back's.
   tasks::Score ours;
-  /// By table_scorer(); none of R2R.
+  /// By Benchmark::table_scorer; none of R2R.
   std::optional<tasks::TaskScore> by_task;
 };
 

@@ -128,14 +128,6 @@ std::span<const TableColumn> table_columns(Task task) noexcept {
 
 std::span<const TableColumn> continuous_columns() noexcept { return kContinuous; }
 
-// Of CVDN HAMT's: its success is to end in the region, and it needs none of the paths that files
-// without dialogues lack. Goal progress is the same in all of CVDN's scorers.
-std::string_view table_scorer(Task task) noexcept {
-  if (task == Task::kR2r) return {};
-  if (task == Task::kReverie) return "official";
-  return task == Task::kSoon ? "duet" : "hamt";
-}
-
 std::span<const PublishedResult> published_results() noexcept { return kResults; }
 
 }  // namespace enfilade::report

@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/report/results_table.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/benchmark.h"
+#include "enfilade/tasks/scorer.h"
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
@@ -157,7 +158,7 @@ TEST_F(TaskTableTest, RxrHasRowsByLanguageAndBothNdtws) {
 TEST(TableColumns, NameMetricsThatTheirScorersHave) {
   for (const Task task : {Task::kR2rLast, Task::kR2rBack, Task::kR4r, Task::kRxr, Task::kReverie,
                           Task::kCvdn, Task::kSoon}) {
-    const auto& scorer = tasks::public_scorer(task, table_scorer(task));
+    const auto& scorer = tasks::benchmark(task).scorer(tasks::benchmark(task).table_scorer);
     bool success = false;
     for (const TableColumn& column : table_columns(task)) {
       success = success || column.metric == "success";

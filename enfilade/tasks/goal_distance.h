@@ -1,5 +1,5 @@
 /// \file  How far a viewpoint is from what an episode asks for, whatever kind of goal that is: for
-/// oracles, rewards and drawings. Scores have rules of their own: public_scorer.h.
+/// oracles, rewards and drawings. Scores have rules of their own: scorer.h.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -7,8 +7,8 @@
 
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/bootstrap.h"
-#include "enfilade/tasks/public_scorer.h"
 #include "enfilade/tasks/results.h"
+#include "enfilade/tasks/scorer.h"
 
 namespace enfilade::tasks {
 
@@ -22,7 +22,7 @@ struct TaskScoreOptions {
 /// What a scorer gives for every episode of a split, and the means.
 struct TaskScore {
   std::string split;
-  const PublicScorer* scorer = nullptr;
+  const Scorer* scorer = nullptr;
   TaskScoreOptions options;
   std::vector<double> values;  ///< episodes x metrics, row-major, in the order of the episodes
   /// As the scorer prints them (MeanRule, scale), in the order of its metrics; intervals have the
@@ -42,7 +42,7 @@ struct TaskScore {
 /// \throws ArgumentError if the scorer is of another task, if there is not exactly one trajectory
 /// an episode, if one is empty or leaves its graph, or for hidden goals
 TaskScore compute_task_score(const std::vector<Trajectory>& trajectories,
-                             const EpisodeSet& episodes, const PublicScorer& scorer,
+                             const EpisodeSet& episodes, const Scorer& scorer,
                              const TaskScoreOptions& options = {});
 
 /// The means as a table to read, with the scorer's name and source; of RxR also by language.

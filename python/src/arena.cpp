@@ -134,8 +134,8 @@ class ArenaPlay {
       walks = tasks::parse_continuous_results(results(episode), "results", *episodes,
                                               tasks::Coverage::kPart);
       if (!experts_) {
-        const auto& benchmark = agents::continuous_benchmark(free.task());
-        experts_ = agents::load_experts_of(benchmark, data_, free.split());
+        const auto& setup = agents::continuous_setup(free.task());
+        experts_ = agents::load_experts_of(*setup.benchmark, data_, free.split());
       }
       scores = agents::score_continuous_walks(walks, *episodes, *free.world().buildings, *experts_);
     }
@@ -222,8 +222,8 @@ std::unique_ptr<ArenaPlay> open_free_play(const std::filesystem::path& data,
   constexpr std::uint32_t kNoPictures = 64;  // their size is checked, whether there are any or not
   arena::PlayConfig config = config_of(answers, kNoPictures, folder);
   config.pictures = arena::Pictures::kNone;
-  const auto& benchmark = agents::continuous_benchmark(task);
-  auto world = arena::FreeWorld::open(benchmark, data, split);
+  const auto& setup = agents::continuous_setup(task);
+  auto world = arena::FreeWorld::open(setup, data, split);
   return std::make_unique<ArenaPlay>(std::move(world), arena::Sights(), subset, prompt,
                                      std::move(config), steps, mistakes, data);
 }

@@ -16,6 +16,7 @@
 
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score.h"
@@ -69,7 +70,7 @@ std::unique_ptr<Episodes> load_episodes(const dataset::Dataset& dataset, const s
   const nb::gil_scoped_release unlocked;
   const auto wanted = all_instructions ? tasks::Instructions::kAll : tasks::Instructions::kScored;
   return std::make_unique<Episodes>(std::make_shared<tasks::EpisodeSet>(
-      load(dataset, tasks::task_named(task), split, file, wanted)));
+      load(dataset, tasks::benchmark(task, tasks::World::kGraph).task, split, file, wanted)));
 }
 
 nb::object optional_number(const std::optional<double>& number) {
@@ -159,8 +160,7 @@ Scored score_as_ours(const std::vector<tasks::Trajectory>& trajectories,
   return scored;
 }
 
-Scored score_as(const tasks::PublicScorer& scorer,
-                const std::vector<tasks::Trajectory>& trajectories,
+Scored score_as(const tasks::Scorer& scorer, const std::vector<tasks::Trajectory>& trajectories,
                 const tasks::EpisodeSet& episodes, int samples) {
   tasks::TaskScoreOptions options;
   options.bootstrap_samples = samples;
@@ -180,11 +180,11 @@ Scored score_as(const tasks::PublicScorer& scorer,
 std::string scorer_name(const tasks::EpisodeSet& episodes, const std::string& wanted) {
   const bool r2r = episodes.task == tasks::Task::kR2r;
   if (wanted.empty()) {
-    return r2r ? "enfilade" : std::string(tasks::public_scorers(episodes.task)[0].name);
+    return std::string(tasks::benchmark(episodes.task).scorers.front().name);
   }
   if (wanted == "enfilade" && !r2r) {
     throw ArgumentError(fmt::format("scorer 'enfilade' is of R2R, the episodes are of {}",
-                                    tasks::title_of(episodes.task)));
+                                    tasks::benchmark(episodes.task).title));
   }
   return wanted;
 }
@@ -231,7 +231,7 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
   std::vector<std::size_t> places;
   {
     const nb::gil_scoped_release unlocked;
-    const tasks::PublicScorer* scorer = ours ? nullptr : &tasks::public_scorer(all.task, name);
+    const tasks::Scorer* scorer = ours ? nullptr : &tasks::benchmark(all.task).scorer(name);
     const auto coverage = part ? tasks::Coverage::kPart : tasks::Coverage::kAll;
     results = file ? tasks::load_results(*file, all, coverage)
                    : tasks::parse_results(text, "<results>", all, coverage);
@@ -271,8 +271,9 @@ void bind_episodes(nb::module_& m) {
             return texts;
           },
           nb::sig("def texts(self) -> list[str]"))
-      .def_prop_ro("task",
-                   [](const Episodes& s) { return std::string(tasks::name_of(s.set()->task)); })
+      .def_prop_ro(
+          "task",
+          [](const Episodes& s) { return std::string(tasks::benchmark(s.set()->task).name); })
       .def_prop_ro("graphs", [](const Episodes& s) { return s.set()->graphs; })
       .def("score", score, "file"_a.none(), "text"_a, "scorer"_a, "success_distance"_a,
            "bootstrap_samples"_a, "part"_a,

@@ -49,7 +49,7 @@ std::string_view title_of(const std::string& file) {
   if (is_continuous(file)) return "VLN-CE";
   std::string name = std::filesystem::path(file).stem().string();
   std::ranges::replace(name, '_', '-');
-  return tasks::title_of(tasks::task_named(name));
+  return tasks::benchmark(name).title;
 }
 
 // As a table of Markdown.

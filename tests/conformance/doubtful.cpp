@@ -10,6 +10,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/task_score.h"
@@ -90,7 +91,7 @@ std::string ours_of(const Json& input, const Json& annotations, Task task,
         tasks::parse_annotations(annotations.dump(), "annotations", "made", task), graphs,
         tasks::Instructions::kAll, &objects);
     const auto results = tasks::parse_results(input.at("predictions").dump(), "results", episodes);
-    const auto& scorer = tasks::public_scorer(task, scorer_name(input.at("scorer")));
+    const auto& scorer = tasks::benchmark(task).scorer(scorer_name(input.at("scorer")));
     const auto score =
         tasks::compute_task_score(results.trajectories, episodes, scorer, {.bootstrap_samples = 0});
     const Json& outcome = input.at("outcome");
@@ -119,7 +120,7 @@ std::vector<DoubtfulInput> doubtful_inputs(const fs::path& file, const fs::path&
     const Json all = Json::parse(read_file(file));
     std::string name = file.stem().string();
     std::replace(name.begin(), name.end(), '_', '-');
-    const Task task = tasks::task_named(name);
+    const Task task = tasks::benchmark(name, tasks::World::kGraph).task;
     const auto objects = task == Task::kReverie
                              ? tasks::ObjectBoxes::load(data / "reverie/BBox.json.gz")
                              : tasks::ObjectBoxes();

@@ -111,7 +111,7 @@ class CeLearner : public detail::Learner {
                                            const tasks::ContinuousEpisodes& episodes,
                                            std::uint64_t seed) {
     agents::ContinuousRunOptions options{
-        .batch_size = kAtOnce, .seed = seed, .simulator = data_->benchmark.simulator};
+        .batch_size = kAtOnce, .seed = seed, .simulator = data_->setup.simulator};
     options.simulator.most_steps = static_cast<std::uint32_t>(config_.max_steps);
     return agents::run_continuous(agent, episodes, data_->buildings, options);
   }

@@ -8,11 +8,11 @@
 #include <span>
 #include <utility>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/shown_metrics.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::service::evaluation {
@@ -22,18 +22,16 @@ using nlohmann::ordered_json;
 
 /// Whether a stored score was made as the phase says now: organisers may have changed its file.
 bool fits(const ordered_json& score, const Phase& phase) {
-  if (!score.contains("scorer")) return phase.scorer == tasks::kOwnScorer;
-  return score["task"] == phase.task_name() && score["scorer"] == phase.scorer;
+  if (!score.contains("scorer")) return phase.scorer == &tasks::own_scorer();
+  return score["task"] == phase.benchmark->name && score["scorer"] == phase.scorer->name;
 }
 
 /// The measures of a stored score; none of a scorer that is no longer there.
 std::span<const tasks::Measure> measures_of(const ordered_json& score) {
   try {
-    if (!score.contains("scorer")) return tasks::measures(tasks::Task::kR2r);
-    const auto task = score["task"].get<std::string>();
-    if (agents::is_continuous(task))
-      return tasks::measures(agents::continuous_benchmark(task).form);
-    return tasks::measures(tasks::task_named(task), score["scorer"].get<std::string>());
+    if (!score.contains("scorer")) return tasks::own_scorer().columns;
+    const tasks::Benchmark& benchmark = tasks::benchmark(score["task"].get<std::string>());
+    return benchmark.scorer(score["scorer"].get<std::string>()).columns;
   } catch (const LookupError&) {
     return {};
   }

@@ -8,13 +8,15 @@
 #include <variant>
 
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/core/check.h"
 #include "enfilade/service/evaluation/near_copies.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/continuous_measures.h"
 #include "enfilade/tasks/continuous_results.h"
-#include "enfilade/tasks/public_scorer.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score.h"
+#include "enfilade/tasks/scorer.h"
 #include "enfilade/tasks/task_score.h"
 
 namespace enfilade::service::evaluation {
@@ -34,7 +36,7 @@ Judgement score_as_own(const Phase& phase, const tasks::Results& results,
 
 Judgement score_as_public(const Phase& phase, const tasks::Results& results,
                           const tasks::EpisodeSet& episodes) {
-  const tasks::PublicScorer& scorer = tasks::public_scorer(phase.task, phase.scorer);
+  const tasks::Scorer& scorer = *phase.scorer;
   const auto score = tasks::compute_task_score(results.trajectories, episodes, scorer);
   const tasks::Measure& primary = phase.primary_measure();
   const auto metric = std::ranges::find(scorer.metrics, std::string_view(primary.name),
@@ -45,10 +47,10 @@ Judgement score_as_public(const Phase& phase, const tasks::Results& results,
 }
 
 /// What a body of the benchmark could not have done.
-void check_steps(const agents::ContinuousBenchmark& benchmark,
+void check_steps(const agents::ContinuousSetup& setup,
                  const std::vector<tasks::ContinuousResult>& walks,
                  const tasks::ContinuousEpisodes& episodes) {
-  const continuous::SimulatorConfig& rules = benchmark.simulator;
+  const continuous::SimulatorConfig& rules = setup.simulator;
   std::vector<Diagnostic> faults;
   const auto add = [&](const tasks::ContinuousResult& walk, std::size_t pose, const char* code,
                        std::string text) {
@@ -60,7 +62,7 @@ void check_steps(const agents::ContinuousBenchmark& benchmark,
     if (faults.size() >= kMostFaults) break;
     if (walk.actions.size() > rules.most_steps) {
       add(walk, rules.most_steps + 1, "too-many-steps",
-          fmt::format("{} actions; {} allows {}", walk.actions.size(), benchmark.title,
+          fmt::format("{} actions; {} allows {}", walk.actions.size(), setup.benchmark->title,
                       rules.most_steps));
     }
     for (std::size_t k = 1; k < walk.positions.size(); ++k) {
@@ -69,7 +71,7 @@ void check_steps(const agents::ContinuousBenchmark& benchmark,
       if (length <= rules.forward + kStepTolerance) continue;
       add(walk, k, "step-too-long",
           fmt::format("{:.3f} m from the pose before; a step of {} is {} m long", length,
-                      benchmark.title, rules.forward));
+                      setup.benchmark->title, rules.forward));
       break;
     }
   }
@@ -79,7 +81,7 @@ void check_steps(const agents::ContinuousBenchmark& benchmark,
 std::vector<tasks::ContinuousResult> read_walks(const Phase& phase, const ContinuousGoals& goals,
                                                 const std::string& results) {
   auto walks = tasks::parse_continuous_results(results, kFileName, goals.episodes);
-  check_steps(*phase.continuous, walks, goals.episodes);
+  check_steps(agents::continuous_setup(*phase.benchmark), walks, goals.episodes);
   return walks;
 }
 
@@ -90,7 +92,7 @@ Judgement score_walks(const Phase& phase, const ContinuousGoals& goals,
       agents::score_continuous_walks(walks, goals.episodes, *goals.buildings, goals.experts);
   const tasks::ContinuousMeasures measures = tasks::measure(scores, walks, goals.episodes);
   auto stored =
-      nlohmann::ordered_json{{"task", phase.task_name()}, {"scorer", tasks::kContinuousScorer}};
+      nlohmann::ordered_json{{"task", phase.benchmark->name}, {"scorer", phase.scorer->name}};
   stored.update(nlohmann::ordered_json::parse(
       tasks::to_json(measures, scores, walks, goals.episodes, false)));
   const auto all = tasks::continuous_measures();
@@ -118,7 +120,7 @@ Judgement score_results(const Phase& phase, const SecretEpisodes& episodes,
   }
   const auto& graph = std::get<tasks::EpisodeSet>(episodes);
   const tasks::Results checked = tasks::parse_results(results, kFileName, graph);
-  const auto score = phase.scorer == tasks::kOwnScorer ? score_as_own : score_as_public;
+  const auto score = phase.scorer == &tasks::own_scorer() ? score_as_own : score_as_public;
   Judgement judged = score(phase, checked, graph);
   judged.ends = trajectory_ends(checked.trajectories);
   return judged;

@@ -10,10 +10,10 @@
 namespace enfilade::tasks {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kOutOfReach = std::numeric_limits<double>::infinity();
 
 struct Nearest {
-  double distance = kInfinity;
+  double distance = kOutOfReach;
   std::optional<ViewpointIndex> viewpoint;
 
   void offer(ViewpointIndex candidate, double metres) {

@@ -1,4 +1,5 @@
 #include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/benchmark.h"
 
 #include <fmt/format.h>
 #include <array>
@@ -106,11 +107,11 @@ std::string languages_table(const TaskScore& score, const EpisodeSet& episodes) 
 }  // namespace
 
 TaskScore compute_task_score(const std::vector<Trajectory>& trajectories,
-                             const EpisodeSet& episodes, const PublicScorer& scorer,
+                             const EpisodeSet& episodes, const Scorer& scorer,
                              const TaskScoreOptions& options) {
-  if (scorer.task != episodes.task) {
+  if (scorer.task.value_or(episodes.task) != episodes.task) {
     throw ArgumentError(fmt::format("scorer {:?} is of {}, the episodes are of {}", scorer.name,
-                                    title_of(scorer.task), title_of(episodes.task)));
+                                    benchmark(*scorer.task).title, benchmark(episodes.task).title));
   }
   for (const Trajectory& trajectory : trajectories) check_trajectory(trajectory, episodes);
   trajectory_by_episode(trajectories, episodes);  // each has one
@@ -122,8 +123,9 @@ TaskScore compute_task_score(const std::vector<Trajectory>& trajectories,
                  for (std::size_t i = begin; i < end; ++i) {
                    const Trajectory& trajectory = trajectories[i];
                    const Episode& episode = episodes.episodes[trajectory.episode];
-                   scorer.score(episodes.graph_of(episode), episodes.path_of(episode), trajectory,
-                                std::span(score.values).subspan(trajectory.episode * width, width));
+                   scorer.on_graph(
+                       {episodes.graph_of(episode), episodes.path_of(episode), trajectory},
+                       std::span(score.values).subspan(trajectory.episode * width, width));
                  }
                });
   for (const double mean : summarise(scorer, score.values)) {
@@ -135,8 +137,8 @@ TaskScore compute_task_score(const std::vector<Trajectory>& trajectories,
 
 std::string to_table(const TaskScore& score, const EpisodeSet& episodes) {
   std::string text =
-      fmt::format("{} {}: {} episodes, scored as {} ({})\n", title_of(episodes.task), score.split,
-                  score.episodes(), score.scorer->name, score.scorer->source);
+      fmt::format("{} {}: {} episodes, scored as {} ({})\n", benchmark(episodes.task).title,
+                  score.split, score.episodes(), score.scorer->name, score.scorer->source);
   const bool intervals = score.options.bootstrap_samples > 0;
   text += fmt::format("{:<26}{:>10}{}\n", "", "mean", intervals ? "   95 % interval" : "");
   for (std::size_t k = 0; k < score.means.size(); ++k) {
@@ -151,9 +153,9 @@ std::string to_table(const TaskScore& score, const EpisodeSet& episodes) {
 }
 
 std::string to_json(const TaskScore& score, const EpisodeSet& episodes, bool per_episode) {
-  Json all{{"task", name_of(episodes.task)}, {"split", score.split},
-           {"scorer", score.scorer->name},   {"source", score.scorer->source},
-           {"episodes", score.episodes()},   {"means", means_json(score)}};
+  Json all{{"task", benchmark(episodes.task).name}, {"split", score.split},
+           {"scorer", score.scorer->name},          {"source", score.scorer->source},
+           {"episodes", score.episodes()},          {"means", means_json(score)}};
   if (per_episode) {
     Json& entries = all["per_episode"] = Json::object();
     for (std::size_t i = 0; i < score.episodes(); ++i) {
