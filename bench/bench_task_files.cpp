@@ -23,7 +23,7 @@
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/r4r.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade {
 namespace {
@@ -167,7 +167,7 @@ void score_r4r(benchmark::State& state) {
   const R4rWalks walks = r4r_walks();
   const auto& scorer = tasks::benchmark(tasks::Task::kR4r).scorers.front();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(compute_task_score(walks.trajectories, walks.episodes, scorer));
+    benchmark::DoNotOptimize(compute_score(walks.trajectories, walks.episodes, scorer));
   }
   state.SetItemsProcessed(state.iterations() *
                           static_cast<std::int64_t>(walks.trajectories.size()));

@@ -15,7 +15,7 @@
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "enfilade/tasks/soon_submission.h"
 
 namespace enfilade::apps {

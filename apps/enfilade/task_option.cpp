@@ -9,8 +9,7 @@
 #include "enfilade/report/run_directory.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/score.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 
@@ -51,13 +50,9 @@ tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,
 
 void print_score(const std::vector<tasks::Trajectory>& trajectories,
                  const tasks::EpisodeSet& episodes) {
-  if (episodes.task == tasks::Task::kR2r) {
-    fmt::print("{}", to_table(compute_score(trajectories, episodes)));
-    return;
-  }
   const tasks::Benchmark& benchmark = tasks::benchmark(episodes.task);
   const auto& scorer = benchmark.scorer(benchmark.table_scorer);
-  fmt::print("{}", to_table(compute_task_score(trajectories, episodes, scorer), episodes));
+  fmt::print("{}", to_table(compute_score(trajectories, episodes, scorer)));
 }
 
 }  // namespace enfilade::apps

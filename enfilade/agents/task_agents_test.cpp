@@ -10,7 +10,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/objects.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
@@ -99,12 +99,8 @@ double mean_of(const std::vector<tasks::Trajectory>& trajectories,
                const tasks::EpisodeSet& episodes, const std::string& metric,
                std::string_view scorer = {}) {
   const auto& by = tasks::benchmark(episodes.task).scorer(scorer);
-  const auto score =
-      tasks::compute_task_score(trajectories, episodes, by, {.bootstrap_samples = 0});
-  for (std::size_t k = 0; k < by.metrics.size(); ++k) {
-    if (metric == by.metrics[k].mean_name()) return score.means[k].mean;
-  }
-  return std::nan("");
+  const tasks::ScoreOptions options{.bootstrap_samples = 0};
+  return compute_score(trajectories, episodes, by, options).mean(metric).mean;
 }
 
 double success_of(const std::vector<tasks::Trajectory>& trajectories,

@@ -20,7 +20,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/refusal.h"
 #include "tests/support/room_world.h"

@@ -5,7 +5,7 @@
 #include "enfilade/agents/shortest.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::neural {
 namespace {

@@ -28,11 +28,9 @@ ContinuousRuns score_continuous_runs(const RunDirectory& found, const tasks::Ben
           fmt::format("{} on {}: the goals of this split are hidden", file.agent, file.split));
     } else {
       auto walks = tasks::load_continuous_results(file.file, episodes);
-      auto scores = agents::score_continuous_walks(walks, episodes, *scored.buildings,
-                                                   experts.at(file.split));
-      auto measures = tasks::measure(scores, walks, episodes);
-      scored.runs.push_back(
-          {file.agent, file.split, std::move(walks), std::move(scores), std::move(measures)});
+      auto scores = agents::compute_score(walks, episodes, *scored.buildings,
+                                          experts.at(file.split), benchmark, benchmark.scorer({}));
+      scored.runs.push_back({file.agent, file.split, std::move(walks), std::move(scores)});
     }
     if (progress) progress(++done, found.results.size());
   }

@@ -11,8 +11,8 @@
 #include "enfilade/report/run_directory.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/continuous_episodes.h"
-#include "enfilade/tasks/continuous_measures.h"
 #include "enfilade/tasks/continuous_results.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::report {
 
@@ -21,8 +21,7 @@ struct ContinuousRun {
   std::string agent;  ///< "random-2"
   std::string split;
   std::vector<tasks::ContinuousResult> walks;  ///< in the order of the split's episodes
-  std::vector<tasks::ContinuousScore> scores;  ///< of each walk
-  tasks::ContinuousMeasures measures;
+  tasks::ScoreTable scores;                    ///< by the default scorer, a row per walk
 };
 
 /// A plain value: any thread.

@@ -95,7 +95,7 @@ TEST_F(ContinuousRunsTest, HaveATableWithSeedsInOneRow) {
   EXPECT_THAT(table.rows[1].runs, ElementsAre("random-1", "random-2"));
   EXPECT_EQ(table.columns[2].metric, "success");
   EXPECT_EQ(table.rows[0].values[2].mean, 1);
-  EXPECT_EQ(table.rows[0].values[2].mean, runs.runs[0].measures.means[2].mean);
+  EXPECT_EQ(table.rows[0].values[2].mean, runs.runs[0].scores.means[2].mean);
   const auto json = nlohmann::json::parse(to_json(table));
   EXPECT_EQ(json["task"], "r2r-ce");
   EXPECT_EQ(json["scorer"], "vln-ce");

@@ -58,31 +58,25 @@ struct RunMeans {
 };
 
 // Of one run; shares in [0, 1], whatever the scorer prints.
-tasks::MeanInterval value_of(const Scores& scores, const TableColumn& column) {
-  if (column.scored.empty()) return scores.ours.mean(column.metric);
-  const tasks::TaskScore& score = scores.by_task.value();
-  const auto metrics = score.scorer->metrics;
-  const auto found = std::ranges::find(
-      metrics, column.scored,
-      [](const tasks::ScorerMetric& metric) { return std::string_view(metric.mean_name()); });
-  EN_CHECK(found != metrics.end());
-  const tasks::MeanInterval mean = score.means[static_cast<std::size_t>(found - metrics.begin())];
-  return {mean.mean / found->scale, mean.low / found->scale, mean.high / found->scale};
+tasks::MeanInterval value_of(const tasks::ScoreTable& score, std::string_view name) {
+  const tasks::MeanInterval mean = score.mean(name);
+  const double scale = score.scorer->metrics[score.scorer->place_of(name)].scale;
+  return {mean.mean / scale, mean.low / scale, mean.high / scale};
 }
 
 Means means_of(const Scores& scores, std::span<const TableColumn> columns) {
-  Means means{scores.ours.episodes.size(), {}};
-  for (const TableColumn& column : columns) means.values.push_back(value_of(scores, column));
+  Means means{scores.ours.episodes, {}};
+  for (const TableColumn& column : columns) {
+    means.values.push_back(column.scored.empty() ? value_of(scores.ours, column.metric)
+                                                 : value_of(scores.by_task, column.scored));
+  }
   return means;
 }
 
 Means means_of(const ContinuousRun& run, std::span<const TableColumn> columns) {
-  Means means{run.measures.episodes, {}};
-  const auto all = tasks::continuous_measures();
+  Means means{run.scores.episodes, {}};
   for (const TableColumn& column : columns) {
-    const auto found = std::ranges::find(all, column.metric, &tasks::ContinuousMeasure::name);
-    EN_CHECK(found != all.end());
-    means.values.push_back(run.measures.means.at(static_cast<std::size_t>(found - all.begin())));
+    means.values.push_back(value_of(run.scores, column.metric));
   }
   return means;
 }
@@ -141,7 +135,7 @@ std::vector<std::vector<const RunMeans*>> groups_of(const std::vector<RunMeans>&
 }
 
 void add_rows(const std::vector<RunMeans>& runs, ResultsTable& table) {
-  const bool papers = table.task == tasks::Task::kR2r && !table.synthetic;
+  const bool papers = tasks::benchmark(table.benchmark).in_paper && !table.synthetic;
   for (const auto& group : groups_of(runs)) {
     TableRow& row = table.rows.emplace_back(make_row(group, table.columns, {}));
     if (papers && row.episodes == published_episodes(row.split)) {

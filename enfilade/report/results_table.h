@@ -27,7 +27,7 @@ struct TableColumn {
 /// What the published tables of a benchmark show, in their order: of R2R TL NE SR OSR SPL; of
 /// REVERIE SR OSR SPL RGS RGSPL; and so on (docs/report.md). All of them have "success".
 std::span<const TableColumn> table_columns(tasks::Task task = tasks::Task::kR2r) noexcept;
-/// Those of walks in continuous space, by the names of tasks::continuous_measures().
+/// Those of walks in continuous space, by the names of the scorer "vlnce".
 std::span<const TableColumn> continuous_columns() noexcept;
 
 /// A figure that somebody published for a split called "val unseen", as it stands in their text.

@@ -75,7 +75,7 @@ std::vector<PublishedResult> published_beside(const ResultsTable& table) {
       table.rows, [](const TableRow& row) { return row.split.starts_with("val_unseen"); });
   std::vector<PublishedResult> beside;
   if (table.synthetic || !unseen) return beside;
-  if (table.task == tasks::Task::kR2r && !any_published(table)) return beside;
+  if (tasks::benchmark(table.benchmark).in_paper && !any_published(table)) return beside;
   for (const PublishedResult& result : published_results()) {
     if (result.task == table.task) beside.push_back(result);
   }
@@ -238,7 +238,7 @@ std::string to_json(const ResultsTable& table) {
 }
 
 std::string to_csv(const ResultsTable& table) {
-  const bool languages = table.task == tasks::Task::kRxr;
+  const bool languages = table.task && tasks::benchmark(*table.task).languages;
   std::string text = languages ? "agent,split,language,runs,episodes,synthetic"
                                : "agent,split,runs,episodes,synthetic";
   const auto columns = table.columns;

@@ -2,7 +2,6 @@
 #pragma once
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,19 +11,14 @@
 #include "enfilade/report/run_directory.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::report {
 
 /// What the episodes of a split are worth.
 struct Scores {
-  /// Of each episode, by tasks/metrics.h. Where the goal is not to end near the path's last
-  /// viewpoint, `success`, `nav_error`, `oracle_success`, `oracle_error`, `shortest` and `spl` are
-  /// of the goal that there is (tasks/goal_distance.h), answers aside but for R2R-Back's.
-  tasks::Score ours;
-  /// By Benchmark::table_scorer; none of R2R.
-  std::optional<tasks::TaskScore> by_task;
+  tasks::ScoreTable ours;     ///< by own_scorer()
+  tasks::ScoreTable by_task;  ///< by Benchmark::table_scorer
 };
 
 /// One agent (with one seed) on one split.

@@ -93,12 +93,12 @@ TEST_F(TaskTableTest, TheOracleOfR2rBackTurnsFirst) {
   const std::vector<std::filesystem::path> named{made_.run()};
   const auto runs = score_runs(find_runs(named, data, Task::kR2rBack), data);
   ASSERT_EQ(runs.runs.size(), 1U);
-  const auto& episodes = runs.runs[0].scores.ours.episodes;
-  EXPECT_EQ(episodes[0].oracle_error, 6) << "it stays where it turns, which begins at v3";
-  EXPECT_EQ(episodes[0].oracle_success, 0);
-  EXPECT_EQ(episodes[1].oracle_error, 2) << "it came near, and went away again";
-  EXPECT_EQ(episodes[1].oracle_success, 1);
-  EXPECT_EQ(episodes[2].oracle_error, 4) << "never at the turning point: where it ends";
+  const tasks::ScoreTable& scores = runs.runs[0].scores.ours;
+  EXPECT_EQ(scores.value(0, "oracle_error"), 6) << "it stays where it turns, which begins at v3";
+  EXPECT_EQ(scores.value(0, "oracle_success"), 0);
+  EXPECT_EQ(scores.value(1, "oracle_error"), 2) << "it came near, and went away again";
+  EXPECT_EQ(scores.value(1, "oracle_success"), 1);
+  EXPECT_EQ(scores.value(2, "oracle_error"), 4) << "never at the turning point: where it ends";
 }
 
 TEST_F(TaskTableTest, TheTaskIsFoundFromTheResults) {
@@ -116,10 +116,10 @@ TEST_F(TaskTableTest, TheGoalOfReverieIsWhereTheObjectIsSeen) {
   const dataset::Dataset data(made_.data());
   const std::vector<std::filesystem::path> named{made_.run()};
   const auto runs = score_runs(find_runs(named, data, Task::kReverie), data);
-  const auto& metrics = runs.runs.at(0).scores.ours.episodes;
-  EXPECT_EQ(metrics[0].success, 1);
-  EXPECT_EQ(metrics[1].success, 0);
-  EXPECT_EQ(metrics[1].nav_error, 6);
+  const tasks::ScoreTable& scores = runs.runs.at(0).scores.ours;
+  EXPECT_EQ(scores.value(0, "success"), 1);
+  EXPECT_EQ(scores.value(1, "success"), 0);
+  EXPECT_EQ(scores.value(1, "nav_error"), 6);
 }
 
 TEST_F(TaskTableTest, WhatOthersPublishedStandsBelowRealDataOnly) {

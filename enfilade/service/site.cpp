@@ -12,7 +12,7 @@
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/core/check.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::service {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "enfilade/agents/continuous_environment.h"
 #include "enfilade/agents/continuous_setup.h"
-#include "enfilade/tasks/continuous_measures.h"
+#include "enfilade/tasks/benchmark.h"
 #include "python/src/busy.h"
 #include "python/src/continuous.h"
 
@@ -115,9 +115,9 @@ nb::object set_expert(const ContinuousSet& self, std::size_t i) {
 
 nb::dict score_dict(const tasks::ContinuousScore& score) {
   nb::dict d;
-  for (const tasks::ContinuousMeasure& measure : tasks::continuous_measures()) {
-    d[nb::str(measure.name.data(), measure.name.size())] = measure.value(score);
-  }
+  const auto values = tasks::vlnce_values(score);
+  const auto metrics = tasks::benchmark("r2r-ce").scorer("vlnce").metrics;
+  for (std::size_t k = 0; k < values.size(); ++k) d[metrics[k].name] = values[k];
   d["oracle_navigation_error"] = score.oracle_navigation_error;
   d["oracle_spl"] = score.oracle_spl;
   return d;

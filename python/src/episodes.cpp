@@ -19,8 +19,7 @@
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 #include "python/src/bindings.h"
 #include "python/src/goals.h"
 
@@ -131,51 +130,6 @@ nb::tuple about(const Episodes& self, std::size_t i) {
                         e.details.language);
 }
 
-struct Scored {
-  std::vector<std::string> names;       // of the columns
-  std::vector<std::string> mean_names;  // as the scorer calls their means
-  std::vector<tasks::MeanInterval> means;
-  std::vector<bool> has_mean;
-  std::vector<double> values;  // n x columns
-};
-
-Scored score_as_ours(const std::vector<tasks::Trajectory>& trajectories,
-                     const tasks::EpisodeSet& episodes, double success_distance, int samples) {
-  tasks::ScoreOptions options;
-  options.metrics.success_distance = success_distance;
-  options.bootstrap_samples = samples;
-  const tasks::Score score = tasks::compute_score(trajectories, episodes, options);
-  Scored scored;
-  scored.means = score.means;
-  for (const tasks::MetricField& field : tasks::metric_fields()) {
-    scored.names.emplace_back(field.name);
-    scored.mean_names.emplace_back(field.name);
-    scored.has_mean.push_back(true);
-  }
-  for (const tasks::EpisodeMetrics& metrics : score.episodes) {
-    for (const tasks::MetricField& field : tasks::metric_fields()) {
-      scored.values.push_back(metrics.*field.field);
-    }
-  }
-  return scored;
-}
-
-Scored score_as(const tasks::Scorer& scorer, const std::vector<tasks::Trajectory>& trajectories,
-                const tasks::EpisodeSet& episodes, int samples) {
-  tasks::TaskScoreOptions options;
-  options.bootstrap_samples = samples;
-  tasks::TaskScore score = tasks::compute_task_score(trajectories, episodes, scorer, options);
-  Scored scored;
-  scored.values = std::move(score.values);
-  scored.means = std::move(score.means);
-  for (const tasks::ScorerMetric& metric : scorer.metrics) {
-    scored.names.emplace_back(metric.name);
-    scored.mean_names.emplace_back(metric.mean_name());
-    scored.has_mean.push_back(metric.rule != tasks::MeanRule::kNone);
-  }
-  return scored;
-}
-
 // "enfilade": our own metrics, with R2R's goals only. Empty: the task's first.
 std::string scorer_name(const tasks::EpisodeSet& episodes, const std::string& wanted) {
   const bool r2r = episodes.task == tasks::Task::kR2r;
@@ -189,25 +143,24 @@ std::string scorer_name(const tasks::EpisodeSet& episodes, const std::string& wa
   return wanted;
 }
 
-nb::tuple scored_tuple(const std::string& scorer, Scored scored,
-                       const std::vector<std::size_t>& places,
+nb::tuple scored_tuple(tasks::ScoreTable score, const std::vector<std::size_t>& places,
                        const std::vector<Diagnostic>& warnings) {
   nb::dict means;
-  for (std::size_t k = 0; k < scored.means.size(); ++k) {
-    if (!scored.has_mean[k]) continue;
-    const auto& mean = scored.means[k];
-    means[scored.mean_names[k].c_str()] = nb::make_tuple(mean.mean, mean.low, mean.high);
-  }
   nb::list names, told;
-  for (const std::string& name : scored.names) names.append(name);
+  const auto metrics = score.scorer->metrics;
+  for (std::size_t k = 0; k < metrics.size(); ++k) {
+    names.append(metrics[k].name);
+    if (metrics[k].rule == tasks::MeanRule::kNone) continue;
+    const auto& mean = score.means[k];
+    means[metrics[k].mean_name()] = nb::make_tuple(mean.mean, mean.low, mean.high);
+  }
   for (const Diagnostic& warning : warnings) told.append(to_string(warning));
-  auto kept = std::make_unique<std::vector<double>>(std::move(scored.values));
+  auto kept = std::make_unique<std::vector<double>>(std::move(score.values));
   std::vector<double>* values = kept.release();
   const nb::capsule owner(values,
                           [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-  const std::size_t width = scored.names.size();
-  return nb::make_tuple(scorer, nb::tuple(names), means,
-                        array_of(values->data(), owner, values->size() / width, width), places,
+  return nb::make_tuple(std::string(score.scorer->name), nb::tuple(names), means,
+                        array_of(values->data(), owner, score.episodes, metrics.size()), places,
                         told);
 }
 
@@ -227,11 +180,11 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
         fmt::format("success_distance {}: more than 0 m is needed", success_distance));
   }
   tasks::Results results;
-  Scored scored;
+  tasks::ScoreTable scored;
   std::vector<std::size_t> places;
   {
     const nb::gil_scoped_release unlocked;
-    const tasks::Scorer* scorer = ours ? nullptr : &tasks::benchmark(all.task).scorer(name);
+    const tasks::Scorer& scorer = tasks::benchmark(all.task).scorer(name);
     const auto coverage = part ? tasks::Coverage::kPart : tasks::Coverage::kAll;
     results = file ? tasks::load_results(*file, all, coverage)
                    : tasks::parse_results(text, "<results>", all, coverage);
@@ -241,10 +194,10 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
     std::optional<tasks::EpisodeSet> smaller;
     if (part) smaller = tasks::part_of(all, results.trajectories);
     const tasks::EpisodeSet& episodes = smaller ? *smaller : all;
-    scored = ours ? score_as_ours(results.trajectories, episodes, success_distance, samples)
-                  : score_as(*scorer, results.trajectories, episodes, samples);
+    scored = compute_score(results.trajectories, episodes, scorer,
+                           {.metrics = {success_distance}, .bootstrap_samples = samples});
   }
-  return scored_tuple(name, std::move(scored), places, results.warnings);
+  return scored_tuple(std::move(scored), places, results.warnings);
 }
 
 }  // namespace

@@ -310,7 +310,7 @@ void check_threshold(Check& check, const Json& all, const Places& places) {
       trajectory.point = {0.16, 0.5};
       const Scorer& scorer = tasks::benchmark(task).scorer(scorer_name);
       std::vector<double> values(scorer.metrics.size());
-      scorer.score(graph, reference, trajectory, values);
+      scorer.on_graph({graph, reference, trajectory}, values);
       compare_one(check, fmt::format("{}: {}", set.at("case").dump(), name), scorer, expected,
                   values);
     }

@@ -10,7 +10,7 @@
 
 #include "apps/common/program.h"
 #include "enfilade/core/file.h"
-#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/benchmark.h"
 #include "tests/conformance/benchmarks.h"
 #include "tests/conformance/data_beside.h"
 #include "tests/conformance/doubtful.h"

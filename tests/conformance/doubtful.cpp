@@ -13,7 +13,7 @@
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::tests {
 namespace {
@@ -66,7 +66,7 @@ std::string codes_of(const InvalidInput& refused) {
   return fmt::format("fault: {}", fmt::join(codes, ", "));
 }
 
-bool same_means(const tasks::TaskScore& score, const Json& means) {
+bool same_means(const tasks::ScoreTable& score, const Json& means) {
   for (std::size_t k = 0; k < score.means.size(); ++k) {
     const tasks::ScorerMetric& metric = score.scorer->metrics[k];
     if (metric.rule == tasks::MeanRule::kNone) continue;
@@ -93,7 +93,7 @@ std::string ours_of(const Json& input, const Json& annotations, Task task,
     const auto results = tasks::parse_results(input.at("predictions").dump(), "results", episodes);
     const auto& scorer = tasks::benchmark(task).scorer(scorer_name(input.at("scorer")));
     const auto score =
-        tasks::compute_task_score(results.trajectories, episodes, scorer, {.bootstrap_samples = 0});
+        tasks::compute_score(results.trajectories, episodes, scorer, {.bootstrap_samples = 0});
     const Json& outcome = input.at("outcome");
     const bool means = outcome.contains("means") && !outcome["means"].contains("error");
     if (!means) return "scored";

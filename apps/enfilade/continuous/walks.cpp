@@ -14,8 +14,7 @@
 #include "enfilade/agents/graph_walk.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/gzip.h"
-#include "enfilade/tasks/continuous_measures.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 namespace {
@@ -27,15 +26,13 @@ std::shared_ptr<const continuous::Buildings> open_buildings(const ContinuousSetu
   return std::make_shared<const continuous::Buildings>(data.folder() / setup.navigation_folder());
 }
 
-std::vector<tasks::ContinuousScore> scores_of(const std::vector<tasks::ContinuousResult>& walks,
-                                              const tasks::ContinuousEpisodes& episodes,
-                                              const continuous::Buildings& buildings,
-                                              const ContinuousSetup& setup,
-                                              const dataset::Dataset& data) {
-  return agents::score_continuous_walks(
-      walks, episodes, buildings,
-      agents::load_experts_of(*setup.benchmark, data.folder(), episodes.split),
-      progress_bar("scores"));
+tasks::ScoreTable score(const std::vector<tasks::ContinuousResult>& walks,
+                        const tasks::ContinuousEpisodes& episodes,
+                        const continuous::Buildings& buildings, const tasks::Benchmark& benchmark,
+                        const tasks::Scorer& scorer, const dataset::Dataset& data) {
+  return agents::compute_score(walks, episodes, buildings,
+                               agents::load_experts_of(benchmark, data.folder(), episodes.split),
+                               benchmark, scorer, progress_bar("scoring"));
 }
 
 // Runs the agent through the graph's episodes, and prints how it did there.
@@ -92,12 +89,14 @@ void run_free_walk(const FreeWalk& walk) {
     fmt::print("The goals of this split are hidden, so there is nothing to score it with.\n");
     return;
   }
-  const auto scores = scores_of(walks, episodes, *buildings, setup, data);
-  fmt::print("{}", to_table(tasks::measure(scores, walks, episodes)));
+  const tasks::Benchmark& benchmark = *setup.benchmark;
+  fmt::print("{}",
+             to_table(score(walks, episodes, *buildings, benchmark, benchmark.scorer({}), data)));
 }
 
 ExitCode score_free_walk(const FreeScore& asked) {
   const ContinuousSetup& setup = agents::continuous_setup(asked.task);
+  const tasks::Scorer& scorer = setup.benchmark->scorer(asked.scorer);
   const dataset::Dataset data = open_data(asked.data);
   const tasks::ContinuousEpisodes episodes =
       agents::load_continuous_split(*setup.benchmark, data.folder(), asked.split);
@@ -116,12 +115,9 @@ ExitCode score_free_walk(const FreeScore& asked) {
                     asked.results, asked.split));
   }
   const auto buildings = open_buildings(setup, data);
-  const auto scores = scores_of(walks, episodes, *buildings, setup, data);
-  const tasks::ContinuousMeasures measures = tasks::measure(scores, walks, episodes);
-  if (!asked.json.empty()) {
-    write_output(asked.json, to_json(measures, scores, walks, episodes, asked.per_episode));
-  }
-  if (asked.json != "-") fmt::print("{}", to_table(measures));
+  const tasks::ScoreTable made = score(walks, episodes, *buildings, *setup.benchmark, scorer, data);
+  if (!asked.json.empty()) write_output(asked.json, to_json(made, asked.per_episode));
+  if (asked.json != "-") fmt::print("{}", to_table(made));
   return kSuccess;
 }
 

@@ -18,7 +18,7 @@
 #include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/benchmark.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 namespace evaluate_verb {

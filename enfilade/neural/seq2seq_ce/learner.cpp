@@ -23,7 +23,6 @@
 #include "enfilade/neural/detail/parted_learning.h"
 #include "enfilade/neural/seq2seq_ce/batches.h"
 #include "enfilade/neural/seq2seq_ce/gatherer.h"
-#include "enfilade/tasks/continuous_measures.h"
 
 namespace enfilade::neural::seq2seq_ce {
 namespace {

@@ -53,8 +53,8 @@ Json success_by_length(const std::vector<const ScoredRun*>& runs, const ScoredRu
   std::map<std::size_t, LengthBin> bins;
   for (const ScoredRun* run : runs) {
     const tasks::EpisodeSet& episodes = scored.splits.at(run->split);
-    for (std::size_t i = 0; i < run->scores.ours.episodes.size(); ++i) {
-      const tasks::EpisodeMetrics& m = run->scores.ours.episodes[i];
+    for (std::size_t i = 0; i < run->scores.ours.episodes; ++i) {
+      const tasks::EpisodeMetrics m = metrics_of(run->scores.ours, i);
       if (!std::isfinite(m.shortest)) continue;
       LengthBin& bin = bins[static_cast<std::size_t>(m.shortest / kMetresABin)];
       ++bin.episodes;
@@ -149,8 +149,9 @@ Json errors_part(const ScoredRuns& scored) {
   Json part = by_agent(scored.runs, [](const std::vector<const ScoredRun*>& runs) {
     Histogram histogram{1, {}, 0};
     for (const ScoredRun* run : runs) {
-      for (const tasks::EpisodeMetrics& m : run->scores.ours.episodes) {
-        if (std::isfinite(m.nav_error)) histogram.add(m.nav_error);
+      for (std::size_t i = 0; i < run->scores.ours.episodes; ++i) {
+        const double error = run->scores.ours.value(i, "nav_error");
+        if (std::isfinite(error)) histogram.add(error);
       }
     }
     return to_json(histogram);
@@ -166,8 +167,9 @@ Json errors_part(const ContinuousRuns& scored) {
   Json part = by_agent(scored.runs, [](const std::vector<const ContinuousRun*>& runs) {
     Histogram histogram{1, {}, 0};
     for (const ContinuousRun* run : runs) {
-      for (const tasks::ContinuousScore& score : run->scores) {
-        if (std::isfinite(score.distance_to_goal)) histogram.add(score.distance_to_goal);
+      for (std::size_t i = 0; i < run->scores.episodes; ++i) {
+        const double error = run->scores.value(i, "distance_to_goal");
+        if (std::isfinite(error)) histogram.add(error);
       }
     }
     return to_json(histogram);

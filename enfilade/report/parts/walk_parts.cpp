@@ -36,11 +36,13 @@ struct Chosen {
 
 // By how far from the goal a run stopped. Its walks are in the order of the episodes.
 std::vector<Chosen> choose(const ContinuousRun& run, std::size_t of_a_kind) {
-  std::vector<std::size_t> order(run.scores.size());
+  std::vector<std::size_t> order(run.scores.episodes);
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return std::pair(-run.scores[a].spl, run.scores[a].distance_to_goal) <
-           std::pair(-run.scores[b].spl, run.scores[b].distance_to_goal);
+    const auto rank = [&run](std::size_t k) {
+      return std::pair(-run.scores.value(k, "spl"), run.scores.value(k, "distance_to_goal"));
+    };
+    return rank(a) < rank(b);
   });
   std::vector<Chosen> chosen;
   std::set<std::size_t> taken;
@@ -67,10 +69,10 @@ Json map_of(const Chosen& one, const std::vector<const ContinuousRun*>& agents,
     for (std::size_t k = 0; k < run->walks.size(); ++k) {
       if (run->walks[k].episode != one.episode) continue;
       lines.push_back({Role::kAgent, draw::walked_points(run->walks[k].positions), run->agent});
-      const tasks::ContinuousScore& score = run->scores[k];
       ends.push_back({{"agent", run->agent},
-                      {"distance", score.distance_to_goal},  // null if it is not finite
-                      {"success", score.success > 0}});
+                      // null if it is not finite
+                      {"distance", run->scores.value(k, "distance_to_goal")},
+                      {"success", run->scores.value(k, "success") > 0}});
     }
   }
   draw::TopDownOptions options;

@@ -16,7 +16,7 @@
 #include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::service::collecting {
 namespace {
