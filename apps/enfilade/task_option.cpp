@@ -35,11 +35,11 @@ tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
                                data.folder().string(), fmt::join(names, ", ")));
 }
 
-const tasks::Benchmark* continuous_task_of(const std::string& named,
-                                           std::span<const std::filesystem::path> results) {
-  if (named.empty()) return report::find_continuous_benchmark_of_runs(results);
-  const tasks::Benchmark* found = tasks::find_benchmark(named);
-  return found != nullptr && found->continuous() ? found : nullptr;
+const tasks::Benchmark& benchmark_of_runs(const std::string& named, const dataset::Dataset& data,
+                                          std::span<const std::filesystem::path> results) {
+  if (!named.empty()) return tasks::benchmark(named);
+  if (const tasks::Benchmark* found = report::find_benchmark_of_runs(results)) return *found;
+  return tasks::benchmark(task_of(named, data));
 }
 
 tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,

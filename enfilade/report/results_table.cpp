@@ -68,15 +68,7 @@ Means means_of(const Scores& scores, std::span<const TableColumn> columns) {
   Means means{scores.ours.episodes, {}};
   for (const TableColumn& column : columns) {
     means.values.push_back(column.scored.empty() ? value_of(scores.ours, column.metric)
-                                                 : value_of(scores.by_task, column.scored));
-  }
-  return means;
-}
-
-Means means_of(const ContinuousRun& run, std::span<const TableColumn> columns) {
-  Means means{run.scores.episodes, {}};
-  for (const TableColumn& column : columns) {
-    means.values.push_back(value_of(run.scores, column.metric));
+                                                 : value_of(*scores.by_task, column.scored));
   }
   return means;
 }
@@ -135,7 +127,7 @@ std::vector<std::vector<const RunMeans*>> groups_of(const std::vector<RunMeans>&
 }
 
 void add_rows(const std::vector<RunMeans>& runs, ResultsTable& table) {
-  const bool papers = tasks::benchmark(table.benchmark).in_paper && !table.synthetic;
+  const bool papers = table.benchmark->in_paper && !table.synthetic;
   for (const auto& group : groups_of(runs)) {
     TableRow& row = table.rows.emplace_back(make_row(group, table.columns, {}));
     if (papers && row.episodes == published_episodes(row.split)) {
@@ -163,11 +155,8 @@ tasks::MeanInterval student_interval(std::span<const double> samples) {
 
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
   ResultsTable table;
-  const tasks::Benchmark& benchmark = tasks::benchmark(runs.task);
-  table.benchmark = benchmark.name;
-  table.title = benchmark.title;
-  table.task = runs.task;
-  table.columns = table_columns(runs.task);
+  table.benchmark = runs.benchmark;
+  table.columns = table_columns(*runs.benchmark);
   table.synthetic = synthetic;
   table.left_out = runs.left_out;
   std::vector<RunMeans> means;
@@ -177,21 +166,6 @@ ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
     for (const auto& [language, scores] : run.languages) {
       one.languages.emplace(language, means_of(scores, table.columns));
     }
-  }
-  add_rows(means, table);
-  return table;
-}
-
-ResultsTable make_table(const ContinuousRuns& runs, bool synthetic) {
-  ResultsTable table;
-  table.benchmark = runs.benchmark->name;
-  table.title = runs.benchmark->title;
-  table.columns = continuous_columns();
-  table.synthetic = synthetic;
-  table.left_out = runs.left_out;
-  std::vector<RunMeans> means;
-  for (const ContinuousRun& run : runs.runs) {
-    means.push_back({run.agent, run.split, means_of(run, table.columns), {}});
   }
   add_rows(means, table);
   return table;

@@ -104,8 +104,9 @@ constexpr auto kResults = std::to_array<PublishedResult>({
 
 }  // namespace
 
-std::span<const TableColumn> table_columns(Task task) noexcept {
-  switch (task) {
+std::span<const TableColumn> table_columns(const tasks::Benchmark& benchmark) noexcept {
+  if (benchmark.continuous()) return kContinuous;
+  switch (benchmark.task) {
     case Task::kR2r:
       return kR2r;
     case Task::kR2rLast:
@@ -125,8 +126,6 @@ std::span<const TableColumn> table_columns(Task task) noexcept {
   }
   return kR2r;
 }
-
-std::span<const TableColumn> continuous_columns() noexcept { return kContinuous; }
 
 std::span<const PublishedResult> published_results() noexcept { return kResults; }
 

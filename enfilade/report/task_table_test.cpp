@@ -51,7 +51,7 @@ class TaskTableTest : public ::testing::Test {
   ResultsTable table(Task task, bool synthetic = true) const {
     const dataset::Dataset data(made_.data());
     const std::vector<std::filesystem::path> named{made_.run()};
-    return make_table(score_runs(find_runs(named, data, task), data), synthetic);
+    return make_table(score_runs(find_runs(named, data, tasks::benchmark(task)), data), synthetic);
   }
   testing::MadeRun made_;
 };
@@ -91,7 +91,7 @@ TEST_F(TaskTableTest, TheOracleOfR2rBackTurnsFirst) {
 {"instr_id": "1_2", "trajectory": ["v0", "v1", "v2"], "midstop": "v4"}])");
   const dataset::Dataset data(made_.data());
   const std::vector<std::filesystem::path> named{made_.run()};
-  const auto runs = score_runs(find_runs(named, data, Task::kR2rBack), data);
+  const auto runs = score_runs(find_runs(named, data, tasks::benchmark(Task::kR2rBack)), data);
   ASSERT_EQ(runs.runs.size(), 1U);
   const tasks::ScoreTable& scores = runs.runs[0].scores.ours;
   EXPECT_EQ(scores.value(0, "oracle_error"), 6) << "it stays where it turns, which begins at v3";
@@ -104,10 +104,11 @@ TEST_F(TaskTableTest, TheOracleOfR2rBackTurnsFirst) {
 TEST_F(TaskTableTest, TheTaskIsFoundFromTheResults) {
   write("random_val_unseen.json", kFound);
   const std::vector<std::filesystem::path> named{made_.run()};
-  EXPECT_EQ(find_task_of_runs(named), Task::kReverie);
+  EXPECT_EQ(find_benchmark_of_runs(named), &tasks::benchmark(Task::kReverie));
   const std::vector<std::filesystem::path> none{made_.data() / "connectivity"};
-  EXPECT_EQ(find_task_of_runs(none), std::nullopt);
-  EXPECT_THROW(find_runs(named, dataset::Dataset(made_.data()), Task::kSoon), LookupError)
+  EXPECT_EQ(find_benchmark_of_runs(none), nullptr);
+  EXPECT_THROW(find_runs(named, dataset::Dataset(made_.data()), tasks::benchmark(Task::kSoon)),
+               LookupError)
       << "no split of SOON";
 }
 
@@ -115,7 +116,7 @@ TEST_F(TaskTableTest, TheGoalOfReverieIsWhereTheObjectIsSeen) {
   write("random_val_unseen.json", kFound);
   const dataset::Dataset data(made_.data());
   const std::vector<std::filesystem::path> named{made_.run()};
-  const auto runs = score_runs(find_runs(named, data, Task::kReverie), data);
+  const auto runs = score_runs(find_runs(named, data, tasks::benchmark(Task::kReverie)), data);
   const tasks::ScoreTable& scores = runs.runs.at(0).scores.ours;
   EXPECT_EQ(scores.value(0, "success"), 1);
   EXPECT_EQ(scores.value(1, "success"), 0);
@@ -156,18 +157,16 @@ TEST_F(TaskTableTest, RxrHasRowsByLanguageAndBothNdtws) {
 }
 
 TEST(TableColumns, NameMetricsThatTheirScorersHave) {
-  for (const Task task : {Task::kR2rLast, Task::kR2rBack, Task::kR4r, Task::kRxr, Task::kReverie,
-                          Task::kCvdn, Task::kSoon}) {
-    const auto& scorer = tasks::benchmark(task).scorer(tasks::benchmark(task).table_scorer);
+  for (const tasks::Benchmark& one : tasks::benchmarks()) {
+    const tasks::Scorer& ours = one.continuous() ? one.scorers.front() : tasks::own_scorer();
+    const tasks::Scorer& by_task = one.scorer(one.table_scorer);
     bool success = false;
-    for (const TableColumn& column : table_columns(task)) {
+    for (const TableColumn& column : table_columns(one)) {
       success = success || column.metric == "success";
-      if (column.scored.empty()) continue;
-      EXPECT_TRUE(std::ranges::any_of(scorer.metrics, [&](const tasks::ScorerMetric& m) {
-        return column.scored == m.mean_name();
-      })) << column.scored;
+      EXPECT_NO_THROW(column.scored.empty() ? ours.place_of(column.metric)
+                                            : by_task.place_of(column.scored));
     }
-    EXPECT_TRUE(success) << static_cast<int>(task);
+    EXPECT_TRUE(success) << one.name;
   }
 }
 

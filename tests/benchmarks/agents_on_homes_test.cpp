@@ -67,8 +67,9 @@ report::ResultsTable table_of(Task task) {
     }
   }
   const std::vector<fs::path> named{runs.path()};
-  return report::make_table(report::score_runs(report::find_runs(named, data, task), data),
-                            data.synthetic());
+  return report::make_table(
+      report::score_runs(report::find_runs(named, data, tasks::benchmark(task)), data),
+      data.synthetic());
 }
 
 // The value of a metric in a row; nothing if the table has no such column.
