@@ -12,7 +12,7 @@
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade {
 namespace {

@@ -19,10 +19,11 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/r4r.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade {
 namespace {
@@ -164,9 +165,9 @@ R4rWalks r4r_walks() {
 // All of HAMT's metrics, nDTW, SDTW and CLS among them, with their intervals.
 void score_r4r(benchmark::State& state) {
   const R4rWalks walks = r4r_walks();
-  const auto& scorer = tasks::public_scorers(tasks::Task::kR4r).front();
+  const auto& scorer = tasks::benchmark(tasks::Task::kR4r).scorers.front();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(compute_task_score(walks.trajectories, walks.episodes, scorer));
+    benchmark::DoNotOptimize(compute_score(walks.trajectories, walks.episodes, scorer));
   }
   state.SetItemsProcessed(state.iterations() *
                           static_cast<std::int64_t>(walks.trajectories.size()));

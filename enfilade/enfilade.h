@@ -15,7 +15,7 @@
 #include "enfilade/sim/candidates.h"
 #include "enfilade/sim/simulator.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade {
 

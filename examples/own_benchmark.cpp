@@ -5,7 +5,7 @@
 #include <enfilade/core/file.h>
 #include <enfilade/enfilade.h>
 #include <enfilade/tasks/goal_distance.h>
-#include <enfilade/tasks/task_score.h>
+#include <enfilade/tasks/score_table.h>
 
 #include <array>
 #include <iostream>
@@ -71,8 +71,8 @@ tasks::Annotations read_stay_near(const std::string& text, const graph::GraphSet
 constexpr std::array<tasks::ScorerMetric, 2> kMetrics{
     {{"success", "SR", tasks::MeanRule::kPlain, 100}, {"detour"}}};
 
-void score_stay_near(const graph::NavGraph& graph, const tasks::ReferencePath& path,
-                     const tasks::Trajectory& trajectory, std::span<double> out) {
+void score_stay_near(const tasks::ScoredTrajectory& scored, std::span<double> out) {
+  const auto& [graph, path, trajectory, options] = scored;
   double walked = 0;
   for (std::size_t i = 1; i < trajectory.points.size(); ++i) {
     walked += graph.distance(trajectory.points[i - 1].viewpoint, trajectory.points[i].viewpoint);
@@ -82,8 +82,11 @@ void score_stay_near(const graph::NavGraph& graph, const tasks::ReferencePath& p
   out[1] = walked - graph.distance(path.viewpoints.front(), end);
 }
 
-constexpr tasks::PublicScorer kScorer{tasks::Task::kCvdn, "stay-near", "examples/own_benchmark.cpp",
-                                      kMetrics, score_stay_near};
+constexpr tasks::Scorer kScorer{.name = "stay-near",
+                                .source = "examples/own_benchmark.cpp",
+                                .metrics = kMetrics,
+                                .on_graph = score_stay_near,
+                                .task = tasks::Task::kCvdn};
 
 // A small file of it, from a data set's own paths.
 std::string make_file(const tasks::EpisodeSet& r2r) {
@@ -107,6 +110,6 @@ int main() {
     // Results are written and checked as any other benchmark's.
     const auto read = tasks::parse_results(to_json(trajectories, episodes), name, episodes);
     std::cout << name << " on synthetic buildings\n"
-              << to_table(compute_task_score(read.trajectories, episodes, kScorer), episodes);
+              << to_table(compute_score(read.trajectories, episodes, kScorer));
   }
 }

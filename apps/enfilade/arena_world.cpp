@@ -6,6 +6,7 @@
 
 #include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/task_option.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::apps {
@@ -38,18 +39,18 @@ OpenedWorld open_world(const std::shared_ptr<const dataset::Dataset>& data, cons
   const auto words_from = [&words](const arena::Sights& sights) {
     return words ? words(sights) : arena::WordsSource();
   };
-  if (agents::is_continuous(task)) {
-    const auto& benchmark = agents::continuous_benchmark(task);
+  const tasks::Benchmark* named = tasks::find_benchmark(task);
+  if (named != nullptr && named->continuous()) {
+    const auto& setup = agents::continuous_setup(*named);
     opened.sights.scene_of = [scenes = std::make_shared<SharedScenes>(data)](
                                  const std::string& scan) { return scenes->at(scan); };
-    opened.world =
-        arena::FreeWorld::open(benchmark, data->folder(), split, words_from(opened.sights));
-    opened.title = benchmark.title;
+    opened.world = arena::FreeWorld::open(setup, data->folder(), split, words_from(opened.sights));
+    opened.title = named->title;
     return opened;
   }
   auto episodes =
       std::make_shared<const tasks::EpisodeSet>(episodes_of(*data, task_of(task, *data), split));
-  opened.title = tasks::title_of(episodes->task);
+  opened.title = tasks::benchmark(episodes->task).title;
   opened.sights.data = data;
   opened.world =
       std::make_unique<arena::GraphWorld>(std::move(episodes), words_from(opened.sights));

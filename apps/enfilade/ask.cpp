@@ -20,7 +20,7 @@
 #include "enfilade/arena/subsets.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 namespace ask_verb {

@@ -13,6 +13,7 @@
 #include "enfilade/exports/convert.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/models/subwords.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::apps {
@@ -26,6 +27,10 @@ struct Options {
   std::string from, to, form, task, vocabulary;
   bool cased = false;
 };
+
+tasks::Task graph_task(const std::string& name) {
+  return tasks::benchmark(name, tasks::World::kGraph).task;
+}
 
 /// Packed, if the file's name says so.
 void write_maybe_packed(const std::string& to, const std::string& text) {
@@ -52,13 +57,12 @@ std::string convert_annotations(const Options& options) {
     refuse_form(options, FileKind::kAnnotations, "released or duet (SOON), or without --to");
   }
   const std::string text = read_text_file(options.from);
-  const std::optional<tasks::Task> task = options.task.empty()
-                                              ? tasks::find_task(text)
-                                              : std::optional(tasks::task_named(options.task));
+  const std::optional<tasks::Task> task =
+      options.task.empty() ? tasks::find_task(text) : std::optional(graph_task(options.task));
   if (!task) throw UsageError(fmt::format("{}: which benchmark? Give --task", options.from));
   if (!options.form.empty() && *task != tasks::Task::kSoon) {
     throw UsageError(fmt::format("--to {}: a form of SOON's annotations; those of {} have one only",
-                                 options.form, tasks::title_of(*task)));
+                                 options.form, tasks::benchmark(*task).title));
   }
   tasks::Annotations read =
       tasks::parse_annotations(text, options.from, fs::path(options.from).stem().string(), *task);
@@ -70,7 +74,7 @@ std::string convert_annotations(const Options& options) {
   write_maybe_packed(options.to,
                      exports::annotations_text(read, {.released = options.form == "released",
                                                       .lines = suffix_of(options.to) == ".jsonl"}));
-  return fmt::format("{} paths of {}", read.paths.size(), tasks::title_of(*task));
+  return fmt::format("{} paths of {}", read.paths.size(), tasks::benchmark(*task).title);
 }
 
 std::string convert_followers(const Options& options) {
@@ -87,12 +91,12 @@ std::string convert_results(const Options& options) {
   const std::string text = read_text_file(options.from);
   const std::optional<tasks::Task> task = options.task.empty()
                                               ? tasks::find_task_of_results(text)
-                                              : std::optional(tasks::task_named(options.task));
+                                              : std::optional(graph_task(options.task));
   if (!task) throw UsageError(fmt::format("{}: which benchmark? Give --task", options.from));
   const auto keys =
       options.form == "official" ? exports::ResultKeys::kOfficial : exports::ResultKeys::kDuet;
   write_maybe_packed(options.to, with_keys(text, options.from, keys, *task));
-  return fmt::format("results of {}", tasks::title_of(*task));
+  return fmt::format("results of {}", tasks::benchmark(*task).title);
 }
 
 std::string convert_boxes(const Options& options) {

@@ -20,7 +20,7 @@
 #include "enfilade/homes/home_set.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "enfilade/tasks/statistics.h"
 
 namespace enfilade::apps {

@@ -6,6 +6,7 @@
 
 #include "enfilade/draw/episode_text.h"
 #include "enfilade/draw/planned_goal.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::apps {
@@ -65,9 +66,10 @@ void validate(const PathOptions& options, const std::string& scan) {
 std::string DrawnPath::title() const {
   const std::string what = episode ? "instruction " + episodes.episodes[*episode].instruction_id
                                    : fmt::format("path {}", path().path_id);
-  const std::string of = episodes.task == tasks::Task::kR2r
-                             ? episodes.split
-                             : fmt::format("{} {}", tasks::title_of(episodes.task), episodes.split);
+  const std::string of =
+      episodes.task == tasks::Task::kR2r
+          ? episodes.split
+          : fmt::format("{} {}", tasks::benchmark(episodes.task).title, episodes.split);
   return fmt::format("{}, {} of {}", graph().scan(), what, of);
 }
 
@@ -89,7 +91,7 @@ DrawnPath find_path(const PathOptions& options, const std::string& scan,
                     const dataset::Dataset& data) {
   DrawnPath found;
   found.data = data;
-  const tasks::Task task = tasks::task_named(options.task);
+  const tasks::Task task = tasks::benchmark(options.task, tasks::World::kGraph).task;
   found.episodes =
       task == tasks::Task::kR2r ? data.episodes(options.split) : data.episodes(task, options.split);
   if (options.path) {

@@ -10,7 +10,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/core/threads.h"
@@ -206,21 +206,21 @@ using WriteWalks = exports::WalkReport (*)(const exports::ExpertWalks&, const fs
 /// The experts' walks of a split, drawn in one of the forms.
 template <WriteWalks kWrite>
 void write_walks(const Options& options, const dataset::Dataset& data, const fs::path& to) {
-  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const agents::ContinuousSetup& setup = agents::continuous_setup(options.task);
   const tasks::ContinuousEpisodes episodes =
-      agents::load_continuous_split(benchmark, data.folder(), options.split);
+      agents::load_continuous_split(*setup.benchmark, data.folder(), options.split);
   const auto buildings =
-      std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
+      std::make_shared<const continuous::Buildings>(data.folder() / setup.navigation_folder());
   exports::WalkPictures pictures;
   pictures.quality = options.quality;
-  pictures.data = benchmark.form == tasks::ContinuousForm::kRxr ? "rxr" : "r2r";
+  pictures.data = setup.benchmark->form == tasks::ContinuousForm::kRxr ? "rxr" : "r2r";
   const MeshSource meshes{.folder = options.meshes, .up = "format"};
   pictures.appearance = continuous::parse_appearance(options.appearance).value();
   const auto look_of = [&](const std::string& scan) {
     return look_of_scan(data, meshes, scan, pictures.appearance, options.threads);
   };
   const exports::WalkReport report =
-      kWrite({episodes, buildings, benchmark.simulator, look_of}, to, pictures, told(options));
+      kWrite({episodes, buildings, setup.simulator, look_of}, to, pictures, told(options));
   fmt::print("{}: {} walks with {} pictures, of which {} walks were there; {} are too long\n",
              to.string(), report.episodes, report.pictures, report.kept, report.too_long);
   if (data.synthetic()) fmt::print("SYNTHETIC: model homes made by Enfilade.\n");
@@ -228,9 +228,9 @@ void write_walks(const Options& options, const dataset::Dataset& data, const fs:
 
 /// Episodes and experts' walks where VLN-CE's code looks for them.
 void write_vlnce(const Options& options, const dataset::Dataset& data, const fs::path& to) {
-  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const agents::ContinuousSetup& setup = agents::continuous_setup(options.task);
   const tasks::ContinuousEpisodes episodes =
-      agents::load_continuous_split(benchmark, data.folder(), options.split);
+      agents::load_continuous_split(*setup.benchmark, data.folder(), options.split);
   // The second place of each is where the newest public code looks.
   const auto write = [&](const std::vector<fs::path>& places, const std::string& text) {
     const fs::path file = to / places.at(1);
@@ -238,11 +238,11 @@ void write_vlnce(const Options& options, const dataset::Dataset& data, const fs:
     write_file_atomically(file, gzip(text, 6));
     say_written(file);
   };
-  write(tasks::continuous_places(benchmark.form, options.split), to_json(episodes));
+  write(tasks::episode_places(*setup.benchmark, options.split), to_json(episodes));
   const tasks::ExpertWalks experts =
-      agents::load_experts_of(benchmark, data.folder(), options.split);
+      agents::load_experts_of(*setup.benchmark, data.folder(), options.split);
   if (!experts.empty()) {
-    write(tasks::expert_places(benchmark.form, options.split), to_json(experts));
+    write(tasks::expert_places(*setup.benchmark, options.split), to_json(experts));
   }
 }
 

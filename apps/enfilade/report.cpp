@@ -29,13 +29,7 @@ void make(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   report::ReportConfig config = options.config;
   config.runs.assign(options.named.begin(), options.named.end());
-  if (const auto* free = continuous_task_of(options.task, config.runs)) {
-    config.continuous = *free;
-  } else {
-    config.task =
-        task_of(options.task, data,
-                options.task.empty() ? report::find_task_of_runs(config.runs) : std::nullopt);
-  }
+  config.benchmark = &benchmark_of_runs(options.task, data, config.runs);
   config.facts = {
       {"Enfilade", version_with_commit()},
       {"made on", fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))},

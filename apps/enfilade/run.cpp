@@ -11,11 +11,11 @@
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/continuous_agent.h"
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/agents/run.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "enfilade/tasks/soon_submission.h"
 
 namespace enfilade::apps {
@@ -40,12 +40,13 @@ void check_form(const std::string& form, tasks::Task task) {
   if (form != "released") throw UsageError(fmt::format("--to {}: only released is known", form));
   if (task != tasks::Task::kSoon) {
     throw UsageError(fmt::format("--to released: a form of SOON's results; those of {} have one",
-                                 tasks::title_of(task)));
+                                 tasks::benchmark(task).title));
   }
 }
 
 void run(const Options& options) {
-  if (agents::is_continuous(options.task)) {
+  const tasks::Benchmark* named = tasks::find_benchmark(options.task);
+  if (named != nullptr && named->continuous()) {
     if (!options.form.empty())
       throw UsageError(fmt::format("--task {}: takes no --to", options.task));
     if (!options.features.empty() && !options.walk_graph) {
@@ -87,7 +88,7 @@ void run(const Options& options) {
   } else {
     print_score(trajectories, episodes);
   }
-  if (trained && tasks::asks_for_answer(episodes.task)) {
+  if (trained && tasks::benchmark(episodes.task).answer != tasks::AnswerKind::kNone) {
     fmt::print("A trained agent gives no answer beside its path, so none is right.\n");
   }
 }

@@ -7,14 +7,13 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/continuous/walks.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 namespace score_verb {
@@ -42,7 +41,7 @@ struct Options {
 
 // What --task says, or what the files look like: annotations first, as they tell more.
 Task find_task(const Options& options, const std::string& annotations, const std::string& results) {
-  if (!options.task.empty()) return tasks::task_named(options.task);
+  if (!options.task.empty()) return tasks::benchmark(options.task, tasks::World::kGraph).task;
   std::optional<Task> found;
   if (!options.annotations.empty()) found = tasks::find_task(annotations);
   if (!found || *found == Task::kR2r) {
@@ -87,24 +86,8 @@ tasks::EpisodeSet load_episodes(const Options& options, Task task, const std::st
   return tasks::make_episodes(annotations, graphs, which, objects.get());
 }
 
-// By the scorer that --scorer names, or the one behind the published tables.
-void print_task_score(const Options& options, const tasks::Results& results,
-                      const tasks::EpisodeSet& episodes) {
-  const tasks::PublicScorer& scorer = options.scorer.empty()
-                                          ? tasks::public_scorers(episodes.task).front()
-                                          : tasks::public_scorer(episodes.task, options.scorer);
-  const tasks::TaskScore score = tasks::compute_task_score(results.trajectories, episodes, scorer);
-  if (!options.json.empty()) {
-    write_output(options.json, to_json(score, episodes, options.per_episode));
-  }
-  if (options.json != "-") fmt::print("{}", to_table(score, episodes));
-}
-
-void print_score(const Options& options, const tasks::Score& score,
-                 const tasks::EpisodeSet& episodes) {
-  if (!options.json.empty()) {
-    write_output(options.json, options.per_episode ? to_json(score, episodes) : to_json(score));
-  }
+void print_score(const Options& options, const tasks::ScoreTable& score) {
+  if (!options.json.empty()) write_output(options.json, to_json(score, options.per_episode));
   if (options.json == "-") return;
   const bool reference = options.spl == "reference";
   fmt::print("{}", to_table(score, reference ? tasks::SplLength::kReference
@@ -129,7 +112,6 @@ ExitCode score_free(const Options& options) {
   for (const auto& [name, given] : {std::pair{"--annotations", !options.annotations.empty()},
                                     {"--connectivity", !options.connectivity.empty()},
                                     {"--objects", !options.objects.empty()},
-                                    {"--scorer", !options.scorer.empty()},
                                     {"--all-instructions", options.all_instructions},
                                     {"--spl reference", options.spl == "reference"}}) {
     if (given) throw UsageError(fmt::format("--task {}: takes no {}", options.task, name));
@@ -139,12 +121,14 @@ ExitCode score_free(const Options& options) {
                           .split = options.split,
                           .results = options.results,
                           .json = options.json,
+                          .scorer = options.scorer,
                           .per_episode = options.per_episode,
                           .part = options.part});
 }
 
 ExitCode score(const Options& options) {
-  if (agents::is_continuous(options.task)) return score_free(options);
+  const tasks::Benchmark* named = tasks::find_benchmark(options.task);
+  if (named != nullptr && named->continuous()) return score_free(options);
   if (options.split.empty() && options.annotations.empty()) {
     throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
   }
@@ -175,11 +159,8 @@ ExitCode score(const Options& options) {
                episodes.episodes.size(), whole);
   }
   refuse_hidden(options, episodes);
-  if (episodes.task != Task::kR2r || !options.scorer.empty()) {
-    print_task_score(options, results, episodes);
-  } else {
-    print_score(options, compute_score(results.trajectories, episodes), episodes);
-  }
+  const tasks::Scorer& scorer = tasks::benchmark(episodes.task).scorer(options.scorer);
+  print_score(options, compute_score(results.trajectories, episodes, scorer));
   return kSuccess;
 }
 
@@ -193,10 +174,10 @@ void add_options(CLI::App& verb, Options& options) {
       verb, "--task", options.task, "NAME",
       "r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn, soon, r2r-ce or rxr-ce (default: what "
       "the files are of; where results say nothing, r2r)");
-  add_value(
-      verb, "--scorer", options.scorer, "NAME",
-      "Whose formulas, by name: official, duet, hamt, valan, r4r_public, ... (docs/tasks.md). "
-      "Without it: of r2r our own table; else the scorer behind the published one");
+  add_value(verb, "--scorer", options.scorer, "NAME",
+            "Whose formulas, by name: official, duet, hamt, valan, r4r_public, vlnce, etpnav, ... "
+            "(docs/tasks.md). "
+            "Without it: of r2r our own table; else the scorer behind the published one");
   add_value(verb, "--annotations", options.annotations, "FILE",
             "Annotations to score against, instead of the data set's of that split; may be packed");
   add_value(verb, "--objects", options.objects, "FILE",

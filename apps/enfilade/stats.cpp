@@ -6,6 +6,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/statistics.h"
 
@@ -45,7 +46,7 @@ std::vector<tasks::Annotations> load_splits(const Options& options, const datase
     }
   }
   if (!splits.empty()) return splits;
-  if (!r2r) data.annotations_file(task, tasks::usual_splits(task)[2]);  // says what was tried
+  if (!r2r) data.annotations_file(task, tasks::benchmark(task).splits[2]);  // says what was tried
   throw FileError(
       fmt::format("{}: holds none of R2R_train.json, R2R_val_seen.json, "
                   "R2R_val_unseen.json, R2R_test.json; name others by --split",

@@ -6,7 +6,6 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/report/continuous_runs.h"
 #include "enfilade/report/results_table.h"
 
 namespace enfilade::apps {
@@ -28,28 +27,13 @@ std::string formatted(const report::ResultsTable& table, const Options& options)
   return options.markdown ? to_markdown(table) : to_text(table);
 }
 
-report::ResultsTable continuous_table(const agents::ContinuousBenchmark& benchmark,
-                                      const dataset::Dataset& data,
-                                      const std::vector<fs::path>& named) {
-  const report::RunDirectory found = report::find_continuous_runs(named, data, benchmark);
-  const auto runs = score_continuous_runs(found, benchmark, data, progress_bar("scoring"));
-  return make_table(runs, data.synthetic());
-}
-
-report::ResultsTable graph_table(const Options& options, const dataset::Dataset& data,
-                                 const std::vector<fs::path>& named) {
-  const tasks::Task task = task_of(
-      options.task, data, options.task.empty() ? report::find_task_of_runs(named) : std::nullopt);
-  const report::RunDirectory found = report::find_runs(named, data, task);
-  return make_table(score_runs(found, data, progress_bar("scoring")), data.synthetic());
-}
-
 void table(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const std::vector<fs::path> named(options.named.begin(), options.named.end());
-  const agents::ContinuousBenchmark* free = continuous_task_of(options.task, named);
+  const tasks::Benchmark& benchmark = benchmark_of_runs(options.task, data, named);
+  const report::RunDirectory found = report::find_runs(named, data, benchmark);
   const report::ResultsTable made =
-      free != nullptr ? continuous_table(*free, data, named) : graph_table(options, data, named);
+      make_table(score_runs(found, data, progress_bar("scoring")), data.synthetic());
   if (made.rows.empty() && made.left_out.empty()) {
     throw UsageError("there are models here, but no results file; enfilade evaluate makes them");
   }

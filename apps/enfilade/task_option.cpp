@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/score.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 
@@ -24,22 +23,23 @@ void add_task_option(CLI::App& verb, std::string& task, const std::string& other
 
 tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
                     std::optional<tasks::Task> found) {
-  if (!named.empty()) return tasks::task_named(named);
+  if (!named.empty()) return tasks::benchmark(named, tasks::World::kGraph).task;
   if (found) return *found;
   const std::vector<tasks::Task> there = data.benchmarks();
   // Without any, the verb says which files of R2R it did not find.
   if (there.empty() || there.front() == tasks::Task::kR2r) return tasks::Task::kR2r;
   if (there.size() == 1) return there.front();
   std::vector<std::string_view> names;
-  for (const tasks::Task task : there) names.push_back(tasks::name_of(task));
+  for (const tasks::Task task : there) names.push_back(tasks::benchmark(task).name);
   throw UsageError(fmt::format("{} has annotations of {}: which ones? Give --task NAME",
                                data.folder().string(), fmt::join(names, ", ")));
 }
 
-const agents::ContinuousBenchmark* continuous_task_of(
-    const std::string& named, std::span<const std::filesystem::path> results) {
-  if (named.empty()) return report::find_continuous_benchmark_of_runs(results);
-  return agents::is_continuous(named) ? &agents::continuous_benchmark(named) : nullptr;
+const tasks::Benchmark& benchmark_of_runs(const std::string& named, const dataset::Dataset& data,
+                                          std::span<const std::filesystem::path> results) {
+  if (!named.empty()) return tasks::benchmark(named);
+  if (const tasks::Benchmark* found = report::find_benchmark_of_runs(results)) return *found;
+  return tasks::benchmark(task_of(named, data));
 }
 
 tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,
@@ -50,12 +50,9 @@ tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,
 
 void print_score(const std::vector<tasks::Trajectory>& trajectories,
                  const tasks::EpisodeSet& episodes) {
-  if (episodes.task == tasks::Task::kR2r) {
-    fmt::print("{}", to_table(compute_score(trajectories, episodes)));
-    return;
-  }
-  const auto& scorer = tasks::public_scorer(episodes.task, report::table_scorer(episodes.task));
-  fmt::print("{}", to_table(compute_task_score(trajectories, episodes, scorer), episodes));
+  const tasks::Benchmark& benchmark = tasks::benchmark(episodes.task);
+  const auto& scorer = benchmark.scorer(benchmark.table_scorer);
+  fmt::print("{}", to_table(compute_score(trajectories, episodes, scorer)));
 }
 
 }  // namespace enfilade::apps

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/results.h"
 
 namespace enfilade::apps {
@@ -28,10 +28,10 @@ void add_task_option(CLI::App& verb, std::string& task, const std::string& other
 tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
                     std::optional<tasks::Task> found = {});
 
-/// The benchmark of walking freely that the option names; where it names none, that of the first
-/// results file. None if they are of the graph.
-const agents::ContinuousBenchmark* continuous_task_of(
-    const std::string& named, std::span<const std::filesystem::path> results);
+/// The benchmark of some results, of either world: that of the option; where it names none, what
+/// the results are of; else as task_of(). \throws as task_of()
+const tasks::Benchmark& benchmark_of_runs(const std::string& named, const dataset::Dataset& data,
+                                          std::span<const std::filesystem::path> results);
 
 /// A split of any benchmark. \throws as dataset::Dataset::episodes()
 tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,

@@ -8,7 +8,7 @@
 #include "enfilade/agents/shortest.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "enfilade/tasks/statistics.h"
 #include "tests/support/graphs.h"
 

@@ -56,7 +56,7 @@ double nearer(double before, double now) {
 }
 
 std::int64_t count_actions(const tasks::EpisodeSet& episodes, const EnvironmentConfig& config) {
-  if (config.actions == ActionSpace::kSixActions) return kSixActions;
+  if (config.actions == ActionSpace::kSixActions) return kSixActionCount;
   if (config.actions != ActionSpace::kMap) return static_cast<std::int64_t>(config.max_navigable);
   std::size_t most = 0;
   for (const tasks::ReferencePath& path : episodes.paths) {

@@ -103,6 +103,22 @@ TEST(ContinuousEnvironment, ScoresAsTheRunnerDoes) {
   EXPECT_EQ(e.score(0).spl, scores[1].spl);
 }
 
+TEST(ContinuousScorers, DifferWhereAnAgentDoesNotStop) {
+  const ContinuousWorld in = world();
+  auto walks = run_continuous(*make_continuous_agent("shortest"), *in.episodes, in.buildings);
+  walks[0].actions.back() = 2;  // turns where it should stop
+  const tasks::Benchmark& benchmark = tasks::benchmark("r2r-ce");
+  const auto success = [&](std::string_view scorer) {
+    const auto table =
+        compute_score(walks, *in.episodes, *in.buildings, {}, benchmark, benchmark.scorer(scorer));
+    EXPECT_EQ(table.ids.size(), walks.size());
+    return table.value(0, "success");
+  };
+  EXPECT_EQ(success("vlnce"), 0);
+  EXPECT_EQ(success("etpnav"), 1);
+  EXPECT_THROW(success("hamt"), LookupError);
+}
+
 TEST(ContinuousEnvironment, AgentsCanBeLeftInTheirEpisodes) {
   ContinuousEnvironment e = environment(2);
   EXPECT_THROW(begin(e, {0, -1}), ArgumentError);

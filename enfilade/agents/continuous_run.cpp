@@ -251,10 +251,11 @@ std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
   return distances;
 }
 
-tasks::ContinuousScore score_continuous_walk(const tasks::ContinuousResult& walk,
-                                             const tasks::ContinuousEpisode& episode,
-                                             const Buildings& buildings,
-                                             const tasks::ExpertWalks& experts) {
+namespace {
+
+// What nDTW compares with: an expert's walk, the reference path, or the way from start to goal.
+std::vector<tasks::Point3> reference_of(const tasks::ContinuousEpisode& episode,
+                                        const tasks::ExpertWalks& experts) {
   const auto expert = experts.find(tasks::text_of(episode.id));
   std::vector<Vec3d> reference;
   if (expert != experts.end()) {
@@ -264,17 +265,50 @@ tasks::ContinuousScore score_continuous_walk(const tasks::ContinuousResult& walk
   } else {
     reference = {episode.start, episode.goals->front().position};
   }
+  return tasks::reference_to_score(reference);
+}
+
+void check_can_be_scored(std::span<const tasks::ContinuousResult> walks,
+                         const tasks::ContinuousEpisodes& episodes, const Buildings& buildings) {
+  require_goals(episodes, "score");
+  std::vector<std::size_t> walked;
+  for (const tasks::ContinuousResult& walk : walks) walked.push_back(walk.episode);
+  check_goals(episodes, buildings, walked);
+}
+
+}  // namespace
+
+tasks::ScoreTable compute_score(std::span<const tasks::ContinuousResult> walks,
+                                const tasks::ContinuousEpisodes& episodes,
+                                const Buildings& buildings, const tasks::ExpertWalks& experts,
+                                const tasks::Benchmark& benchmark, const tasks::Scorer& scorer,
+                                const Progress& progress) {
+  check_can_be_scored(walks, episodes, buildings);
+  const std::size_t width = scorer.metrics.size();
+  std::vector<double> values(walks.size() * width);
+  for (std::size_t k = 0; k < walks.size(); ++k) {
+    const tasks::ContinuousEpisode& episode = episodes.episodes.at(walks[k].episode);
+    const tasks::ScoredWalk scored =
+        tasks::to_score(walks[k], goal_distances(walks[k], episode, buildings));
+    scorer.on_floor(scored.view(), reference_of(episode, experts),
+                    std::span(values).subspan(k * width, width));
+    if (progress) progress(k + 1, walks.size());
+  }
+  return tasks::make_score_table(benchmark, scorer, walks, episodes, std::move(values));
+}
+
+tasks::ContinuousScore score_continuous_walk(const tasks::ContinuousResult& walk,
+                                             const tasks::ContinuousEpisode& episode,
+                                             const Buildings& buildings,
+                                             const tasks::ExpertWalks& experts) {
   const tasks::ScoredWalk scored = tasks::to_score(walk, goal_distances(walk, episode, buildings));
-  return tasks::score_continuous(scored.view(), tasks::reference_to_score(reference));
+  return tasks::score_continuous(scored.view(), reference_of(episode, experts));
 }
 
 std::vector<tasks::ContinuousScore> score_continuous_walks(
     std::span<const tasks::ContinuousResult> walks, const tasks::ContinuousEpisodes& episodes,
     const Buildings& buildings, const tasks::ExpertWalks& experts, const Progress& progress) {
-  require_goals(episodes, "score");
-  std::vector<std::size_t> walked;
-  for (const tasks::ContinuousResult& walk : walks) walked.push_back(walk.episode);
-  check_goals(episodes, buildings, walked);
+  check_can_be_scored(walks, episodes, buildings);
   std::vector<tasks::ContinuousScore> scores;
   for (const tasks::ContinuousResult& walk : walks) {
     scores.push_back(

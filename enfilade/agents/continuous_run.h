@@ -11,6 +11,7 @@
 #include "enfilade/core/progress.h"
 #include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/continuous_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::agents {
 
@@ -57,6 +58,15 @@ continuous::DistanceField goal_field(const tasks::ContinuousEpisode& episode,
 std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
                                    const tasks::ContinuousEpisode& episode,
                                    const continuous::Buildings& buildings);
+
+/// Scores walks by one of the benchmark's scorers, in their order. \param experts  as below
+/// \throws as score_continuous_walks()
+tasks::ScoreTable compute_score(std::span<const tasks::ContinuousResult> walks,
+                                const tasks::ContinuousEpisodes& episodes,
+                                const continuous::Buildings& buildings,
+                                const tasks::ExpertWalks& experts,
+                                const tasks::Benchmark& benchmark, const tasks::Scorer& scorer,
+                                const Progress& progress = {});
 
 /// VLN-CE's measures of each walk, in order. \param experts  their locations are what nDTW compares
 /// with; the reference path, for an episode that has none

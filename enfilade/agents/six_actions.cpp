@@ -5,19 +5,19 @@
 namespace enfilade::agents {
 
 std::string_view to_string(SixAction action) noexcept {
-  constexpr std::array<std::string_view, kSixActions> kNames{"left", "right",   "up",
-                                                             "down", "forward", "end"};
+  constexpr std::array<std::string_view, kSixActionCount> kNames{"left", "right",   "up",
+                                                                 "down", "forward", "end"};
   return kNames[static_cast<std::size_t>(action)];
 }
 
 sim::Action to_action(SixAction action, std::uint32_t navigable_count) noexcept {
   // Only the sign of a change counts.
-  constexpr std::array<sim::Action, kSixActions> kActions{{{0, Radians(-1), {}},
-                                                           {0, Radians(1), {}},
-                                                           {0, {}, Radians(1)},
-                                                           {0, {}, Radians(-1)},
-                                                           {1, {}, {}},
-                                                           {}}};
+  constexpr std::array<sim::Action, kSixActionCount> kActions{{{0, Radians(-1), {}},
+                                                               {0, Radians(1), {}},
+                                                               {0, {}, Radians(1)},
+                                                               {0, {}, Radians(-1)},
+                                                               {1, {}, {}},
+                                                               {}}};
   sim::Action done = kActions[static_cast<std::size_t>(action)];
   if (done.index >= navigable_count) done.index = 0;
   return done;

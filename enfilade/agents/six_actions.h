@@ -12,7 +12,7 @@ namespace enfilade::agents {
 /// view of 30 degrees.
 enum class SixAction : std::int32_t { kLeft, kRight, kUp, kDown, kForward, kStop };
 /// How many SixActions there are.
-inline constexpr std::int32_t kSixActions = 6;
+inline constexpr std::int32_t kSixActionCount = 6;
 
 /// "left", "right", "up", "down", "forward", "end" (the released code's word for stop).
 std::string_view to_string(SixAction action) noexcept;

@@ -9,7 +9,7 @@ namespace EN_UNIT {
 
 TEST(SixActions, AreNamedAsInTheReleasedCode) {
   std::string names;
-  for (std::int32_t k = 0; k < kSixActions; ++k) {
+  for (std::int32_t k = 0; k < kSixActionCount; ++k) {
     names += std::string(to_string(static_cast<SixAction>(k))) + " ";
   }
   EXPECT_EQ(names, "left right up down forward end ");
@@ -22,7 +22,7 @@ TEST(SixActions, ForwardStaysWhereNothingIsAhead) {
 }
 
 TEST(SixActions, ComeBackFromTheDecisionThatTheyAre) {
-  for (std::int32_t k = 0; k < kSixActions; ++k) {
+  for (std::int32_t k = 0; k < kSixActionCount; ++k) {
     const auto action = static_cast<SixAction>(k);
     const Decision decision = to_decision(action, 2);
     EXPECT_EQ(decision.stop, action == SixAction::kStop);

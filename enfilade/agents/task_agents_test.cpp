@@ -8,8 +8,9 @@
 #include "enfilade/agents/batch_environment.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/objects.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::agents {
@@ -97,14 +98,9 @@ std::vector<tasks::Trajectory> run(const char* agent, const tasks::EpisodeSet& e
 double mean_of(const std::vector<tasks::Trajectory>& trajectories,
                const tasks::EpisodeSet& episodes, const std::string& metric,
                std::string_view scorer = {}) {
-  const auto& by = scorer.empty() ? tasks::public_scorers(episodes.task).front()
-                                  : tasks::public_scorer(episodes.task, scorer);
-  const auto score =
-      tasks::compute_task_score(trajectories, episodes, by, {.bootstrap_samples = 0});
-  for (std::size_t k = 0; k < by.metrics.size(); ++k) {
-    if (metric == by.metrics[k].mean_name()) return score.means[k].mean;
-  }
-  return std::nan("");
+  const auto& by = tasks::benchmark(episodes.task).scorer(scorer);
+  const tasks::ScoreOptions options{.bootstrap_samples = 0};
+  return compute_score(trajectories, episodes, by, options).mean(metric).mean;
 }
 
 double success_of(const std::vector<tasks::Trajectory>& trajectories,
@@ -112,7 +108,8 @@ double success_of(const std::vector<tasks::Trajectory>& trajectories,
   if (episodes.task == Task::kReverie) {
     return 100 * mean_of(trajectories, episodes, "success_rate");
   }
-  return mean_of(trajectories, episodes, "sr", episodes.task == Task::kCvdn ? "hamt" : "");
+  const bool hamt = episodes.task == Task::kCvdn || episodes.task == Task::kR2r;
+  return mean_of(trajectories, episodes, "sr", hamt ? "hamt" : "");
 }
 
 std::vector<ViewpointIndex> moves(const tasks::Trajectory& trajectory) {

@@ -20,7 +20,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/refusal.h"
 #include "tests/support/room_world.h"
@@ -140,11 +140,11 @@ TEST_F(Ask, ReverieAsksForTheObject) {
 // Every form of answers, and of results files; the goal is 4 m away, so stopping early would show.
 TEST_F(Ask, WalksFreely) {
   for (const char* task : {"r2r-ce", "rxr-ce"}) {
-    const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(task);
+    const agents::ContinuousSetup& setup = agents::continuous_setup(task);
     const agents::ContinuousWorld room = testing::room(4);
     auto named = std::make_shared<tasks::ContinuousEpisodes>(*room.episodes);
     for (tasks::ContinuousEpisode& one : named->episodes) one.instruction.id = one.id;
-    const FreeWorld world({named, nullptr, room.buildings}, benchmark);
+    const FreeWorld world({named, nullptr, room.buildings}, setup);
     const StandIn stand_in(world.another(), {});
     const auto endpoint = make_http_endpoint({.url = stand_in.url()});
     config_.limits = usual_limits(task);

@@ -24,16 +24,15 @@ std::string times(int n) { return n == 1 ? "once" : fmt::format("{} times", n); 
 
 class OneContinuousSession : public ContinuousSession {
  public:
-  OneContinuousSession(const agents::ContinuousWorld& world,
-                       const agents::ContinuousBenchmark& benchmark, std::size_t episode,
-                       const Limits& limits, Words* words)
+  OneContinuousSession(const agents::ContinuousWorld& world, const agents::ContinuousSetup& setup,
+                       std::size_t episode, const Limits& limits, Words* words)
       : ContinuousSession(limits),
         world_(world),
         words_(words),
-        looks_(benchmark.form == tasks::ContinuousForm::kRxr),
-        eye_height_(benchmark.simulator.eye_height),
+        looks_(setup.benchmark->form == tasks::ContinuousForm::kRxr),
+        eye_height_(setup.simulator.eye_height),
         episode_(episode),
-        simulator_(world.buildings, one_walker(benchmark.simulator)) {
+        simulator_(world.buildings, one_walker(setup.simulator)) {
     walk_.episode = episode;
     simulator_.new_episode(
         0, agents::start_of(episode_of(), world_.buildings->at(episode_of().scan())));
@@ -128,7 +127,7 @@ std::unique_ptr<ContinuousSession> FreeWorld::start_free(std::size_t episode,
     throw ArgumentError(fmt::format("episode: {}; there are {}", episode, size()));
   }
   if (words_source_ && !words_) words_ = words_source_();
-  return std::make_unique<OneContinuousSession>(world_, *benchmark_, episode, limits, words_.get());
+  return std::make_unique<OneContinuousSession>(world_, *setup_, episode, limits, words_.get());
 }
 
 }  // namespace enfilade::arena

@@ -10,6 +10,7 @@
 #include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/outlines.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::arena {
@@ -40,7 +41,7 @@ void check(const tasks::EpisodeSet& episodes, std::size_t episode) {
   }
   if (episodes.task == tasks::Task::kSoon) {
     throw ArgumentError(fmt::format("{}: a session has no tool for the answer that it asks for",
-                                    tasks::title_of(episodes.task)));
+                                    tasks::benchmark(episodes.task).title));
   }
 }
 

@@ -60,9 +60,8 @@ class Mcp : public ::testing::Test {
 };
 
 TEST(McpFree, AnAssistantMovesByActions) {
-  McpServer server(
-      std::make_unique<FreeWorld>(testing::room(), agents::continuous_benchmark("r2r-ce")), {},
-      {.episodes = {0}, .limits = {.steps = 9}});
+  McpServer server(std::make_unique<FreeWorld>(testing::room(), agents::continuous_setup("r2r-ce")),
+                   {}, {.episodes = {0}, .limits = {.steps = 9}});
   const auto call = [&server](const json& params) {
     const json message{{"jsonrpc", "2.0"}, {"id", 1}, {"method", "tools/call"}, {"params", params}};
     return json::parse(server.handle(message.dump()).front()).at("result");

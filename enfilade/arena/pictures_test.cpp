@@ -93,7 +93,7 @@ TEST_F(ArenaPictures, APlaceHasAPictureThatLooksThere) {
 }
 
 TEST(FreePictures, LookAheadOrAllAround) {
-  FreeWorld world(testing::room(), agents::continuous_benchmark("r2r-ce"));
+  FreeWorld world(testing::room(), agents::continuous_setup("r2r-ce"));
   const auto session = world.start(0);
   const auto strip = order_pictures(*session, Pictures::kStrip, 64);
   const auto ahead = order_pictures(*session, Pictures::kPlaces, 64);

@@ -195,7 +195,7 @@ std::unique_ptr<Follower> FreeWorld::follow(Rule rule, const Session& session,
   const auto agent = agents::make_continuous_agent(rule == Rule::kOracle ? "shortest" : "random");
   auto walks =
       agents::run_continuous(*agent, *alone, world_.buildings,
-                             {.batch_size = 1, .seed = seed, .simulator = benchmark_->simulator});
+                             {.batch_size = 1, .seed = seed, .simulator = setup_->simulator});
   return std::make_unique<RecordedActions>(std::move(walks[0].actions));
 }
 

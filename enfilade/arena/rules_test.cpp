@@ -86,14 +86,14 @@ std::vector<std::uint8_t> actions(FreeWorld& world, std::size_t episode, Rule ru
 }
 
 TEST(Rules, WalkFreelyAsTheAgentsDo) {
-  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark("r2r-ce");
+  const agents::ContinuousSetup& setup = agents::continuous_setup("r2r-ce");
   const agents::ContinuousWorld room = testing::room(6);
-  FreeWorld world(room, benchmark);
+  FreeWorld world(room, setup);
   for (const auto& [rule, name] :
        {std::pair{Rule::kOracle, "shortest"}, {Rule::kRandom, "random"}}) {
     const auto agent = agents::make_continuous_agent(name);
     const auto walks = agents::run_continuous(*agent, *room.episodes, room.buildings,
-                                              {.seed = 3, .simulator = benchmark.simulator});
+                                              {.seed = 3, .simulator = setup.simulator});
     for (std::size_t e = 0; e < walks.size(); ++e) {
       EXPECT_EQ(actions(world, e, rule, 3), walks[e].actions) << name << e;
     }

@@ -184,7 +184,7 @@ TEST(Sessions, NamesAreLetters) {
 }
 
 TEST(ContinuousSessions, MoveBySeveralActionsAtOnce) {
-  const auto session = FreeWorld(room(), agents::continuous_benchmark("r2r-ce")).start_free(0);
+  const auto session = FreeWorld(room(), agents::continuous_setup("r2r-ce")).start_free(0);
   const Observation& seen = session->observation();
   EXPECT_EQ(seen.instruction, "Walk east.");
   ASSERT_EQ(seen.tools.size(), 2U);
@@ -208,7 +208,7 @@ TEST(ContinuousSessions, MoveBySeveralActionsAtOnce) {
 }
 
 TEST(ContinuousSessions, WallsAreToldAndTheBenchmarksActionsAreLimited) {
-  FreeWorld world(room(), agents::continuous_benchmark("rxr-ce"));
+  FreeWorld world(room(), agents::continuous_setup("rxr-ce"));
   const auto session = world.start_free(0, {.steps = 1000, .mistakes = 3});
   const Observation& seen = session->observation();
   EXPECT_THAT(seen.tools[0].allowed, ElementsAre("forward", "left", "right", "up", "down"));

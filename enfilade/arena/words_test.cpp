@@ -159,7 +159,7 @@ TEST_F(WordsTest, EachPlaceHasThoseOfItsDirection) {
 
 TEST(FreeWords, SayWhatIsAhead) {
   std::vector<Standpoint> asked;
-  FreeWorld world(testing::room(), agents::continuous_benchmark("r2r-ce"),
+  FreeWorld world(testing::room(), agents::continuous_setup("r2r-ce"),
                   [&asked] { return std::make_unique<Recorder>(asked); });
   const auto session = world.start(0);
   EXPECT_EQ(session->observation().what, "view 1");

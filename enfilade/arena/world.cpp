@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::arena {
 namespace {
@@ -71,7 +72,9 @@ const std::string& GraphWorld::words_of(const Standpoint& from) {
 std::unique_ptr<World> GraphWorld::another() const {
   return std::unique_ptr<World>(new GraphWorld(*this));
 }
-std::string_view GraphWorld::task() const noexcept { return tasks::name_of(episodes_->task); }
+std::string_view GraphWorld::task() const noexcept {
+  return tasks::benchmark(episodes_->task).name;
+}
 const std::string& GraphWorld::split() const noexcept { return episodes_->split; }
 std::size_t GraphWorld::size() const noexcept { return episodes_->episodes.size(); }
 bool GraphWorld::goals_hidden() const noexcept { return tasks::goals_hidden(*episodes_); }
@@ -99,9 +102,9 @@ std::string GraphWorld::results(std::span<const std::string> entries) const {
   return joined(entries, "[\n", ",\n", "\n]\n");
 }
 
-FreeWorld::FreeWorld(agents::ContinuousWorld world, const agents::ContinuousBenchmark& benchmark,
+FreeWorld::FreeWorld(agents::ContinuousWorld world, const agents::ContinuousSetup& setup,
                      WordsSource words)
-    : world_(std::move(world)), benchmark_(&benchmark), words_source_(std::move(words)) {
+    : world_(std::move(world)), setup_(&setup), words_source_(std::move(words)) {
   if (!world_.episodes || !world_.buildings) throw ArgumentError("world: no episodes or buildings");
   if (world_.episodes->episodes.empty()) throw ArgumentError("episodes: none");
   index_ids();
@@ -110,24 +113,23 @@ FreeWorld::FreeWorld(agents::ContinuousWorld world, const agents::ContinuousBenc
 FreeWorld::FreeWorld(const FreeWorld& other)
     : World(other),
       world_(other.world_),
-      benchmark_(other.benchmark_),
+      setup_(other.setup_),
       words_source_(other.words_source_) {}
 
-std::unique_ptr<FreeWorld> FreeWorld::open(const agents::ContinuousBenchmark& benchmark,
+std::unique_ptr<FreeWorld> FreeWorld::open(const agents::ContinuousSetup& setup,
                                            const std::filesystem::path& data,
                                            const std::string& split, WordsSource words) {
   agents::ContinuousWorld world;
   world.episodes = std::make_shared<const tasks::ContinuousEpisodes>(
-      agents::load_continuous_split(benchmark, data, split));
-  world.buildings =
-      std::make_shared<const continuous::Buildings>(data / benchmark.navigation_folder());
-  return std::make_unique<FreeWorld>(std::move(world), benchmark, std::move(words));
+      agents::load_continuous_split(*setup.benchmark, data, split));
+  world.buildings = std::make_shared<const continuous::Buildings>(data / setup.navigation_folder());
+  return std::make_unique<FreeWorld>(std::move(world), setup, std::move(words));
 }
 
 std::unique_ptr<World> FreeWorld::another() const {
   return std::unique_ptr<World>(new FreeWorld(*this));
 }
-std::string_view FreeWorld::task() const noexcept { return benchmark_->name; }
+std::string_view FreeWorld::task() const noexcept { return setup_->benchmark->name; }
 const std::string& FreeWorld::split() const noexcept { return world_.episodes->split; }
 std::size_t FreeWorld::size() const noexcept { return world_.episodes->episodes.size(); }
 bool FreeWorld::goals_hidden() const noexcept { return tasks::goals_hidden(*world_.episodes); }
@@ -152,11 +154,11 @@ std::unique_ptr<Session> FreeWorld::start(std::size_t episode, const Limits& lim
 
 std::string FreeWorld::result(const Walked& walked) const {
   const std::vector<tasks::ContinuousResult> one{std::get<tasks::ContinuousResult>(walked)};
-  return Json::parse(tasks::to_json(one, *world_.episodes, benchmark_->results_form())).dump();
+  return Json::parse(tasks::to_json(one, *world_.episodes, setup_->benchmark->results_form)).dump();
 }
 
 std::string FreeWorld::results(std::span<const std::string> entries) const {
-  if (benchmark_->results_form() == tasks::ContinuousResultsForm::kRxr) {
+  if (setup_->benchmark->results_form == tasks::ContinuousResultsForm::kRxr) {
     return joined(entries, "", "\n", "\n");
   }
   // Each is an object with its episode's id as the only name; the file is one object of them all.
@@ -167,11 +169,9 @@ std::string FreeWorld::results(std::span<const std::string> entries) const {
 
 Limits usual_limits(std::string_view task) {
   Limits limits;
-  if (!agents::is_continuous(task)) {
-    (void)tasks::task_named(std::string(task));
-    return limits;
-  }
-  const auto actions = agents::continuous_benchmark(task).simulator.most_steps;
+  const tasks::Benchmark& benchmark = tasks::benchmark(task);
+  if (!benchmark.continuous()) return limits;
+  const auto actions = agents::continuous_setup(benchmark).simulator.most_steps;
   limits.steps = static_cast<std::uint32_t>((actions + kMostMoves - 1) / kMostMoves);
   return limits;
 }

@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/agents/continuous_environment.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/agents/panorama.h"
 #include "enfilade/arena/session.h"
 #include "enfilade/arena/words.h"
@@ -117,11 +117,11 @@ class FreeWorld : public World {
  public:
   /// \param words  for Observation::what; empty: none
   /// \throws ArgumentError for a world without episodes or buildings
-  FreeWorld(agents::ContinuousWorld world, const agents::ContinuousBenchmark& benchmark,
+  FreeWorld(agents::ContinuousWorld world, const agents::ContinuousSetup& setup,
             WordsSource words = {});
   /// Of a split in a folder of data, without the experts' walks, which no session needs.
   /// \throws as agents::load_continuous_split(), Buildings
-  static std::unique_ptr<FreeWorld> open(const agents::ContinuousBenchmark& benchmark,
+  static std::unique_ptr<FreeWorld> open(const agents::ContinuousSetup& setup,
                                          const std::filesystem::path& data,
                                          const std::string& split, WordsSource words = {});
   const agents::ContinuousWorld& world() const noexcept { return world_; }
@@ -145,7 +145,7 @@ class FreeWorld : public World {
   FreeWorld(const FreeWorld& other);
 
   agents::ContinuousWorld world_;
-  const agents::ContinuousBenchmark* benchmark_;
+  const agents::ContinuousSetup* setup_;
   WordsSource words_source_;
   std::unique_ptr<Words> words_;
 };

@@ -11,6 +11,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/scan/store.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::dataset {
@@ -220,25 +221,25 @@ tasks::EpisodeSet Dataset::episodes(tasks::Task task, std::string_view split,
 bool Dataset::has_split(tasks::Task task, std::string_view split) const {
   if (!opened_->root || split.empty()) return false;
   if (task == tasks::Task::kR2r && has_split(split)) return true;
-  return std::ranges::any_of(tasks::annotation_places(task, split), [this](const fs::path& place) {
+  const auto is_there = [this](const fs::path& place) {
     std::error_code ignored;
     return fs::is_regular_file(folder() / place, ignored);
-  });
+  };
+  return std::ranges::any_of(tasks::episode_places(tasks::benchmark(task), split), is_there);
 }
 
 std::vector<std::string> Dataset::splits(tasks::Task task) const {
   std::vector<std::string> found;
-  for (const std::string_view split : tasks::usual_splits(task)) {
+  for (const std::string_view split : tasks::benchmark(task).splits) {
     if (has_split(task, split)) found.emplace_back(split);
   }
   return found;
 }
 
 std::vector<tasks::Task> Dataset::benchmarks() const {
-  using enum tasks::Task;
   std::vector<tasks::Task> found;
-  for (const tasks::Task task : {kR2r, kR2rLast, kR2rBack, kR4r, kRxr, kReverie, kCvdn, kSoon}) {
-    if (!splits(task).empty()) found.push_back(task);
+  for (const tasks::Benchmark& one : tasks::benchmarks()) {
+    if (!one.continuous() && !splits(one.task).empty()) found.push_back(one.task);
   }
   return found;
 }
@@ -253,8 +254,8 @@ const tasks::ObjectBoxes& Dataset::objects() const {
 fs::path Dataset::annotations_file(tasks::Task task, std::string_view split) const {
   if (split.empty()) throw ArgumentError("annotations of a split without a name");
   return opened_->files().first_of(
-      fmt::format("{} annotations of split {:?}", tasks::title_of(task), split),
-      tasks::annotation_places(task, split));
+      fmt::format("{} annotations of split {:?}", tasks::benchmark(task).title, split),
+      tasks::episode_places(tasks::benchmark(task), split));
 }
 
 fs::path Dataset::connectivity_folder() const {

@@ -90,7 +90,7 @@ class Dataset {
   tasks::EpisodeSet episodes(std::string_view split,
                              tasks::Instructions instructions = tasks::Instructions::kScored) const;
 
-  /// Of any benchmark: the same as of R2R, from the places of tasks::annotation_places(). REVERIE's
+  /// Of any benchmark: the same as of R2R, from the places of tasks::episode_places(). REVERIE's
   /// episodes need the boxes of objects, objects().
   /// \throws as annotations(), episodes() and objects()
   tasks::Annotations annotations(tasks::Task task, std::string_view split) const;
@@ -98,7 +98,7 @@ class Dataset {
                              tasks::Instructions instructions = tasks::Instructions::kScored) const;
   /// Whether there are annotations of a split, of any name, of a benchmark.
   bool has_split(tasks::Task task, std::string_view split) const;
-  /// Those of tasks::usual_splits() that are there, in this order.
+  /// Those of tasks::Benchmark::splits that are there, in this order.
   std::vector<std::string> splits(tasks::Task task) const;
   /// The benchmarks that it has a usual split of, in the order of tasks::Task.
   std::vector<tasks::Task> benchmarks() const;

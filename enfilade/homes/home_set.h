@@ -164,7 +164,7 @@ struct HomePathReport {
 /// instructions a path, one by each speaker. The test paths with their goals are in
 /// `hidden/R2R_test.json`. Graphs are read from the folder, so corrections made there count. Of the
 /// same paths, the other benchmarks' annotations are written in the forms and under the names that
-/// tasks::annotation_places() looks for, each folder with a README.md that calls it synthetic;
+/// tasks::episode_places() looks for, each folder with a README.md that calls it synthetic;
 /// their whole test splits are in `hidden/<task>/`. `annotations.txt` lists what was written; what
 /// an earlier call listed and this one does not write is removed. \throws ArgumentError for an
 /// unknown task; as read_home_list(), graph::GraphSet; FileError if there are fewer homes than the

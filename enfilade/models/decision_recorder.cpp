@@ -9,7 +9,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/file.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::models {
 namespace {

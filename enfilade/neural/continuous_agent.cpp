@@ -19,16 +19,16 @@ namespace {
 namespace fs = std::filesystem;
 using continuous::Action;
 
-void check_benchmark(const agents::ContinuousBenchmark& benchmark) {
-  if (benchmark.form == tasks::ContinuousForm::kR2r) return;
+void check_benchmark(const agents::ContinuousSetup& setup) {
+  if (setup.benchmark->form == tasks::ContinuousForm::kR2r) return;
   throw ArgumentError(fmt::format(
       "task {}: the agent has four actions, and does not look up and down; r2r-ce is allowed",
-      benchmark.name));
+      setup.benchmark->name));
 }
 
-std::shared_ptr<const continuous::Buildings> open_buildings(
-    const fs::path& data, const agents::ContinuousBenchmark& benchmark) {
-  const fs::path folder = data / benchmark.navigation_folder();
+std::shared_ptr<const continuous::Buildings> open_buildings(const fs::path& data,
+                                                            const agents::ContinuousSetup& setup) {
+  const fs::path folder = data / setup.navigation_folder();
   if (!fs::is_directory(folder)) {
     throw FileError(
         fmt::format("{}: no such folder of navigation meshes; `enfilade continuous {}` makes it",
@@ -152,16 +152,16 @@ seq2seq_ce::Sight open_sight(const models::ModelFiles& files, const models::Mode
 
 }  // namespace
 
-TrainingData load_continuous_data(const fs::path& data,
-                                  const agents::ContinuousBenchmark& benchmark,
+TrainingData load_continuous_data(const fs::path& data, const agents::ContinuousSetup& setup,
                                   const models::TrainConfig& config, const ContinuousSight& sight) {
-  check_benchmark(benchmark);
+  check_benchmark(setup);
   auto own = std::make_shared<ContinuousData>();
-  own->benchmark = benchmark;
+  own->setup = setup;
   own->sight = sight;
   TrainingData all;
   const auto load = [&](const std::string& split) {
-    tasks::ContinuousEpisodes episodes = agents::load_continuous_split(benchmark, data, split);
+    tasks::ContinuousEpisodes episodes =
+        agents::load_continuous_split(*setup.benchmark, data, split);
     require_goals(episodes);
     all.fingerprint.add(episodes);
     return episodes;
@@ -174,8 +174,8 @@ TrainingData load_continuous_data(const fs::path& data,
   if (config.evaluate_every > 0) {
     for (const std::string& split : config.validation) own->validation.push_back(load(split));
   }
-  own->buildings = open_buildings(data, benchmark);
-  agents::check_starts(own->training, *own->buildings, benchmark.simulator.start_reach);
+  own->buildings = open_buildings(data, setup);
+  agents::check_starts(own->training, *own->buildings, setup.simulator.start_reach);
   if (config.network.inputs.vision) all.fingerprint.features = seq2seq_ce::Sight(sight).info();
   all.continuous = std::move(own);
   return all;

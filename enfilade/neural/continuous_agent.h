@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "enfilade/agents/continuous_agent.h"
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/scene.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/encoder.h"
@@ -29,7 +29,7 @@ struct ContinuousSight {
 
 /// What the agent is trained and validated on.
 struct ContinuousData {
-  agents::ContinuousBenchmark benchmark;
+  agents::ContinuousSetup setup;
   tasks::ContinuousEpisodes training;                 ///< of all splits trained on
   std::vector<tasks::ContinuousEpisodes> validation;  ///< one a split
   std::shared_ptr<const continuous::Buildings> buildings;
@@ -42,7 +42,7 @@ struct ContinuousData {
 /// or if the agent is to see and there is no scene_of; FileError naming the verb that makes what is
 /// missing; errors of the files; as make_encoder()
 TrainingData load_continuous_data(const std::filesystem::path& data,
-                                  const agents::ContinuousBenchmark& benchmark,
+                                  const agents::ContinuousSetup& setup,
                                   const models::TrainConfig& config, const ContinuousSight& sight);
 
 /// A trained agent, from its model directory. Chooses what is most likely. It stops at the latest

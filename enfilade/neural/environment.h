@@ -9,7 +9,7 @@
 namespace enfilade::neural {
 
 /// The network's outputs are the six actions, in their order.
-using agents::kSixActions;
+using agents::kSixActionCount;
 using agents::SixAction;
 /// Two inputs that are no actions, so the network has 8 inputs: the one before the first action,
 /// and the one of an episode that is over.

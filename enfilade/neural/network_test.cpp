@@ -144,7 +144,7 @@ TEST(Network, ForwardIsImpossibleWhereItIsClosed) {
   std::size_t closed = 0;
   const auto look = [&](const StepRecord& record) {
     for (std::size_t i = 0; i < kEpisodes; ++i) {
-      const float logit = record.logits[i * kSixActions + 4];
+      const float logit = record.logits[i * kSixActionCount + 4];
       if (open[record.step * kEpisodes + i] != 0) {
         EXPECT_TRUE(std::isfinite(logit));
       } else {
@@ -244,7 +244,7 @@ TEST(Network, ARolloutStopsWhenAllAreOver) {
 // Shares of 6,000 draws err by 0.0065 at most (1 sigma).
 TEST(Network, ActionsAreDrawnFromTheSoftmax) {
   Fixture fixture;
-  std::vector<double> expected(kSixActions), found(kSixActions);
+  std::vector<double> expected(kSixActionCount), found(kSixActionCount);
   for (std::uint64_t stream = 0; stream < 1000; ++stream) {
     RolloutOptions options = options_of(models::Feedback::kSample);
     options.stream = stream;

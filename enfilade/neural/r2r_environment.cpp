@@ -5,7 +5,7 @@
 #include "enfilade/agents/shortest.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::neural {
 namespace {
@@ -86,7 +86,7 @@ std::int32_t R2rEnvironment::label(std::size_t slot) const {
 
 sim::Action R2rEnvironment::action_of(std::size_t slot, std::int32_t action) const {
   // Numbers that are no action leave the agent where it is, as `end` does.
-  const bool known = action >= 0 && action < kSixActions;
+  const bool known = action >= 0 && action < kSixActionCount;
   const auto one_of_six = known ? static_cast<SixAction>(action) : SixAction::kStop;
   const sim::Action done = to_action(one_of_six, batch_.state().navigable_count[slot]);
   if (done.index > 0 && config_.forward == ForwardTo::kIntended) {

@@ -8,7 +8,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/graphs.h"
 #include "tests/support/temporary_folder.h"
 

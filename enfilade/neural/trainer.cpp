@@ -26,7 +26,7 @@
 #include "enfilade/neural/seq2seq/seq2seq_learner.h"
 #include "enfilade/neural/seq2seq_ce/learner.h"
 #include "enfilade/neural/trained_agent.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::neural {
 namespace {
@@ -406,7 +406,8 @@ class Training {
     models::EvaluationRecord record{iteration_, split.split, split.episodes.size(), walked.loss};
     tasks::ScoreOptions options;
     options.bootstrap_samples = 0;
-    const tasks::Score score = compute_score(walked.trajectories, split, options);
+    const tasks::ScoreTable score =
+        compute_score(walked.trajectories, split, tasks::own_scorer(), options);
     record.trajectory_length = score.mean("trajectory_length").mean;
     record.nav_error = score.mean("nav_error").mean;
     record.success_rate = score.mean("success").mean;

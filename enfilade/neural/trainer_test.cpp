@@ -19,7 +19,7 @@
 #include "enfilade/neural/model.h"
 #include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_training.h"
 

@@ -18,6 +18,7 @@
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
 #include "enfilade/report/scored_runs.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::report {
@@ -82,10 +83,10 @@ Json about_json(const ReportConfig& config, const dataset::Dataset& data,
 
 Json continuous_page(const ReportConfig& config, const dataset::Dataset& data,
                      const Progress& progress) {
-  const RunDirectory found = find_continuous_runs(config.runs, data, *config.continuous);
-  const ContinuousRuns runs = score_continuous_runs(found, *config.continuous, data, progress);
+  const RunDirectory found = find_runs(config.runs, data, *config.benchmark);
+  const ScoredRuns runs = score_runs(found, data, progress);
   std::string instructions;
-  for (const auto& [split, episodes] : runs.splits) {
+  for (const auto& [split, episodes] : runs.continuous_splits) {
     instructions +=
         fmt::format("{}{} {}", instructions.empty() ? "" : ", ", split, episodes.episodes.size());
   }
@@ -94,7 +95,7 @@ Json continuous_page(const ReportConfig& config, const dataset::Dataset& data,
           {"errors", parts::errors_part(runs)},
           {"walks", parts::walks_part(runs, config.episodes_of_a_kind, data.synthetic())},
           {"about", about_json(config, data, found.models,
-                               {std::string(config.continuous->title), runs.buildings->size(),
+                               {std::string(config.benchmark->title), runs.buildings->size(),
                                 std::move(instructions)})}};
 }
 
@@ -105,12 +106,13 @@ class Reporter {
       : config_(config),
         data_(data),
         progress_(progress),
-        found_(find_runs(config.runs, data, config.task)),
+        found_(find_runs(config.runs, data, *config.benchmark)),
         runs_(score_runs(found_, data)),
         synthetic_(data.synthetic()) {
-    const bool r2r = config.task == tasks::Task::kR2r;
-    for (const std::string& split : r2r ? data.splits() : data.splits(config.task)) {
-      splits_.push_back(r2r ? data.annotations(split) : data.annotations(config.task, split));
+    const tasks::Task task = config.benchmark->task;
+    const bool r2r = task == tasks::Task::kR2r;
+    for (const std::string& split : r2r ? data.splits() : data.splits(task)) {
+      splits_.push_back(r2r ? data.annotations(split) : data.annotations(task, split));
     }
   }
 
@@ -162,10 +164,10 @@ class Reporter {
       for (const tasks::PathAnnotation& path : split.paths) count += path.instructions.size();
       instructions += fmt::format("{}{} {}", instructions.empty() ? "" : ", ", split.split, count);
     }
-    const bool r2r = config_.task == tasks::Task::kR2r;
-    return about_json(config_, data_, found_.models,
-                      {r2r ? std::string() : std::string(tasks::title_of(config_.task)),
-                       runs_.graphs->size(), std::move(instructions)});
+    return about_json(
+        config_, data_, found_.models,
+        {config_.benchmark->in_paper ? std::string() : std::string(config_.benchmark->title),
+         runs_.graphs->size(), std::move(instructions)});
   }
 
   const ReportConfig& config_;
@@ -186,8 +188,9 @@ class Reporter {
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress) {
   const std::string title = data.synthetic() ? config.title + " (synthetic homes)" : config.title;
-  return parts::make_page(title, config.continuous ? continuous_page(config, data, progress)
-                                                   : Reporter(config, data, progress).run());
+  return parts::make_page(title, config.benchmark->continuous()
+                                     ? continuous_page(config, data, progress)
+                                     : Reporter(config, data, progress).run());
 }
 
 }  // namespace enfilade::report

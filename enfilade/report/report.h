@@ -2,25 +2,22 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/dataset/dataset.h"
-#include "enfilade/tasks/goal.h"
+#include "enfilade/tasks/benchmark.h"
 
 namespace enfilade::report {
 
 /// What the report is about, and what a page can hold.
 struct ReportConfig {
   std::vector<std::filesystem::path> runs;  ///< as find_runs() takes them
-  tasks::Task task = tasks::Task::kR2r;     ///< what the results are of
-  /// What they are of where agents walk freely; `task` does not count then. The page has a table,
-  /// training, where agents stop, and maps of walks.
-  std::optional<agents::ContinuousBenchmark> continuous;
+  /// What the results are of. In continuous space the page has a table, training, where agents
+  /// stop, and maps of walks.
+  const tasks::Benchmark* benchmark = &tasks::benchmark(tasks::Task::kR2r);
   std::string title = "Vision-and-language navigation";
   /// Named facts for its head, in order, such as {"machine", "..."}; what the data and the runs say
   /// of themselves comes before them.
@@ -33,7 +30,7 @@ struct ReportConfig {
 /// An HTML document of a few megabytes that needs no other file and no network. A part whose input
 /// is missing (no pictures, no model) says so in its place. The same input gives the same page, but
 /// for the random word that names its own scripts to the browser.
-/// \throws as find_runs(), score_runs(), score_continuous_runs(), models::load_training_log() and
+/// \throws as find_runs(), score_runs(), models::load_training_log() and
 /// models::load_attention(); Error if this build has no D3; errors of broken panoramas
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress = {});

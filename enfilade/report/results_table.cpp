@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/scorer.h"
 
 namespace enfilade::report {
 namespace {
@@ -57,31 +58,17 @@ struct RunMeans {
 };
 
 // Of one run; shares in [0, 1], whatever the scorer prints.
-tasks::MeanInterval value_of(const Scores& scores, const TableColumn& column) {
-  if (column.scored.empty()) return scores.ours.mean(column.metric);
-  const tasks::TaskScore& score = scores.by_task.value();
-  const auto metrics = score.scorer->metrics;
-  const auto found = std::ranges::find(
-      metrics, column.scored,
-      [](const tasks::ScorerMetric& metric) { return std::string_view(metric.mean_name()); });
-  EN_CHECK(found != metrics.end());
-  const tasks::MeanInterval mean = score.means[static_cast<std::size_t>(found - metrics.begin())];
-  return {mean.mean / found->scale, mean.low / found->scale, mean.high / found->scale};
+tasks::MeanInterval value_of(const tasks::ScoreTable& score, std::string_view name) {
+  const tasks::MeanInterval mean = score.mean(name);
+  const double scale = score.scorer->metrics[score.scorer->place_of(name)].scale;
+  return {mean.mean / scale, mean.low / scale, mean.high / scale};
 }
 
 Means means_of(const Scores& scores, std::span<const TableColumn> columns) {
-  Means means{scores.ours.episodes.size(), {}};
-  for (const TableColumn& column : columns) means.values.push_back(value_of(scores, column));
-  return means;
-}
-
-Means means_of(const ContinuousRun& run, std::span<const TableColumn> columns) {
-  Means means{run.measures.episodes, {}};
-  const auto all = tasks::continuous_measures();
+  Means means{scores.ours.episodes, {}};
   for (const TableColumn& column : columns) {
-    const auto found = std::ranges::find(all, column.metric, &tasks::ContinuousMeasure::name);
-    EN_CHECK(found != all.end());
-    means.values.push_back(run.measures.means.at(static_cast<std::size_t>(found - all.begin())));
+    means.values.push_back(column.scored.empty() ? value_of(scores.ours, column.metric)
+                                                 : value_of(*scores.by_task, column.scored));
   }
   return means;
 }
@@ -140,7 +127,7 @@ std::vector<std::vector<const RunMeans*>> groups_of(const std::vector<RunMeans>&
 }
 
 void add_rows(const std::vector<RunMeans>& runs, ResultsTable& table) {
-  const bool papers = table.task == tasks::Task::kR2r && !table.synthetic;
+  const bool papers = table.benchmark->in_paper && !table.synthetic;
   for (const auto& group : groups_of(runs)) {
     TableRow& row = table.rows.emplace_back(make_row(group, table.columns, {}));
     if (papers && row.episodes == published_episodes(row.split)) {
@@ -168,10 +155,8 @@ tasks::MeanInterval student_interval(std::span<const double> samples) {
 
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
   ResultsTable table;
-  table.benchmark = tasks::name_of(runs.task);
-  table.title = tasks::title_of(runs.task);
-  table.task = runs.task;
-  table.columns = table_columns(runs.task);
+  table.benchmark = runs.benchmark;
+  table.columns = table_columns(*runs.benchmark);
   table.synthetic = synthetic;
   table.left_out = runs.left_out;
   std::vector<RunMeans> means;
@@ -181,21 +166,6 @@ ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
     for (const auto& [language, scores] : run.languages) {
       one.languages.emplace(language, means_of(scores, table.columns));
     }
-  }
-  add_rows(means, table);
-  return table;
-}
-
-ResultsTable make_table(const ContinuousRuns& runs, bool synthetic) {
-  ResultsTable table;
-  table.benchmark = runs.benchmark.name;
-  table.title = runs.benchmark.title;
-  table.columns = continuous_columns();
-  table.synthetic = synthetic;
-  table.left_out = runs.left_out;
-  std::vector<RunMeans> means;
-  for (const ContinuousRun& run : runs.runs) {
-    means.push_back({run.agent, run.split, means_of(run, table.columns), {}});
   }
   add_rows(means, table);
   return table;

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/report/continuous_runs.h"
 #include "enfilade/report/scored_runs.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/bootstrap.h"
 #include "enfilade/tasks/goal.h"
 
@@ -21,16 +21,13 @@ struct TableColumn {
   double scale = 1;         ///< 100 for what is shown in per cent
   int digits = 2;           ///< after the point
   std::string_view scored =
-      {};            ///< what table_scorer() calls its mean; empty: tasks/metrics.h has it
+      {};            ///< what Benchmark::table_scorer calls its mean; empty: Scores::ours has it
   double least = 0;  ///< the smallest value that is possible
 };
 /// What the published tables of a benchmark show, in their order: of R2R TL NE SR OSR SPL; of
-/// REVERIE SR OSR SPL RGS RGSPL; and so on (docs/report.md). All of them have "success".
-std::span<const TableColumn> table_columns(tasks::Task task = tasks::Task::kR2r) noexcept;
-/// Those of walks in continuous space, by the names of tasks::continuous_measures().
-std::span<const TableColumn> continuous_columns() noexcept;
-/// The name of the public scorer behind the columns; empty for R2R, which has our own metrics.
-std::string_view table_scorer(tasks::Task task) noexcept;
+/// REVERIE SR OSR SPL RGS RGSPL; in continuous space TL NE SR OSR SPL nDTW SDTW; and so on
+/// (docs/report.md). All of them have "success".
+std::span<const TableColumn> table_columns(const tasks::Benchmark& benchmark) noexcept;
 
 /// A figure that somebody published for a split called "val unseen", as it stands in their text.
 struct PublishedResult {
@@ -83,9 +80,7 @@ struct TableRow {
 
 /// The table of a benchmark: rows of agents by split.
 struct ResultsTable {
-  std::string benchmark = "r2r";    ///< "r2r", "reverie", "r2r-ce", ...
-  std::string title = "R2R";        ///< as people write it
-  std::optional<tasks::Task> task;  ///< none of walks in continuous space
+  const tasks::Benchmark* benchmark = &tasks::benchmark(tasks::Task::kR2r);
   std::span<const TableColumn> columns;
   bool synthetic = false;      ///< of made-up buildings: nothing published belongs beside them
   std::vector<TableRow> rows;  ///< by split (train, val_seen, val_unseen, others), then agent
@@ -95,9 +90,6 @@ struct ResultsTable {
 /// Rows of one agent's runs become one, with an interval over runs. Of RxR each is followed by rows
 /// of its languages.
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic);
-/// The same of walks in continuous space: TL NE SR OSR SPL nDTW SDTW, by VLN-CE's measures
-/// (tasks/continuous_score.h).
-ResultsTable make_table(const ContinuousRuns& runs, bool synthetic);
 
 /// Mean and two-sided 95 % interval of a few independent samples by Student's distribution.
 /// \pre not empty; of one sample the interval is empty (low = high = mean)

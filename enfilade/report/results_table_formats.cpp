@@ -5,8 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/report/results_table.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/scorer.h"
 
 namespace enfilade::report {
 namespace {
@@ -74,21 +75,21 @@ std::vector<PublishedResult> published_beside(const ResultsTable& table) {
       table.rows, [](const TableRow& row) { return row.split.starts_with("val_unseen"); });
   std::vector<PublishedResult> beside;
   if (table.synthetic || !unseen) return beside;
-  if (table.task == tasks::Task::kR2r && !any_published(table)) return beside;
+  if (table.benchmark->in_paper && !any_published(table)) return beside;
   for (const PublishedResult& result : published_results()) {
-    if (result.task == table.task) beside.push_back(result);
+    if (&tasks::benchmark(result.task) == table.benchmark) beside.push_back(result);
   }
   return beside;
 }
 
 // The scorer behind the columns, and its repository; empty for our own.
 std::string_view scorer_of(const ResultsTable& table) {
-  return table.task ? table_scorer(*table.task) : std::string_view("vln-ce");
+  return table.benchmark->continuous() ? "vln-ce" : table.benchmark->table_scorer;
 }
 std::string_view source_of(const ResultsTable& table) {
-  const auto scorer = scorer_of(table);
-  if (!table.task) return "the measures of jacobkrantz/VLN-CE; nDTW and SDTW exact";
-  return scorer.empty() ? std::string_view() : tasks::public_scorer(*table.task, scorer).source;
+  const tasks::Benchmark& benchmark = *table.benchmark;
+  if (benchmark.continuous()) return "the measures of jacobkrantz/VLN-CE; nDTW and SDTW exact";
+  return benchmark.scorer(benchmark.table_scorer).source;
 }
 
 bool has_stars(const ResultsTable& table) {
@@ -101,7 +102,8 @@ std::vector<std::string> notes_of(const ResultsTable& table) {
   std::vector<std::string> notes;
   if (table.synthetic) notes.emplace_back(kSynthetic);
   if (const auto scorer = scorer_of(table); !scorer.empty()) {
-    notes.push_back(fmt::format("{}, scored as {} ({}).", table.title, scorer, source_of(table)));
+    notes.push_back(
+        fmt::format("{}, scored as {} ({}).", table.benchmark->title, scorer, source_of(table)));
   }
   if (has_stars(table)) notes.emplace_back(kStar);
   notes.emplace_back(kIntervals);
@@ -224,7 +226,7 @@ std::string to_json(const ResultsTable& table) {
     }
     rows.push_back(std::move(json));
   }
-  const Json all{{"task", table.benchmark},
+  const Json all{{"task", table.benchmark->name},
                  {"scorer", scorer_of(table)},
                  {"source", source_of(table)},
                  {"synthetic", table.synthetic},
@@ -237,7 +239,7 @@ std::string to_json(const ResultsTable& table) {
 }
 
 std::string to_csv(const ResultsTable& table) {
-  const bool languages = table.task == tasks::Task::kRxr;
+  const bool languages = table.benchmark->languages && !table.benchmark->continuous();
   std::string text = languages ? "agent,split,language,runs,episodes,synthetic"
                                : "agent,split,runs,episodes,synthetic";
   const auto columns = table.columns;

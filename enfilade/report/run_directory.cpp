@@ -227,15 +227,10 @@ bool is_oracle(std::string_view agent) noexcept {
   return name == "shortest" || name == "reference";
 }
 
-std::optional<tasks::Task> find_task_of_runs(std::span<const fs::path> named) {
-  for (const fs::path& file : candidates(named)) {
-    if (const auto task = tasks::find_task_of_results(read_file(file))) return task;
-  }
-  return std::nullopt;
-}
+namespace {
 
-const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
-    std::span<const fs::path> named) {
+// That of walks in continuous space, by the first record; none if results of the graph come first.
+const tasks::Benchmark* find_continuous(std::span<const fs::path> named) {
   for (const fs::path& file : candidates(named)) {
     std::string text = beginning_of(file);
     std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
@@ -246,16 +241,14 @@ const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
     };
     if (!record.starts_with("{\"")) continue;
     if (has("\"instruction_id\":") && has("\"path\":[[")) {
-      return &agents::continuous_benchmark("rxr-ce");
+      return &tasks::benchmark("rxr-ce");
     }
     if (has("\":[{\"") && has("\"position\":[") && has("\"stop\":")) {
-      return &agents::continuous_benchmark("r2r-ce");
+      return &tasks::benchmark("r2r-ce");
     }
   }
   return nullptr;
 }
-
-namespace {
 
 RunDirectory find(Finder finder, std::span<const fs::path> named) {
   for (const fs::path& path : named) finder.add(path);
@@ -273,24 +266,28 @@ RunDirectory find(Finder finder, std::span<const fs::path> named) {
 
 }  // namespace
 
-RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data,
-                       tasks::Task task) {
-  const auto has_split = [&data, task](const std::string& split) {
-    return task == tasks::Task::kR2r ? data.has_split(split) : data.has_split(task, split);
-  };
-  RunDirectory found = find(Finder(data.folder(), has_split, '['), named);
-  found.task = task;
-  return found;
+const tasks::Benchmark* find_benchmark_of_runs(std::span<const fs::path> named) {
+  if (const tasks::Benchmark* found = find_continuous(named)) return found;
+  for (const fs::path& file : candidates(named)) {
+    if (const auto task = tasks::find_task_of_results(read_file(file))) {
+      return &tasks::benchmark(*task);
+    }
+  }
+  return nullptr;
 }
 
-RunDirectory find_continuous_runs(std::span<const fs::path> named, const dataset::Dataset& data,
-                                  const agents::ContinuousBenchmark& benchmark) {
+RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data,
+                       const tasks::Benchmark& benchmark) {
   const auto has_split = [&](const std::string& split) {
-    return std::ranges::any_of(
-        tasks::continuous_places(benchmark.form, split),
-        [&](const fs::path& place) { return file_exists(data.folder() / place); });
+    if (!benchmark.continuous()) return data.has_split(benchmark.task, split);
+    return std::ranges::any_of(tasks::episode_places(benchmark, split), [&](const fs::path& place) {
+      return file_exists(data.folder() / place);
+    });
   };
-  return find(Finder(data.folder(), has_split, '{'), named);
+  RunDirectory found =
+      find(Finder(data.folder(), has_split, benchmark.continuous() ? '{' : '['), named);
+  found.benchmark = &benchmark;
+  return found;
 }
 
 }  // namespace enfilade::report

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/dataset/dataset.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/goal.h"
 
 namespace enfilade::report {
@@ -30,7 +30,7 @@ struct ModelDirectory {
 struct RunDirectory {
   std::vector<ResultsFile> results;      ///< shortest, reference, random, teacher, student, others
   std::vector<ModelDirectory> models;    ///< likewise
-  tasks::Task task = tasks::Task::kR2r;  ///< what all results are of
+  const tasks::Benchmark* benchmark = nullptr;  ///< what all results are of
 };
 
 /// "student-2" and "student" are runs of one agent, with different seeds: the name without them.
@@ -40,29 +40,18 @@ std::string_view without_seed(std::string_view agent) noexcept;
 bool is_oracle(std::string_view agent) noexcept;
 
 /// Which benchmark the results are of that are named or lie in the named folders, by the fields
-/// that only its results have. No value if the first of them could be of several, or if there is
-/// none. \throws FileError for what is not there or cannot be read
-std::optional<tasks::Task> find_task_of_runs(std::span<const std::filesystem::path> named);
+/// that only its results have. Null if the first of them could be of several, or if there is none.
+/// \throws FileError for what is not there or cannot be read
+const tasks::Benchmark* find_benchmark_of_runs(std::span<const std::filesystem::path> named);
 
 /// What is named: a results file "<agent>_<split>.json"; a model directory (a folder with
 /// config.json), whose results are "results/<split>.json"; or a folder with any of these, in
 /// itself, in results/ and in models/. A split is what `data` has annotations of, of that
-/// benchmark. A file of another name is passed over where a folder was named, and one of walks in
-/// continuous space. \throws FileError for
+/// benchmark. A file of another name is passed over where a folder was named, and one of the other
+/// world. \throws FileError for
 /// what is not there; LookupError for a file whose name says no split of `data`, for one agent and
 /// split in two files, or where there is nothing at all
 RunDirectory find_runs(std::span<const std::filesystem::path> named, const dataset::Dataset& data,
-                       tasks::Task task = tasks::Task::kR2r);
-
-/// The same of walks in continuous space, whose splits are those of VLN-CE's files in the folder of
-/// `data`. In a folder, results of the graph are passed over, as find_runs() does with these.
-/// \throws as find_runs()
-RunDirectory find_continuous_runs(std::span<const std::filesystem::path> named,
-                                  const dataset::Dataset& data,
-                                  const agents::ContinuousBenchmark& benchmark);
-/// The benchmark of walks in continuous space whose results are named or lie in the named folders,
-/// by their first record; none if results of the graph come first. \throws as find_task_of_runs()
-const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
-    std::span<const std::filesystem::path> named);
+                       const tasks::Benchmark& benchmark = tasks::benchmark(tasks::Task::kR2r));
 
 }  // namespace enfilade::report

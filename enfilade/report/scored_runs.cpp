@@ -1,62 +1,23 @@
 #include "enfilade/report/scored_runs.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <utility>
-#include <variant>
 
-#include "enfilade/report/results_table.h"
-#include "enfilade/tasks/goal_distance.h"
+#include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
+#include "enfilade/tasks/benchmark.h"
 
 namespace enfilade::report {
 namespace {
 
-using tasks::EpisodeMetrics;
 using tasks::Task;
 using tasks::Trajectory;
 
-constexpr double kRadius = tasks::MetricOptions{}.success_distance;
-
-// On which leg an agent of R2R-Back is at the end: back, if the turning point that it names is one.
-tasks::Leg last_leg(const graph::NavGraph& graph, const tasks::ReferencePath& path,
-                    const Trajectory& trajectory) {
-  if (!trajectory.turning_point) return tasks::Leg::kOut;
-  return leg_after(graph, path, *trajectory.turning_point, tasks::Leg::kOut, kRadius);
-}
-
-// Puts the goal that there is in the place of the path's end.
-void judge_by_goal(EpisodeMetrics& m, const graph::NavGraph& graph,
-                   const tasks::ReferencePath& path, const Trajectory& trajectory) {
-  const tasks::Leg leg = last_leg(graph, path, trajectory);
-  const ViewpointIndex end = trajectory.points.back().viewpoint;
-  m.nav_error = distance_to_goal(graph, path, end, leg);
-  m.success = goal_reached(graph, path, end, leg, kRadius) ? 1 : 0;
-  m.oracle_error = m.nav_error;
-  m.oracle_success = m.success;
-  tasks::Leg at = tasks::Leg::kOut;
-  for (const tasks::TrajectoryPoint& point : trajectory.points) {
-    // On the way out, R2R-Back's start is no end that was reached.
-    at = leg_after(graph, path, point.viewpoint, at, kRadius);
-    if (leg == tasks::Leg::kBack && at == tasks::Leg::kOut) continue;
-    m.oracle_error = std::min(m.oracle_error, distance_to_goal(graph, path, point.viewpoint, leg));
-    if (goal_reached(graph, path, point.viewpoint, leg, kRadius)) m.oracle_success = 1;
-  }
-  m.shortest = shortest_to_goal(graph, path, end);
-  // Also where the end is out of reach, and `shortest` infinite.
-  m.spl = m.success * (m.trajectory_length > m.shortest ? m.shortest / m.trajectory_length : 1);
-}
-
 Scores score(const std::vector<Trajectory>& trajectories, const tasks::EpisodeSet& episodes) {
-  Scores scores{compute_score(trajectories, episodes), {}};
-  if (episodes.task == Task::kR2r) return scores;
-  scores.by_task = compute_task_score(
-      trajectories, episodes, tasks::public_scorer(episodes.task, table_scorer(episodes.task)));
-  for (const Trajectory& one : trajectories) {
-    const tasks::Episode& episode = episodes.episodes[one.episode];
-    const tasks::ReferencePath& path = episodes.path_of(episode);
-    if (std::holds_alternative<tasks::NearEnd>(path.goal)) continue;
-    judge_by_goal(scores.ours.episodes[one.episode], episodes.graph_of(episode), path, one);
-  }
+  Scores scores{compute_score(trajectories, episodes, tasks::own_scorer())};
+  const tasks::Benchmark& benchmark = tasks::benchmark(episodes.task);
+  if (benchmark.table_scorer.empty()) return scores;
+  scores.by_task = compute_score(trajectories, episodes, benchmark.scorer(benchmark.table_scorer));
   return scores;
 }
 
@@ -79,32 +40,75 @@ tasks::EpisodeSet episodes_of(const dataset::Dataset& data, Task task, const std
   return task == Task::kR2r ? data.episodes(split) : data.episodes(task, split);
 }
 
+// Reads and scores the files of a run, each split once.
+class Scoring {
+ public:
+  Scoring(const tasks::Benchmark& benchmark, const dataset::Dataset& data)
+      : benchmark_(benchmark), data_(data) {
+    scored_.benchmark = &benchmark;
+    if (benchmark.continuous()) {
+      scored_.buildings = std::make_shared<const continuous::Buildings>(
+          data.folder() / agents::continuous_setup(benchmark).navigation_folder());
+    } else {
+      scored_.graphs = data.graphs();
+    }
+  }
+
+  void add(const ResultsFile& file) {
+    if (benchmark_.continuous() ? add_walks(file) : add_trajectories(file)) return;
+    scored_.left_out.push_back(
+        fmt::format("{} on {}: the goals of this split are hidden", file.agent, file.split));
+  }
+  ScoredRuns take() { return std::move(scored_); }
+
+ private:
+  // False if the goals are hidden.
+  bool add_trajectories(const ResultsFile& file) {
+    if (!scored_.splits.contains(file.split)) {
+      scored_.splits.emplace(file.split, episodes_of(data_, benchmark_.task, file.split));
+    }
+    const tasks::EpisodeSet& episodes = scored_.splits.at(file.split);
+    if (goals_hidden(episodes)) return false;
+    ScoredRun& run = scored_.runs.emplace_back(ScoredRun{file.agent, file.split});
+    run.trajectories = load_results(file.file, episodes).trajectories;
+    run.scores = score(run.trajectories, episodes);
+    if (benchmark_.languages) run.languages = score_languages(run.trajectories, episodes);
+    return true;
+  }
+
+  bool add_walks(const ResultsFile& file) {
+    if (!scored_.continuous_splits.contains(file.split)) {
+      scored_.continuous_splits.emplace(
+          file.split, agents::load_continuous_split(benchmark_, data_.folder(), file.split));
+      experts_.emplace(file.split, agents::load_experts_of(benchmark_, data_.folder(), file.split));
+    }
+    const tasks::ContinuousEpisodes& episodes = scored_.continuous_splits.at(file.split);
+    if (goals_hidden(episodes)) return false;
+    ScoredRun& run = scored_.runs.emplace_back(ScoredRun{file.agent, file.split});
+    run.walks = tasks::load_continuous_results(file.file, episodes);
+    run.scores.ours =
+        agents::compute_score(run.walks, episodes, *scored_.buildings, experts_.at(file.split),
+                              benchmark_, benchmark_.scorers.front());
+    return true;
+  }
+
+  const tasks::Benchmark& benchmark_;
+  const dataset::Dataset& data_;
+  std::map<std::string, tasks::ExpertWalks> experts_;
+  ScoredRuns scored_;
+};
+
 }  // namespace
 
 ScoredRuns score_runs(const RunDirectory& found, const dataset::Dataset& data,
                       const Progress& progress) {
-  ScoredRuns scored;
-  scored.task = found.task;
-  scored.graphs = data.graphs();
+  Scoring scoring(*found.benchmark, data);
   std::size_t done = 0;
   for (const ResultsFile& file : found.results) {
-    if (!scored.splits.contains(file.split)) {
-      scored.splits.emplace(file.split, episodes_of(data, found.task, file.split));
-    }
-    const tasks::EpisodeSet& episodes = scored.splits.at(file.split);
-    if (goals_hidden(episodes)) {
-      scored.left_out.push_back(
-          fmt::format("{} on {}: the goals of this split are hidden", file.agent, file.split));
-    } else {
-      std::vector<Trajectory> trajectories = load_results(file.file, episodes).trajectories;
-      Scores scores = score(trajectories, episodes);
-      auto languages = score_languages(trajectories, episodes);
-      scored.runs.push_back({file.agent, file.split, std::move(trajectories), std::move(scores),
-                             std::move(languages)});
-    }
+    scoring.add(file);
     if (progress) progress(++done, found.results.size());
   }
-  return scored;
+  return scoring.take();
 }
 
 }  // namespace enfilade::report

@@ -104,8 +104,9 @@ constexpr auto kResults = std::to_array<PublishedResult>({
 
 }  // namespace
 
-std::span<const TableColumn> table_columns(Task task) noexcept {
-  switch (task) {
+std::span<const TableColumn> table_columns(const tasks::Benchmark& benchmark) noexcept {
+  if (benchmark.continuous()) return kContinuous;
+  switch (benchmark.task) {
     case Task::kR2r:
       return kR2r;
     case Task::kR2rLast:
@@ -124,16 +125,6 @@ std::span<const TableColumn> table_columns(Task task) noexcept {
       return kSoon;
   }
   return kR2r;
-}
-
-std::span<const TableColumn> continuous_columns() noexcept { return kContinuous; }
-
-// Of CVDN HAMT's: its success is to end in the region, and it needs none of the paths that files
-// without dialogues lack. Goal progress is the same in all of CVDN's scorers.
-std::string_view table_scorer(Task task) noexcept {
-  if (task == Task::kR2r) return {};
-  if (task == Task::kReverie) return "official";
-  return task == Task::kSoon ? "duet" : "hamt";
 }
 
 std::span<const PublishedResult> published_results() noexcept { return kResults; }

@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/report/results_table.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/benchmark.h"
+#include "enfilade/tasks/scorer.h"
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
@@ -50,7 +51,7 @@ class TaskTableTest : public ::testing::Test {
   ResultsTable table(Task task, bool synthetic = true) const {
     const dataset::Dataset data(made_.data());
     const std::vector<std::filesystem::path> named{made_.run()};
-    return make_table(score_runs(find_runs(named, data, task), data), synthetic);
+    return make_table(score_runs(find_runs(named, data, tasks::benchmark(task)), data), synthetic);
   }
   testing::MadeRun made_;
 };
@@ -90,23 +91,24 @@ TEST_F(TaskTableTest, TheOracleOfR2rBackTurnsFirst) {
 {"instr_id": "1_2", "trajectory": ["v0", "v1", "v2"], "midstop": "v4"}])");
   const dataset::Dataset data(made_.data());
   const std::vector<std::filesystem::path> named{made_.run()};
-  const auto runs = score_runs(find_runs(named, data, Task::kR2rBack), data);
+  const auto runs = score_runs(find_runs(named, data, tasks::benchmark(Task::kR2rBack)), data);
   ASSERT_EQ(runs.runs.size(), 1U);
-  const auto& episodes = runs.runs[0].scores.ours.episodes;
-  EXPECT_EQ(episodes[0].oracle_error, 6) << "it stays where it turns, which begins at v3";
-  EXPECT_EQ(episodes[0].oracle_success, 0);
-  EXPECT_EQ(episodes[1].oracle_error, 2) << "it came near, and went away again";
-  EXPECT_EQ(episodes[1].oracle_success, 1);
-  EXPECT_EQ(episodes[2].oracle_error, 4) << "never at the turning point: where it ends";
+  const tasks::ScoreTable& scores = runs.runs[0].scores.ours;
+  EXPECT_EQ(scores.value(0, "oracle_error"), 6) << "it stays where it turns, which begins at v3";
+  EXPECT_EQ(scores.value(0, "oracle_success"), 0);
+  EXPECT_EQ(scores.value(1, "oracle_error"), 2) << "it came near, and went away again";
+  EXPECT_EQ(scores.value(1, "oracle_success"), 1);
+  EXPECT_EQ(scores.value(2, "oracle_error"), 4) << "never at the turning point: where it ends";
 }
 
 TEST_F(TaskTableTest, TheTaskIsFoundFromTheResults) {
   write("random_val_unseen.json", kFound);
   const std::vector<std::filesystem::path> named{made_.run()};
-  EXPECT_EQ(find_task_of_runs(named), Task::kReverie);
+  EXPECT_EQ(find_benchmark_of_runs(named), &tasks::benchmark(Task::kReverie));
   const std::vector<std::filesystem::path> none{made_.data() / "connectivity"};
-  EXPECT_EQ(find_task_of_runs(none), std::nullopt);
-  EXPECT_THROW(find_runs(named, dataset::Dataset(made_.data()), Task::kSoon), LookupError)
+  EXPECT_EQ(find_benchmark_of_runs(none), nullptr);
+  EXPECT_THROW(find_runs(named, dataset::Dataset(made_.data()), tasks::benchmark(Task::kSoon)),
+               LookupError)
       << "no split of SOON";
 }
 
@@ -114,11 +116,11 @@ TEST_F(TaskTableTest, TheGoalOfReverieIsWhereTheObjectIsSeen) {
   write("random_val_unseen.json", kFound);
   const dataset::Dataset data(made_.data());
   const std::vector<std::filesystem::path> named{made_.run()};
-  const auto runs = score_runs(find_runs(named, data, Task::kReverie), data);
-  const auto& metrics = runs.runs.at(0).scores.ours.episodes;
-  EXPECT_EQ(metrics[0].success, 1);
-  EXPECT_EQ(metrics[1].success, 0);
-  EXPECT_EQ(metrics[1].nav_error, 6);
+  const auto runs = score_runs(find_runs(named, data, tasks::benchmark(Task::kReverie)), data);
+  const tasks::ScoreTable& scores = runs.runs.at(0).scores.ours;
+  EXPECT_EQ(scores.value(0, "success"), 1);
+  EXPECT_EQ(scores.value(1, "success"), 0);
+  EXPECT_EQ(scores.value(1, "nav_error"), 6);
 }
 
 TEST_F(TaskTableTest, WhatOthersPublishedStandsBelowRealDataOnly) {
@@ -155,18 +157,16 @@ TEST_F(TaskTableTest, RxrHasRowsByLanguageAndBothNdtws) {
 }
 
 TEST(TableColumns, NameMetricsThatTheirScorersHave) {
-  for (const Task task : {Task::kR2rLast, Task::kR2rBack, Task::kR4r, Task::kRxr, Task::kReverie,
-                          Task::kCvdn, Task::kSoon}) {
-    const auto& scorer = tasks::public_scorer(task, table_scorer(task));
+  for (const tasks::Benchmark& one : tasks::benchmarks()) {
+    const tasks::Scorer& ours = one.continuous() ? one.scorers.front() : tasks::own_scorer();
+    const tasks::Scorer& by_task = one.scorer(one.table_scorer);
     bool success = false;
-    for (const TableColumn& column : table_columns(task)) {
+    for (const TableColumn& column : table_columns(one)) {
       success = success || column.metric == "success";
-      if (column.scored.empty()) continue;
-      EXPECT_TRUE(std::ranges::any_of(scorer.metrics, [&](const tasks::ScorerMetric& m) {
-        return column.scored == m.mean_name();
-      })) << column.scored;
+      EXPECT_NO_THROW(column.scored.empty() ? ours.place_of(column.metric)
+                                            : by_task.place_of(column.scored));
     }
-    EXPECT_TRUE(success) << static_cast<int>(task);
+    EXPECT_TRUE(success) << one.name;
   }
 }
 

@@ -12,8 +12,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/tasks/files.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/benchmark.h"
 
 namespace enfilade::service {
 namespace {
@@ -93,39 +92,23 @@ std::optional<std::size_t> read_choice(const detail::Fields& fields, std::string
   return std::nullopt;
 }
 
-/// Of all benchmarks that have a scorer: those on graphs, then those in continuous space.
-std::vector<std::string_view> task_names() {
-  std::vector<std::string_view> names;
-  for (const tasks::PublicScorer& scorer : tasks::public_scorers()) {  // by task
-    const std::string_view name = tasks::name_of(scorer.task);
-    if (names.empty() || names.back() != name) names.push_back(name);
-  }
-  for (const agents::ContinuousBenchmark& one : agents::continuous_benchmarks()) {
-    names.push_back(one.name);
-  }
-  return names;
-}
-
 /// "task", "scorer" and "primary", each of which says what is allowed in the next.
 void read_task(const detail::Fields& fields, Phase& phase, json::Faults& faults) {
   if (fields.has("task")) {
-    const std::vector<std::string_view> names = task_names();
+    std::vector<std::string_view> names;
+    for (const tasks::Benchmark& one : tasks::benchmarks()) names.push_back(one.name);
     const auto task = read_choice(fields, "task", names, "unknown-task", faults);
     if (!task) return;
-    if (agents::is_continuous(names[*task])) {
-      phase.continuous = &agents::continuous_benchmark(names[*task]);
-      phase.task = phase.continuous->paths;
-    } else {
-      phase.task = tasks::task_named(names[*task]);
-    }
+    phase.benchmark = &tasks::benchmarks()[*task];
   }
-  const auto scorers = phase.continuous != nullptr ? std::vector{tasks::kContinuousScorer}
-                                                   : tasks::scorer_names(phase.task);
-  phase.scorer = scorers.front();
+  const auto scorers = phase.benchmark->scorers;
+  phase.scorer = &scorers.front();
   if (fields.has("scorer")) {
-    const auto scorer = read_choice(fields, "scorer", scorers, "unknown-scorer", faults);
+    std::vector<std::string_view> names;
+    for (const tasks::Scorer& one : scorers) names.push_back(one.name);
+    const auto scorer = read_choice(fields, "scorer", names, "unknown-scorer", faults);
     if (!scorer) return;
-    phase.scorer = scorers[*scorer];
+    phase.scorer = &scorers[*scorer];
   }
   phase.primary = phase.measures().front().name;
   if (!fields.has("primary")) return;
@@ -141,7 +124,7 @@ void read_task(const detail::Fields& fields, Phase& phase, json::Faults& faults)
 void read_experts(const detail::Fields& fields, Phase& phase, json::Faults& faults) {
   if (!fields.has("experts")) return;
   phase.experts = nonempty(fields, "experts", faults);
-  if (phase.continuous != nullptr && phase.goals_secret()) return;
+  if (phase.benchmark->continuous() && phase.goals_secret()) return;
   faults.error(fields.path("experts"), "experts-without-use",
                "experts' walks are for a task in continuous space whose phase has \"annotations\" "
                "of its own; with open goals the data set's are used");
@@ -183,7 +166,8 @@ void check_openness(const std::vector<Phase>& phases, const json::Path& list,
                     json::Faults& faults) {
   for (std::size_t k = 0; k < phases.size(); ++k) {
     const auto is_secret_twin = [&one = phases[k]](const Phase& other) {
-      return other.goals_secret() && other.split == one.split && share_paths(other.task, one.task);
+      return other.goals_secret() && other.split == one.split &&
+             share_paths(*other.benchmark, *one.benchmark);
     };
     const auto twin = std::ranges::find_if(phases, is_secret_twin);
     if (phases[k].goals_secret() || twin == phases.end()) continue;
@@ -197,30 +181,10 @@ void check_openness(const std::vector<Phase>& phases, const json::Path& list,
 
 }  // namespace
 
-std::string_view Phase::task_name() const noexcept {
-  return continuous != nullptr ? continuous->name : tasks::name_of(task);
-}
-
-std::string_view Phase::task_title() const noexcept {
-  return continuous != nullptr ? continuous->title : tasks::title_of(task);
-}
-
-std::span<const tasks::Measure> Phase::measures() const {
-  return continuous != nullptr ? tasks::measures(continuous->form) : tasks::measures(task, scorer);
-}
-
 const tasks::Measure& Phase::primary_measure() const {
   const tasks::Measure* measure = tasks::find_measure(measures(), primary);
   EN_CHECK(measure != nullptr);
   return *measure;
-}
-
-bool share_paths(tasks::Task one, tasks::Task other) noexcept {
-  const auto is_of_r2r = [](tasks::Task task) {
-    using enum tasks::Task;
-    return task != kRxr && task != kCvdn && task != kSoon;
-  };
-  return one == other || (is_of_r2r(one) && is_of_r2r(other));
 }
 
 std::vector<Phase> parse_phases(std::string_view text, const std::string& file) {

@@ -9,9 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
-#include "enfilade/tasks/goal.h"
-#include "enfilade/tasks/measures.h"
+#include "enfilade/tasks/benchmark.h"
 
 namespace enfilade::service {
 
@@ -37,14 +35,11 @@ struct Phase {
   std::string title;  ///< for people
   std::string rules;  ///< for people, in Markdown: rules, dates, whom to ask; may be empty
   std::string split;  ///< "val_unseen"; its instructions are served without their goals if secret
-  /// Which benchmark the split is of; of one in continuous space, the one whose paths it follows.
-  tasks::Task task = tasks::Task::kR2r;
-  /// Of walking freely: which of agents::continuous_benchmarks(); else null.
-  const agents::ContinuousBenchmark* continuous = nullptr;
-  /// One of tasks::scorer_names(task), or tasks::kContinuousScorer.
-  std::string scorer{tasks::kOwnScorer};
+  /// Which benchmark the split is of. Never null.
+  const tasks::Benchmark* benchmark = &tasks::benchmark(tasks::Task::kR2r);
+  const tasks::Scorer* scorer = &benchmark->scorers.front();  ///< one of the benchmark's
   /// The name of the measure that decides which submission of a team is its best, and that rows are
-  /// sorted by: one of measures(), better where higher.
+  /// sorted by: a column of the scorer, better where higher.
   std::string primary = "spl";
   /// The task's annotations with goals, kept outside the data set, which everybody can download.
   /// Empty: the data set's own annotations, with open goals.
@@ -64,10 +59,8 @@ struct Phase {
   int teams = 20;  ///< of secret goals: how many teams may submit at all
 
   bool goals_secret() const noexcept { return !annotations.empty(); }
-  std::string_view task_name() const noexcept;   ///< "r2r", "r2r-ce"
-  std::string_view task_title() const noexcept;  ///< "R2R-CE"
-  /// The columns of its leaderboard. \pre the scorer is one of the task's
-  std::span<const tasks::Measure> measures() const;
+  /// The columns of its leaderboard.
+  std::span<const tasks::Measure> measures() const noexcept { return scorer->columns; }
   /// The measure that `primary` names. \pre it is one of measures()
   const tasks::Measure& primary_measure() const;
 };
@@ -75,7 +68,9 @@ struct Phase {
 /// Whether two benchmarks have the same paths in splits of one name, so that goals of one tell
 /// those of the other: R2R and what was made from it (R2R-Last, R2R-Back, R4R, REVERIE); else each
 /// benchmark and itself.
-bool share_paths(tasks::Task one, tasks::Task other) noexcept;
+inline bool share_paths(const tasks::Benchmark& one, const tasks::Benchmark& other) noexcept {
+  return one.paths == other.paths;
+}
 
 /// Reads {"phases": [{"name", "split", ...}]}; docs/service.md has the fields and their defaults,
 /// of which some depend on whether the goals are secret. A relative path of annotations begins at

@@ -33,8 +33,8 @@ TEST(Phases, AreReadWithTheirDefaults) {
   EXPECT_EQ(phases[1].per_address_day, 15);
   EXPECT_TRUE(phases[1].goals_secret());
   EXPECT_EQ(phases[2].scores, Scores::kAfterEnd);
-  EXPECT_EQ(phases[2].task, tasks::Task::kR2r);
-  EXPECT_EQ(phases[2].scorer, "enfilade");
+  EXPECT_EQ(phases[2].benchmark->task, tasks::Task::kR2r);
+  EXPECT_EQ(phases[2].scorer->name, "enfilade");
   EXPECT_EQ(phases[2].primary, "spl");
   EXPECT_EQ(phases[2].step, 0.01);
   EXPECT_EQ(phases[2].per_team, 20);
@@ -67,8 +67,8 @@ TEST(Phases, AreOfAnyBenchmark) {
                       "annotations": "r.json", "primary": "oracle_sr"}]})",
       "phases.json");
   ASSERT_EQ(phases.size(), 3U);
-  EXPECT_EQ(phases[0].task, tasks::Task::kReverie);
-  EXPECT_EQ(phases[0].scorer, "official");
+  EXPECT_EQ(phases[0].benchmark->task, tasks::Task::kReverie);
+  EXPECT_EQ(phases[0].scorer->name, "official");
   EXPECT_EQ(phases[0].primary, "rgspl");
   EXPECT_EQ(phases[1].primary, "gp");
   EXPECT_EQ(phases[1].measures().size(), 5U);

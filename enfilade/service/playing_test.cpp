@@ -12,7 +12,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/served_data.h"
 
 namespace enfilade::service {

@@ -11,6 +11,7 @@
 #include "enfilade/arena/play.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/service/playing/replays.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "tests/support/refusal.h"
 #include "tests/support/served_benchmarks.h"
@@ -154,7 +155,7 @@ TEST_F(ReplayTest, OtherBenchmarksAreWalkedAgainToo) {
   served_.restart_with(R"({"name": "open", "split": "val_seen"})");  // else R4R's would be left out
   for (const tasks::Task task : testing::kOtherTasks) {
     if (task == tasks::Task::kR2rBack || task == tasks::Task::kSoon) continue;  // not walked by ask
-    const std::string name(tasks::name_of(task));
+    const std::string name(tasks::benchmark(task).name);
     const bool named = task == tasks::Task::kReverie;
     ask(name, {"Action: go_to B", named ? "Action: answer 1" : "Action: stop"}, "test", task);
     const json run = get("/" + name);

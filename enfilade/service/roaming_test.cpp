@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_floor.h"
@@ -49,13 +49,13 @@ class RoamingTest : public ::testing::Test {
     folder_ = new tests::TemporaryFolder("roaming");
     const fs::path data = folder_->path() / "homes";
     tests::write_small_homes(data);
-    const auto& benchmark = agents::continuous_benchmark("r2r-ce");
+    const auto& setup = agents::continuous_setup("r2r-ce");
     const auto homes = homes::read_home_list(data);
     floor_ = new mesh::FloorPolygons(homes::make_home_floor(
-        homes::build_home(homes.front().plan, homes::Surfaces::kPlain), benchmark.body));
-    make_folder(data / benchmark.navigation_folder());
+        homes::build_home(homes.front().plan, homes::Surfaces::kPlain), setup.body));
+    make_folder(data / setup.navigation_folder());
     continuous::save_navigation_mesh(
-        *floor_, data / benchmark.navigation_folder() / continuous::navigation_mesh_name(kScan));
+        *floor_, data / setup.navigation_folder() / continuous::navigation_mesh_name(kScan));
     make_folder(data / "vlnce");
     for (const char* split : {"val_seen", "test"}) {
       tasks::ContinuousEpisodes episodes{split, "", {}};

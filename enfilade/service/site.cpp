@@ -9,9 +9,10 @@
 #include <variant>
 
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/core/check.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::service {
 namespace {
@@ -37,8 +38,9 @@ std::optional<fs::path> find_file(const dataset::Dataset& data, tasks::Task task
 }
 
 std::optional<fs::path> find_file(const dataset::Dataset& data, const Phase& phase) {
-  if (phase.continuous == nullptr) return find_file(data, phase.task, phase.split);
-  return agents::find_continuous_split(*phase.continuous, data.folder(), phase.split);
+  const tasks::Benchmark& benchmark = *phase.benchmark;
+  if (!benchmark.continuous()) return find_file(data, benchmark.task, phase.split);
+  return agents::find_continuous_split(benchmark, data.folder(), phase.split);
 }
 
 /// Everything of a path that could tell where it leads, or what is asked for there, goes.
@@ -87,8 +89,9 @@ bool tells_ends(const PublicSplit& split, const std::vector<Phase>& phases) {
   bool own = false, others = false;
   for (const Phase& phase : phases) {
     if (!phase.goals_secret() || phase.split != split.annotations.split) continue;
-    own = own || phase.task == Task::kR4r;
-    others = others || (phase.task != Task::kR4r && share_paths(phase.task, Task::kR4r));
+    const bool of_r4r = phase.benchmark->task == Task::kR4r;
+    own = own || of_r4r;
+    others = others || (!of_r4r && share_paths(*phase.benchmark, tasks::benchmark(Task::kR4r)));
   }
   return others && !own;  // teams need the starts and texts of a phase of R4R
 }
@@ -147,12 +150,13 @@ void check_is_elsewhere(const fs::path& secret, const Phase& phase,
 
 tasks::EpisodeSet read_graph_goals(const Phase& phase, const dataset::Dataset& data,
                                    std::shared_ptr<const graph::GraphSet> graphs) {
+  const tasks::Task task = phase.benchmark->task;
   const auto public_file = [&] {
-    return phase.task == tasks::Task::kR2r ? data.annotations_file(phase.split)
-                                           : data.annotations_file(phase.task, phase.split);
+    return task == tasks::Task::kR2r ? data.annotations_file(phase.split)
+                                     : data.annotations_file(task, phase.split);
   };
   const fs::path file = phase.goals_secret() ? phase.annotations : public_file();
-  const tasks::Annotations annotations = tasks::load_annotations(file, phase.split, phase.task);
+  const tasks::Annotations annotations = tasks::load_annotations(file, phase.split, task);
   if (phase.goals_secret()) check_ids_are_silent(annotations);
   tasks::EpisodeSet episodes =
       tasks::make_episodes(annotations, std::move(graphs), tasks::Instructions::kScored,
@@ -163,18 +167,18 @@ tasks::EpisodeSet read_graph_goals(const Phase& phase, const dataset::Dataset& d
 
 ContinuousGoals read_continuous_goals(const Phase& phase, const dataset::Dataset& data,
                                       const graph::GraphSet& graphs) {
-  const agents::ContinuousBenchmark& benchmark = *phase.continuous;
+  const agents::ContinuousSetup& setup = agents::continuous_setup(*phase.benchmark);
   ContinuousGoals goals;
   if (phase.goals_secret()) {
     goals.episodes = tasks::load_continuous_episodes(phase.annotations, phase.split);
     if (!phase.experts.empty()) goals.experts = tasks::load_expert_walks(phase.experts);
   } else {
-    goals.episodes = agents::load_continuous_split(benchmark, data.folder(), phase.split);
-    goals.experts = agents::load_experts_of(benchmark, data.folder(), phase.split);
+    goals.episodes = agents::load_continuous_split(*setup.benchmark, data.folder(), phase.split);
+    goals.experts = agents::load_experts_of(*setup.benchmark, data.folder(), phase.split);
   }
   if (tasks::goals_hidden(goals.episodes)) refuse_hidden_goal(phase, goals.episodes.file);
   goals.buildings =
-      std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
+      std::make_shared<const continuous::Buildings>(data.folder() / setup.navigation_folder());
   std::vector<std::size_t> all(goals.episodes.episodes.size());
   std::iota(all.begin(), all.end(), 0U);
   for (const tasks::ContinuousEpisode& one : goals.episodes.episodes) graphs.at(one.scan());
@@ -246,16 +250,13 @@ std::optional<std::size_t> Site::rooms(ScanIndex scan) const {
 }
 
 void Site::read_splits(const dataset::Dataset& data) {
-  for (const std::string_view name : dataset::kSplits) {
-    read_split(data, tasks::Task::kR2r, std::string(name));
+  for (const tasks::Benchmark& one : tasks::benchmarks()) {
+    if (one.continuous()) continue;
+    for (const std::string_view name : dataset::kSplits) {
+      read_split(data, one.task, std::string(name));
+    }
   }
-  constexpr tasks::Task kOthers[]{tasks::Task::kR2rLast, tasks::Task::kR2rBack, tasks::Task::kR4r,
-                                  tasks::Task::kRxr,     tasks::Task::kReverie, tasks::Task::kCvdn,
-                                  tasks::Task::kSoon};
-  for (const tasks::Task task : kOthers) {
-    for (const std::string_view name : dataset::kSplits) read_split(data, task, std::string(name));
-  }
-  for (const Phase& phase : phases_) read_split(data, phase.task, phase.split);
+  for (const Phase& phase : phases_) read_split(data, phase.benchmark->task, phase.split);
 }
 
 void Site::read_split(const dataset::Dataset& data, tasks::Task task, const std::string& name) {
@@ -287,7 +288,7 @@ void Site::read_phases(const dataset::Dataset& data) {
     }
   }
   for (const Phase& phase : phases_) {
-    if (phase.continuous != nullptr) {
+    if (phase.benchmark->continuous()) {
       secret_.emplace_back(read_continuous_goals(phase, data, *graphs_));
     } else {
       secret_.emplace_back(read_graph_goals(phase, data, graphs_));
@@ -302,7 +303,7 @@ void Site::hide_goals() {
   for (PublicSplit& split : splits_) {
     const bool secret = std::ranges::any_of(phases_, [&split](const Phase& phase) {
       return phase.goals_secret() && phase.split == split.annotations.split &&
-             share_paths(phase.task, split.annotations.task);
+             share_paths(*phase.benchmark, tasks::benchmark(split.annotations.task));
     });
     if (secret) std::ranges::for_each(split.annotations.paths, hide_goal);
     split.goals_hidden = has_hidden_goal(split.annotations);

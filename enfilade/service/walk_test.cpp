@@ -5,7 +5,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/collecting.h"
 
 namespace enfilade::service {
@@ -155,8 +155,8 @@ TEST_F(Walk, HandingInTwiceIsOnce) {
 }
 
 // What enfilade score does with the files.
-tasks::Score score_of(const std::string& annotations, const std::string& results,
-                      const std::filesystem::path& data) {
+tasks::ScoreTable score_of(const std::string& annotations, const std::string& results,
+                           const std::filesystem::path& data) {
   const tasks::EpisodeSet episodes =
       tasks::make_episodes(tasks::parse_annotations(annotations, "annotations", "val_seen"),
                            graph::GraphSet::open(data / "connectivity"));
@@ -197,7 +197,7 @@ TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
   EXPECT_EQ(report.at("left_out"),
             json({{"waiting", 0}, {"rejected", 0}, {"repeated", 0}, {"incomplete", 1}}));
   const std::string annotations = served_.get(target + "&state=all", organiser_)->body;
-  const tasks::Score score = score_of(annotations, file->body, served_.root() / "data");
+  const tasks::ScoreTable score = score_of(annotations, file->body, served_.root() / "data");
   EXPECT_EQ(json::parse(annotations).size(), 2U);
   EXPECT_THAT(tasks::to_json(score), HasSubstr("success"));
   const json means = json::parse(tasks::to_json(score)).at("means");

@@ -124,16 +124,6 @@ enum class ContinuousForm : std::uint8_t {
 /// vocabulary has BERT's size or token for unknown words, or if instructions have 80 tokens.
 ContinuousForm form_of(const ContinuousEpisodes& episodes) noexcept;
 
-/// Where a split's episodes may be in a folder of data, relative to it, in the order in which they
-/// are looked for: Enfilade's layout ("vlnce/val_unseen.json.gz"), then those of the public code
-/// ("R2R_VLNCE_v1-3_preprocessed/val_unseen/val_unseen.json.gz"), also in its `data/datasets/`.
-/// \param role  of RxR-CE's; does not count for the others
-std::vector<std::filesystem::path> continuous_places(ContinuousForm form, std::string_view split,
-                                                     AnnotationRole role = AnnotationRole::kGuide);
-/// The same of the experts' walks. kR2rBert has none of its own: those of kR2r.
-std::vector<std::filesystem::path> expert_places(ContinuousForm form, std::string_view split,
-                                                 AnnotationRole role = AnnotationRole::kGuide);
-
 /// Reads `<split>.json.gz` of R2R-CE, `<split>_<role>.json.gz` of RxR-CE, packed or not. Fields
 /// that the model does not have are kept; null is read as no value where a field may be absent. One
 /// episode is parsed at a time, of at most 4 MiB.

@@ -49,6 +49,9 @@ inline ContinuousScore score_continuous(const ContinuousWalk& walk,
   return score_continuous(walk, reference, walk.actions.size());
 }
 
+/// The values of the scorer "vlnce", in the order of its metrics. NaN: collisions are not known.
+std::array<double, 10> vlnce_values(const ContinuousScore& score) noexcept;
+
 /// ETPNav's numbers of the same walk, which differ: success is an end within 3 m (inclusive), stop
 /// or not; collisions are divided by the number of different poses; time warping is
 /// FastDtw::kPlain; lengths are summed in single precision. Collisions that are not known are NaN.

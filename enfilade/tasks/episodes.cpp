@@ -8,6 +8,7 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/instruction_ids.h"
 
 namespace enfilade::tasks {
@@ -15,12 +16,6 @@ namespace {
 
 using json::Faults;
 using json::Path;
-
-// Whether the paths of a benchmark lead along edges. People of CVDN and SOON's path makers went
-// that way, too, but nothing of theirs asks for it.
-bool walks_edges(Task task) {
-  return task != Task::kReverie && task != Task::kCvdn && task != Task::kSoon;
-}
 
 // Looks up the viewpoints of one path annotation.
 class LookUp {
@@ -164,7 +159,7 @@ std::vector<ReferencePath> look_up(const Annotations& annotations, const graph::
       continue;
     }
     reference.scan = *scan;
-    LookUp names(entry, graphs.graph(*scan), walks_edges(annotations.task), faults);
+    LookUp names(entry, graphs.graph(*scan), benchmark(annotations.task).along_edges, faults);
     reference.viewpoints = names.path(Path(path, "path"));
     reference.goal = names.goal(path, objects);
   }
@@ -205,8 +200,9 @@ std::vector<ReferencePath> look_up_paths(const Annotations& annotations,
 EpisodeSet make_episodes(const Annotations& annotations,
                          std::shared_ptr<const graph::GraphSet> graphs, Instructions instructions,
                          const ObjectBoxes* objects) {
-  const bool some = instructions == Instructions::kScored && annotations.task == Task::kR2r;
-  const std::size_t most = some ? kScoredInstructions : std::numeric_limits<std::size_t>::max();
+  const std::size_t scored = benchmark(annotations.task).scored_instructions;
+  const bool some = instructions == Instructions::kScored && scored > 0;
+  const std::size_t most = some ? scored : std::numeric_limits<std::size_t>::max();
   EpisodeSet set{annotations.split, std::move(graphs), {}, {}, annotations.task};
   Faults faults(annotations.file);
   set.paths = look_up(annotations, *set.graphs, objects, faults);

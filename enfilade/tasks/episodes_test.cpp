@@ -10,11 +10,11 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
@@ -235,20 +235,20 @@ TEST(TaskScores, HaveMeansIntervalsAndEachEpisode) {
   const EpisodeSet set = reverie();
   const Results results = parse_results(
       results_of(R"("trajectory": ["v0", "v1", "v2"], "predObjId": 5)"), "r.json", set);
-  const TaskScore score =
-      compute_task_score(results.trajectories, set, public_scorer(Task::kReverie, "official"));
-  EXPECT_EQ(score.episodes(), 4U);
+  const ScoreTable score =
+      compute_score(results.trajectories, set, benchmark(Task::kReverie).scorer("official"));
+  EXPECT_EQ(score.episodes, 4U);
   EXPECT_EQ(score.means[1].mean, 1) << "success_rate";
   EXPECT_EQ(score.means[1].low, 1);
   EXPECT_TRUE(std::isnan(score.means[6].mean)) << "shortest, of which it prints no mean";
-  EXPECT_THAT(to_table(score, set), HasSubstr("rgspl"));
-  const std::string json = to_json(score, set, true);
+  EXPECT_THAT(to_table(score), HasSubstr("rgspl"));
+  const std::string json = to_json(score, true);
   EXPECT_THAT(json, HasSubstr("\"7_5_2\""));
   EXPECT_THAT(json, HasSubstr("\"task\": \"reverie\""));
   EXPECT_THAT(
-      [&] { compute_task_score(results.trajectories, set, public_scorer(Task::kRxr, "hamt")); },
+      [&] { compute_score(results.trajectories, set, benchmark(Task::kRxr).scorer("hamt")); },
       ThrowsMessage<ArgumentError>(HasSubstr("is of RxR, the episodes are of REVERIE")));
-  EXPECT_THROW(compute_task_score({}, set, *score.scorer), ArgumentError);
+  EXPECT_THROW(compute_score({}, set, *score.scorer), ArgumentError);
 }
 
 TEST(TaskFiles, AreToldApartByTheirFirstRecord) {
@@ -293,17 +293,6 @@ TEST(TaskFiles, AreWrittenInTheirOwnForm) {
   EXPECT_THAT(to_text(std::span(&walk, 1)), HasSubstr("\"demonstration_id\":1"));
   EXPECT_THAT([] { to_released_soon(of(Task::kSoon, entry({"v0"}))); },
               ThrowsMessage<ArgumentError>(HasSubstr("no SOON path's")));
-}
-
-TEST(TaskFiles, NamesAndPlaces) {
-  for (const PublicScorer& scorer : public_scorers()) {
-    EXPECT_EQ(task_named(name_of(scorer.task)), scorer.task);
-    const auto places = annotation_places(scorer.task, "val_seen");
-    ASSERT_FALSE(places.empty());
-    EXPECT_THAT(places[0].string(), HasSubstr("val_seen"));
-  }
-  EXPECT_THAT([] { task_named("r3r"); },
-              ThrowsMessage<LookupError>(HasSubstr("r2r-back, r4r, rxr")));
 }
 
 }  // namespace EN_UNIT

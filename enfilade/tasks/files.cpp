@@ -1,9 +1,6 @@
 #include "enfilade/tasks/files.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <algorithm>
-#include <array>
 #include <initializer_list>
 #include <variant>
 
@@ -21,54 +18,6 @@
 
 namespace enfilade::tasks {
 namespace {
-
-struct Names {
-  Task task;
-  std::string_view name, title;
-};
-constexpr auto kNames = std::to_array<Names>({
-    {Task::kR2r, "r2r", "R2R"},
-    {Task::kR2rLast, "r2r-last", "R2R-Last"},
-    {Task::kR2rBack, "r2r-back", "R2R-Back"},
-    {Task::kR4r, "r4r", "R4R"},
-    {Task::kRxr, "rxr", "RxR"},
-    {Task::kReverie, "reverie", "REVERIE"},
-    {Task::kCvdn, "cvdn", "CVDN"},
-    {Task::kSoon, "soon", "SOON"},
-});
-
-// `{}` stands for the split.
-std::vector<std::string_view> place_patterns(Task task) {
-  switch (task) {
-    case Task::kR2r:
-      return {"r2r/R2R_{}.json", "tasks/R2R/data/R2R_{}.json", "R2R/R2R_{}.json", "R2R_{}.json",
-              "R2R/annotations/R2R_{}_enc.json"};
-    case Task::kR2rLast:
-      return {"r2r-last/R2R_{}.json", "R2R/annotations/LastSent/R2R_{}_enc.json",
-              "LastSent/R2R_{}_enc.json"};
-    case Task::kR2rBack:
-      return {"r2r-back/R2R_{}.json", "R2R/annotations/ReturnBack/R2R_{}_enc.json",
-              "ReturnBack/R2R_{}_enc.json"};
-    case Task::kR4r:
-      return {"r4r/R4R_{}.json", "R4R/annotations/R4R_{}_enc.json", "R4R/R4R_{}.json",
-              "R4R_{}.json"};
-    case Task::kRxr:
-      return {"rxr/rxr_{}_guide.jsonl", "RxR/annotations/rxr_{}_guide_enc_xlmr.jsonl",
-              "RxR/rxr_{}_guide.jsonl", "rxr_{}_guide.jsonl"};
-    case Task::kReverie:
-      return {"reverie/REVERIE_{}.json", "reverie/v2/REVERIE_{}.json",
-              "REVERIE/annotations/REVERIE_{}_enc.json", "tasks/REVERIE/data/REVERIE_{}.json",
-              "REVERIE_{}.json"};
-    case Task::kCvdn:
-      return {"cvdn/{}.json", "tasks/NDH/data/{}.json", "CVDN/annotations/{}.json",
-              "CVDN/annotations/{}_enc.json"};
-    case Task::kSoon:
-      return {"soon/{}.json", "SOON/annotations/{}.json",
-              "SOON/annotations/bert_enc/{}_enc_pseudo_obj_label.jsonl",
-              "SOON/annotations/bert_enc/{}_enc.jsonl"};
-  }
-  return {};
-}
 
 // The first record of a text; calls `look` with it if it is an object. Faults are left to readers.
 template <class Look>
@@ -120,22 +69,6 @@ bool is_record(std::string_view text) {
 }
 
 }  // namespace
-
-std::string_view name_of(Task task) noexcept {
-  return std::ranges::find(kNames, task, &Names::task)->name;
-}
-
-std::string_view title_of(Task task) noexcept {
-  return std::ranges::find(kNames, task, &Names::task)->title;
-}
-
-Task task_named(std::string_view name) {
-  const auto* found = std::ranges::find(kNames, name, &Names::name);
-  if (found != kNames.end()) return found->task;
-  std::vector<std::string_view> known;
-  for (const Names& one : kNames) known.push_back(one.name);
-  throw LookupError(fmt::format("no task {:?}; there are {}", name, fmt::join(known, ", ")));
-}
 
 std::optional<Task> find_task(std::string_view text) {
   if (!is_record(text)) return std::nullopt;
@@ -214,32 +147,6 @@ std::string to_text(const Annotations& annotations) {
 
 std::string to_released_soon(const Annotations& annotations) {
   return formats::to_soon(annotations);
-}
-
-std::vector<std::filesystem::path> annotation_places(Task task, std::string_view split) {
-  std::vector<std::filesystem::path> places;
-  for (const std::string_view pattern : place_patterns(task)) {
-    std::string place(pattern);
-    place.replace(place.find("{}"), 2, split);
-    places.emplace_back(place);
-    places.emplace_back(place + ".gz");
-  }
-  return places;
-}
-
-std::span<const std::string_view> usual_splits(Task task) noexcept {
-  static constexpr auto kUsual =
-      std::to_array<std::string_view>({"train", "val_seen", "val_unseen", "test"});
-  static constexpr auto kRxr = std::to_array<std::string_view>(
-      {"train", "val_seen", "val_unseen", "test_standard_public", "test_challenge_public", "test"});
-  static constexpr auto kCvdn =
-      std::to_array<std::string_view>({"train", "val_seen", "val_unseen", "test_cleaned", "test"});
-  static constexpr auto kSoon =
-      std::to_array<std::string_view>({"train", "val_seen_instrs", "val_unseen_instrs",
-                                       "val_unseen_house", "val_seen", "val_unseen", "test"});
-  if (task == Task::kRxr) return kRxr;
-  if (task == Task::kCvdn) return kCvdn;
-  return task == Task::kSoon ? std::span<const std::string_view>(kSoon) : kUsual;
 }
 
 bool needs_boxes(const Annotations& annotations) {

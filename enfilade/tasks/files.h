@@ -13,14 +13,6 @@
 
 namespace enfilade::tasks {
 
-/// A benchmark's name in commands and files: "r2r", "r2r-last", "r2r-back", "r4r", "rxr",
-/// "reverie", "cvdn", "soon".
-std::string_view name_of(Task task) noexcept;
-/// For people: "R2R-Last".
-std::string_view title_of(Task task) noexcept;
-/// By name_of(). \throws LookupError naming those that there are
-Task task_named(std::string_view name);
-
 /// Which benchmark a text of annotations is of, by the fields of its first record; R2R-Last looks
 /// like R2R. No value if it has no record, or the first is no object.
 std::optional<Task> find_task(std::string_view text);
@@ -48,15 +40,6 @@ std::string to_text(const Annotations& annotations);
 /// without the four texts beside the whole
 std::string to_released_soon(const Annotations& annotations);
 
-/// Where a split's annotations may be in a folder of data, relative to it, in the order in which
-/// they are looked for: Enfilade's layout ("reverie/REVERIE_val_unseen.json"), that of the public
-/// code
-/// ("REVERIE/annotations/REVERIE_val_unseen_enc.json"), side by side; each also packed (".gz").
-std::vector<std::filesystem::path> annotation_places(Task task, std::string_view split);
-/// The splits that a benchmark's public files have, in their order, by the names in those files:
-/// "train", "val_seen", "val_unseen", "test"; of CVDN "test_cleaned"; of RxR and SOON others
-/// beside. Any other name may be asked for, too.
-std::span<const std::string_view> usual_splits(Task task) noexcept;
 /// Whether only boxes of objects can say who sees a goal: those of REVERIE need them, HM3DAutoVLN's
 /// lines name the viewpoints themselves, and hidden goals say nothing.
 bool needs_boxes(const Annotations& annotations);

@@ -1,5 +1,6 @@
-/// \file  How far a viewpoint is from what an episode asks for, whatever kind of goal that is: for
-/// oracles, rewards and drawings. Scores have rules of their own: public_scorer.h.
+/// \file  How far a viewpoint is from what an episode asks for, whatever kind of goal that is, and
+/// whether it is reached: for oracles, rewards, drawings and own_scorer(). Public scorers have
+/// rules of their own: scorer.h.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -7,6 +8,7 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::tasks {
 
@@ -39,6 +41,20 @@ Leg leg_after(const graph::NavGraph& graph, const ReferencePath& path, Viewpoint
 /// is hidden. \pre at < graph.size()
 bool goal_reached(const graph::NavGraph& graph, const ReferencePath& path, ViewpointIndex at,
                   Leg leg, double radius);
+
+/// How a trajectory did by its episode's goal, answers aside but for R2R-Back's.
+struct GoalOutcome {
+  double error = 0;         ///< metres from its end: distance_to_goal()
+  double oracle_error = 0;  ///< least over its viewpoints
+  bool reached = false;     ///< goal_reached() at its end
+  bool oracle_reached = false;
+  double shortest = 0;  ///< shortest_to_goal()
+};
+/// R2R-Back's agent is on its way back if the turning point that it names is within `radius` of the
+/// goal's; then viewpoints count from where it came so near. \pre the goal is not hidden, the
+/// trajectory is not empty
+GoalOutcome judge(const graph::NavGraph& graph, const ReferencePath& path,
+                  const Trajectory& trajectory, double radius);
 
 /// What SPL compares the walked length with, metres: from the path's start to its end; of R2R-Back
 /// through the turning point; of CVDN to the nearest viewpoint of the region; of SOON to `end`, the

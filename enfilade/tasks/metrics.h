@@ -7,6 +7,9 @@
 
 namespace enfilade::tasks {
 
+struct ReferencePath;
+struct Trajectory;
+
 /// What counts as success.
 struct MetricOptions {
   double success_distance = 3.0;  ///< metres; success is strictly nearer (the paper, section 4.4)
@@ -53,5 +56,10 @@ EpisodeMetrics compute_metrics(const graph::NavGraph& graph,
                                std::span<const ViewpointIndex> trajectory,
                                std::span<const ViewpointIndex> reference,
                                const MetricOptions& options = {});
+/// The same of a trajectory by its episode's goal. Where that is not to end near the path's last
+/// viewpoint, `success`, `nav_error`, `oracle_success`, `oracle_error`, `shortest` and `spl` are
+/// those of judge() (goal_distance.h). \pre the goal is not hidden; as above
+EpisodeMetrics compute_metrics(const graph::NavGraph& graph, const ReferencePath& path,
+                               const Trajectory& trajectory, const MetricOptions& options = {});
 
 }  // namespace enfilade::tasks

@@ -30,11 +30,6 @@ struct SpherePoint {
 /// A direction as such a point: the heading wrapped to [0, 2 pi), the elevation to (-pi, pi].
 SpherePoint sphere_point(const Direction& direction);
 
-/// Whether a benchmark asks for an answer beside the path: R2R-Back, REVERIE, SOON.
-constexpr bool asks_for_answer(Task task) noexcept {
-  return task == Task::kR2rBack || task == Task::kReverie || task == Task::kSoon;
-}
-
 /// What an agent did in one episode: the start, then one entry per action.
 struct Trajectory {
   std::size_t episode = 0;  ///< index into EpisodeSet::episodes

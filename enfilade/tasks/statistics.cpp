@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "enfilade/core/check.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::tasks {
@@ -223,6 +224,7 @@ DatasetStatistics compute_statistics(std::span<const Annotations> splits,
   Counts first_words;
   for (const Annotations& annotations : splits) {
     Gathering split(annotations.split);
+    const std::size_t most = benchmark(annotations.task).scored_instructions;
     const std::vector<ReferencePath> paths = look_up_paths(annotations, *graphs, objects);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       const PathAnnotation& entry = annotations.paths[i];
@@ -231,7 +233,7 @@ DatasetStatistics compute_statistics(std::span<const Annotations> splits,
       all.add_path(entry, paths[i], graph);
       for (std::size_t k = 0; k < entry.instructions.size(); ++k) {
         const std::vector<std::string> tokens = tokenize(entry.instructions[k]);
-        const bool scored = annotations.task != Task::kR2r || k < kScoredInstructions;
+        const bool scored = most == 0 || k < most;
         split.add_instruction(tokens, scored);
         all.add_instruction(tokens, scored);
         count_first_words(tokens, first_words);

@@ -20,7 +20,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/dataset/dataset.h"
-#include "enfilade/tasks/continuous_measures.h"
+#include "enfilade/tasks/score_table.h"
 #include "python/src/bindings.h"
 #include "python/src/busy.h"
 
@@ -33,10 +33,6 @@ std::optional<arena::Answers> answers_named(const std::string& name) {
   if (name.empty()) return std::nullopt;
   if (const auto answers = find_enum<arena::Answers>(name)) return answers;
   throw ArgumentError("answers '" + name + "': one of tools, json, text");
-}
-
-nb::str measure_name(const tasks::ContinuousMeasure& measure) {
-  return nb::str(measure.name.data(), measure.name.size());
 }
 
 /// An arena::Play that refuses calls while another thread uses it.
@@ -128,28 +124,25 @@ class ArenaPlay {
     const auto& free = dynamic_cast<const arena::FreeWorld&>(*world_);
     const auto& episodes = free.world().episodes;
     std::vector<tasks::ContinuousResult> walks;
-    std::vector<tasks::ContinuousScore> scores;
+    tasks::ScoreTable scores;
     {
       const nb::gil_scoped_release unlocked;
       walks = tasks::parse_continuous_results(results(episode), "results", *episodes,
                                               tasks::Coverage::kPart);
-      if (!experts_) {
-        const auto& benchmark = agents::continuous_benchmark(free.task());
-        experts_ = agents::load_experts_of(benchmark, data_, free.split());
-      }
-      scores = agents::score_continuous_walks(walks, *episodes, *free.world().buildings, *experts_);
+      const tasks::Benchmark& benchmark = tasks::benchmark(free.task());
+      if (!experts_) experts_ = agents::load_experts_of(benchmark, data_, free.split());
+      scores = agents::compute_score(walks, *episodes, *free.world().buildings, *experts_,
+                                     benchmark, benchmark.scorer({}));
     }
-    const tasks::ContinuousMeasures measured = tasks::measure(scores, walks, *episodes);
     nb::dict means, by_id;
-    for (std::size_t m = 0; m < measured.means.size(); ++m) {
-      const auto& [mean, low, high] = measured.means[m];
-      means[measure_name(tasks::continuous_measures()[m])] = nb::make_tuple(mean, low, high);
+    const auto metrics = scores.scorer->metrics;
+    for (std::size_t m = 0; m < metrics.size(); ++m) {
+      const auto& [mean, low, high] = scores.means[m];
+      means[metrics[m].name] = nb::make_tuple(mean, low, high);
     }
     for (std::size_t k = 0; k < walks.size(); ++k) {
       nb::dict one;
-      for (const tasks::ContinuousMeasure& measure : tasks::continuous_measures()) {
-        one[measure_name(measure)] = measure.value(scores[k]);
-      }
+      for (std::size_t m = 0; m < metrics.size(); ++m) one[metrics[m].name] = scores.row(k)[m];
       by_id[nb::cast(world_->episode_id(walks[k].episode))] = one;
     }
     return nb::make_tuple(means, by_id);
@@ -222,8 +215,8 @@ std::unique_ptr<ArenaPlay> open_free_play(const std::filesystem::path& data,
   constexpr std::uint32_t kNoPictures = 64;  // a valid size, although no images are drawn
   arena::PlayConfig config = config_of(answers, kNoPictures, folder);
   config.pictures = arena::Pictures::kNone;
-  const auto& benchmark = agents::continuous_benchmark(task);
-  auto world = arena::FreeWorld::open(benchmark, data, split);
+  const auto& setup = agents::continuous_setup(task);
+  auto world = arena::FreeWorld::open(setup, data, split);
   return std::make_unique<ArenaPlay>(std::move(world), arena::Sights(), subset, prompt,
                                      std::move(config), steps, mistakes, data);
 }

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/follower.h"
 #include "python/src/busy.h"
 
@@ -218,9 +218,11 @@ nb::dict continuous_options(const BatchContinuous& self) {
 // [(name, title, radius, height, step, slope in degrees), ...]
 nb::list benchmark_list() {
   nb::list rows;
-  for (const agents::ContinuousBenchmark& b : agents::continuous_benchmarks()) {
-    rows.append(nb::make_tuple(std::string(b.name), std::string(b.title), b.body.radius,
-                               b.body.height, b.body.step, b.body.slope));
+  for (const tasks::Benchmark& one : tasks::benchmarks()) {
+    if (!one.continuous()) continue;
+    const mesh::Body& body = agents::continuous_setup(one).body;
+    rows.append(nb::make_tuple(std::string(one.name), std::string(one.title), body.radius,
+                               body.height, body.step, body.slope));
   }
   return rows;
 }
@@ -269,7 +271,7 @@ void bind_buildings(nb::module_& m) {
 
 continuous::SimulatorConfig continuous_config(const std::string& task, std::size_t batch_size,
                                               const Options& options) {
-  continuous::SimulatorConfig c = agents::continuous_benchmark(task).simulator;
+  continuous::SimulatorConfig c = agents::continuous_setup(task).simulator;
   c.batch_size = batch_size;
   for (const auto& [key, value] : options) {
     const auto name = nb::cast<std::string>(key);

@@ -15,9 +15,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/agents/continuous_environment.h"
-#include "enfilade/tasks/continuous_measures.h"
+#include "enfilade/agents/continuous_setup.h"
+#include "enfilade/tasks/benchmark.h"
 #include "python/src/busy.h"
 #include "python/src/continuous.h"
 
@@ -34,12 +34,12 @@ class ContinuousSet {
   ContinuousSet(const std::filesystem::path& data, const std::string& task,
                 const std::string& split, const std::optional<std::filesystem::path>& file)
       : task_(task) {
-    const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(task);
+    const agents::ContinuousSetup& setup = agents::continuous_setup(task);
     episodes_ = std::make_shared<const tasks::ContinuousEpisodes>(
         file ? tasks::load_continuous_episodes(*file, split)
-             : agents::load_continuous_split(benchmark, data, split));
+             : agents::load_continuous_split(*setup.benchmark, data, split));
     experts_ = std::make_shared<const tasks::ExpertWalks>(
-        file ? tasks::ExpertWalks() : agents::load_experts_of(benchmark, data, split));
+        file ? tasks::ExpertWalks() : agents::load_experts_of(*setup.benchmark, data, split));
     for (std::size_t i = 0; i < all().size(); ++i) by_id_.emplace(text_of(all()[i].id), i);
   }
 
@@ -115,9 +115,9 @@ nb::object set_expert(const ContinuousSet& self, std::size_t i) {
 
 nb::dict score_dict(const tasks::ContinuousScore& score) {
   nb::dict d;
-  for (const tasks::ContinuousMeasure& measure : tasks::continuous_measures()) {
-    d[nb::str(measure.name.data(), measure.name.size())] = measure.value(score);
-  }
+  const auto values = tasks::vlnce_values(score);
+  const auto metrics = tasks::benchmark("r2r-ce").scorer("vlnce").metrics;
+  for (std::size_t k = 0; k < values.size(); ++k) d[metrics[k].name] = values[k];
   d["oracle_navigation_error"] = score.oracle_navigation_error;
   d["oracle_spl"] = score.oracle_spl;
   return d;

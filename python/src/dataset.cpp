@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
 #include "python/src/bindings.h"
@@ -47,7 +48,7 @@ nb::list examine(const Dataset& dataset) {
 
 bool has_annotations(const Dataset& dataset, const std::string& task, const std::string& split) {
   try {
-    dataset.annotations_file(tasks::task_named(task), split);
+    dataset.annotations_file(tasks::benchmark(task, tasks::World::kGraph).task, split);
     return true;
   } catch (const FileError&) {
     return false;

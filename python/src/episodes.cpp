@@ -16,10 +16,10 @@
 
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 #include "python/src/bindings.h"
 #include "python/src/goals.h"
 
@@ -41,7 +41,7 @@ tasks::EpisodeSet load(const dataset::Dataset& dataset, tasks::Task task, const 
                               tasks::needs_boxes(read) ? &dataset.objects() : nullptr);
 }
 
-/// The episodes, and their indices by id, made at first use.
+/// The episodes, and their places by id once somebody has asked for one.
 class Episodes {
  public:
   explicit Episodes(Set set) : set_(std::move(set)) {}
@@ -69,7 +69,7 @@ std::unique_ptr<Episodes> load_episodes(const dataset::Dataset& dataset, const s
   const nb::gil_scoped_release unlocked;
   const auto wanted = all_instructions ? tasks::Instructions::kAll : tasks::Instructions::kScored;
   return std::make_unique<Episodes>(std::make_shared<tasks::EpisodeSet>(
-      load(dataset, tasks::task_named(task), split, file, wanted)));
+      load(dataset, tasks::benchmark(task, tasks::World::kGraph).task, split, file, wanted)));
 }
 
 nb::object optional_number(const std::optional<double>& number) {
@@ -113,14 +113,14 @@ nb::tuple episode(const Episodes& self, std::size_t i) {
                         path.group, details_tuple(e.details));
 }
 
-// For enfilade._learn, which is built with this module. It has the same C++ classes, but not their
-// Python types.
+// For enfilade._learn, which is built with this module and has the same classes, but not its types
+// of Python objects.
 nb::capsule shared(const Episodes& self) {
   return nb::capsule(new Set(self.set()), "enfilade.EpisodeSet",
                      [](void* set) noexcept { delete static_cast<Set*>(set); });
 }
 
-// (instruction_id, path_id, group, scan, language): the first columns of a table of scores.
+// (instruction_id, path_id, group, scan, language): what a table of scores begins with.
 nb::tuple about(const Episodes& self, std::size_t i) {
   const tasks::EpisodeSet& set = *self.set();
   if (i >= set.episodes.size()) throw nb::index_error("episode");
@@ -130,88 +130,41 @@ nb::tuple about(const Episodes& self, std::size_t i) {
                         e.details.language);
 }
 
-struct Scored {
-  std::vector<std::string> names;       // of the columns
-  std::vector<std::string> mean_names;  // the scorer's names of their means
-  std::vector<tasks::MeanInterval> means;
-  std::vector<bool> has_mean;
-  std::vector<double> values;  // n x columns
-};
-
-Scored score_as_ours(const std::vector<tasks::Trajectory>& trajectories,
-                     const tasks::EpisodeSet& episodes, double success_distance, int samples) {
-  tasks::ScoreOptions options;
-  options.metrics.success_distance = success_distance;
-  options.bootstrap_samples = samples;
-  const tasks::Score score = tasks::compute_score(trajectories, episodes, options);
-  Scored scored;
-  scored.means = score.means;
-  for (const tasks::MetricField& field : tasks::metric_fields()) {
-    scored.names.emplace_back(field.name);
-    scored.mean_names.emplace_back(field.name);
-    scored.has_mean.push_back(true);
-  }
-  for (const tasks::EpisodeMetrics& metrics : score.episodes) {
-    for (const tasks::MetricField& field : tasks::metric_fields()) {
-      scored.values.push_back(metrics.*field.field);
-    }
-  }
-  return scored;
-}
-
-Scored score_as(const tasks::PublicScorer& scorer,
-                const std::vector<tasks::Trajectory>& trajectories,
-                const tasks::EpisodeSet& episodes, int samples) {
-  tasks::TaskScoreOptions options;
-  options.bootstrap_samples = samples;
-  tasks::TaskScore score = tasks::compute_task_score(trajectories, episodes, scorer, options);
-  Scored scored;
-  scored.values = std::move(score.values);
-  scored.means = std::move(score.means);
-  for (const tasks::ScorerMetric& metric : scorer.metrics) {
-    scored.names.emplace_back(metric.name);
-    scored.mean_names.emplace_back(metric.mean_name());
-    scored.has_mean.push_back(metric.rule != tasks::MeanRule::kNone);
-  }
-  return scored;
-}
-
 // "enfilade": our own metrics, with R2R's goals only. Empty: the task's first.
 std::string scorer_name(const tasks::EpisodeSet& episodes, const std::string& wanted) {
   const bool r2r = episodes.task == tasks::Task::kR2r;
   if (wanted.empty()) {
-    return r2r ? "enfilade" : std::string(tasks::public_scorers(episodes.task)[0].name);
+    return std::string(tasks::benchmark(episodes.task).scorers.front().name);
   }
   if (wanted == "enfilade" && !r2r) {
     throw ArgumentError(fmt::format("scorer 'enfilade' is of R2R, the episodes are of {}",
-                                    tasks::title_of(episodes.task)));
+                                    tasks::benchmark(episodes.task).title));
   }
   return wanted;
 }
 
-nb::tuple scored_tuple(const std::string& scorer, Scored scored,
-                       const std::vector<std::size_t>& places,
+nb::tuple scored_tuple(tasks::ScoreTable score, const std::vector<std::size_t>& places,
                        const std::vector<Diagnostic>& warnings) {
   nb::dict means;
-  for (std::size_t k = 0; k < scored.means.size(); ++k) {
-    if (!scored.has_mean[k]) continue;
-    const auto& mean = scored.means[k];
-    means[scored.mean_names[k].c_str()] = nb::make_tuple(mean.mean, mean.low, mean.high);
-  }
   nb::list names, told;
-  for (const std::string& name : scored.names) names.append(name);
+  const auto metrics = score.scorer->metrics;
+  for (std::size_t k = 0; k < metrics.size(); ++k) {
+    names.append(metrics[k].name);
+    if (metrics[k].rule == tasks::MeanRule::kNone) continue;
+    const auto& mean = score.means[k];
+    means[metrics[k].mean_name()] = nb::make_tuple(mean.mean, mean.low, mean.high);
+  }
   for (const Diagnostic& warning : warnings) told.append(to_string(warning));
-  auto kept = std::make_unique<std::vector<double>>(std::move(scored.values));
+  auto kept = std::make_unique<std::vector<double>>(std::move(score.values));
   std::vector<double>* values = kept.release();
   const nb::capsule owner(values,
                           [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-  const std::size_t width = scored.names.size();
-  return nb::make_tuple(scorer, nb::tuple(names), means,
-                        array_of(values->data(), owner, values->size() / width, width), places,
+  return nb::make_tuple(std::string(score.scorer->name), nb::tuple(names), means,
+                        array_of(values->data(), owner, score.episodes, metrics.size()), places,
                         told);
 }
 
-// (scorer, names, {metric: (mean, low, high)}, values, indices of the episodes, warnings)
+// (scorer, names, {metric: (mean, low, high)}, values, places of the episodes, warnings)
 nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>& file,
                 const std::string& text, const std::string& wanted, double success_distance,
                 int samples, bool part) {
@@ -227,11 +180,11 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
         fmt::format("success_distance {}: more than 0 m is needed", success_distance));
   }
   tasks::Results results;
-  Scored scored;
+  tasks::ScoreTable scored;
   std::vector<std::size_t> places;
   {
     const nb::gil_scoped_release unlocked;
-    const tasks::PublicScorer* scorer = ours ? nullptr : &tasks::public_scorer(all.task, name);
+    const tasks::Scorer& scorer = tasks::benchmark(all.task).scorer(name);
     const auto coverage = part ? tasks::Coverage::kPart : tasks::Coverage::kAll;
     results = file ? tasks::load_results(*file, all, coverage)
                    : tasks::parse_results(text, "<results>", all, coverage);
@@ -241,10 +194,10 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
     std::optional<tasks::EpisodeSet> smaller;
     if (part) smaller = tasks::part_of(all, results.trajectories);
     const tasks::EpisodeSet& episodes = smaller ? *smaller : all;
-    scored = ours ? score_as_ours(results.trajectories, episodes, success_distance, samples)
-                  : score_as(*scorer, results.trajectories, episodes, samples);
+    scored = compute_score(results.trajectories, episodes, scorer,
+                           {.metrics = {success_distance}, .bootstrap_samples = samples});
   }
-  return scored_tuple(name, std::move(scored), places, results.warnings);
+  return scored_tuple(std::move(scored), places, results.warnings);
 }
 
 }  // namespace
@@ -252,7 +205,7 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
 Set episode_set(nb::handle episodes) { return nb::cast<const Episodes&>(episodes).set(); }
 
 void bind_episodes(nb::module_& m) {
-  nb::class_<Episodes>(m, "EpisodeSet", "The core of enfilade.Episodes.")
+  nb::class_<Episodes>(m, "EpisodeSet", "What enfilade.Episodes is made of.")
       .def(nb::new_(&load_episodes), "dataset"_a, "task"_a, "split"_a, "all_instructions"_a,
            "file"_a.none())
       .def("__len__", [](const Episodes& s) { return s.set()->episodes.size(); })
@@ -271,8 +224,9 @@ void bind_episodes(nb::module_& m) {
             return texts;
           },
           nb::sig("def texts(self) -> list[str]"))
-      .def_prop_ro("task",
-                   [](const Episodes& s) { return std::string(tasks::name_of(s.set()->task)); })
+      .def_prop_ro(
+          "task",
+          [](const Episodes& s) { return std::string(tasks::benchmark(s.set()->task).name); })
       .def_prop_ro("graphs", [](const Episodes& s) { return s.set()->graphs; })
       .def("score", score, "file"_a.none(), "text"_a, "scorer"_a, "success_distance"_a,
            "bootstrap_samples"_a, "part"_a,

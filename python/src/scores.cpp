@@ -10,9 +10,10 @@
 #include <vector>
 
 #include "enfilade/core/threads.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/metrics.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/scorer.h"
 #include "python/src/bindings.h"
 #include "python/src/goals.h"
 
@@ -57,7 +58,8 @@ void read_answer(nb::handle answer, tasks::Task task, const graph::NavGraph& gra
   } else if (task == tasks::Task::kSoon) {
     trajectory.point = tasks::SpherePoint{nb::cast<double>(answer[0]), nb::cast<double>(answer[1])};
   } else {
-    throw ArgumentError(fmt::format("answers: {} asks for a path alone", tasks::title_of(task)));
+    throw ArgumentError(
+        fmt::format("answers: {} asks for a path alone", tasks::benchmark(task).title));
   }
 }
 
@@ -70,7 +72,7 @@ void read_item(Item& item, tasks::Task task, std::size_t i, nb::handle trajector
   if (!goal.is_none()) item.reference.goal = read_goal(nb::tuple(nb::borrow(goal)), *item.graph);
   if (!fits(item.reference.goal, task)) {
     throw ArgumentError(fmt::format("goals: element {} is of a kind that {} does not have", i,
-                                    tasks::title_of(task)));
+                                    tasks::benchmark(task).title));
   }
   read_answer(answer, task, *item.graph, item.trajectory);
 }
@@ -79,8 +81,8 @@ nb::object score_paths(const graph::GraphSet& graphs, const std::string& task_na
                        const std::string& scorer_name, const nb::list& scans,
                        const nb::list& trajectories, const nb::list& references,
                        const nb::list& goals, const nb::list& answers) {
-  const tasks::Task task = tasks::task_named(task_name);
-  const tasks::PublicScorer& scorer = tasks::public_scorer(task, scorer_name);
+  const tasks::Task task = tasks::benchmark(task_name, tasks::World::kGraph).task;
+  const tasks::Scorer& scorer = tasks::benchmark(task).scorer(scorer_name);
   std::vector<Item> items(scans.size());
   for (std::size_t i = 0; i < items.size(); ++i) {
     items[i].graph = &graphs.graph(nb::cast<std::string>(scans[i]));
@@ -92,8 +94,8 @@ nb::object score_paths(const graph::GraphSet& graphs, const std::string& task_na
     const nb::gil_scoped_release unlocked;
     parallel_for(items.size(), kPathsAtOnce, 0, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        scorer.score(*items[i].graph, items[i].reference, items[i].trajectory,
-                     std::span(*kept).subspan(i * width, width));
+        scorer.on_graph({*items[i].graph, items[i].reference, items[i].trajectory},
+                        std::span(*kept).subspan(i * width, width));
       }
     });
   }
@@ -106,7 +108,9 @@ nb::object score_paths(const graph::GraphSet& graphs, const std::string& task_na
 // [(name, source, metric names, names of their means), ...]
 nb::list scorers(const std::string& task) {
   nb::list rows;
-  for (const tasks::PublicScorer& scorer : tasks::public_scorers(tasks::task_named(task))) {
+  for (const tasks::Scorer& scorer :
+       tasks::benchmark(tasks::benchmark(task, tasks::World::kGraph).task).scorers) {
+    if (scorer.name == tasks::kOwnScorer) continue;  // metrics() is it
     nb::list metrics, means;
     for (const tasks::ScorerMetric& metric : scorer.metrics) {
       metrics.append(metric.name);

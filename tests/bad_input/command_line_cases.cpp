@@ -46,7 +46,7 @@ std::vector<Case> command_line_cases() {
            "no task \"r3r\"; there are r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn, soon"),
       line("a scorer that is none",
            "score {}/results.json --data {} --split made --scorer official", 2,
-           "no scorer \"official\" for this task; there are duet, hamt, valan, r4r_public"),
+           "no scorer \"official\" for R2R; there are enfilade, duet, hamt, valan, r4r_public"),
       line("a task of which there is no data",
            "score {}/results.json --data {} --split made --task soon", 3,
            "holds no SOON annotations of split \"made\"; tried: soon/made.json, soon/made.json.gz"),

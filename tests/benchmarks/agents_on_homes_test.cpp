@@ -15,6 +15,7 @@
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/report/results_table.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/statistics.h"
 #include "tests/support/temporary_folder.h"
@@ -56,7 +57,7 @@ tasks::EpisodeSet episodes_of(const dataset::Dataset& data, Task task, const std
 // The table of three agents on all such splits: results are written, found, read and scored.
 report::ResultsTable table_of(Task task) {
   const dataset::Dataset data(folder());
-  const TemporaryFolder runs(fmt::format("runs-{}", tasks::name_of(task)));
+  const TemporaryFolder runs(fmt::format("runs-{}", tasks::benchmark(task).name));
   for (const std::string& split : known_splits(data, task)) {
     const tasks::EpisodeSet episodes = episodes_of(data, task, split);
     for (const char* name : {"shortest", "random", "reference"}) {
@@ -66,8 +67,9 @@ report::ResultsTable table_of(Task task) {
     }
   }
   const std::vector<fs::path> named{runs.path()};
-  return report::make_table(report::score_runs(report::find_runs(named, data, task), data),
-                            data.synthetic());
+  return report::make_table(
+      report::score_runs(report::find_runs(named, data, tasks::benchmark(task)), data),
+      data.synthetic());
 }
 
 // The value of a metric in a row; nothing if the table has no such column.
@@ -84,7 +86,7 @@ class EveryTask : public ::testing::TestWithParam<Task> {};
 TEST_P(EveryTask, ShortestAlwaysArrivesAndRandomSeldom) {
   const report::ResultsTable table = table_of(GetParam());
   EXPECT_TRUE(table.synthetic);
-  ASSERT_FALSE(table.rows.empty()) << tasks::name_of(GetParam());
+  ASSERT_FALSE(table.rows.empty()) << tasks::benchmark(GetParam()).name;
   fmt::print("{}\n", to_markdown(table));
   for (const report::TableRow& row : table.rows) {
     const double success = value(table, row, "success").value();
@@ -131,7 +133,7 @@ TEST_P(EveryTask, StatisticsCountWhatItHas) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Homes, EveryTask, ::testing::ValuesIn(kTasks), [](const auto& task) {
-  std::string name(tasks::name_of(task.param));
+  std::string name(tasks::benchmark(task.param).name);
   std::ranges::replace(name, '-', '_');
   return name;
 });

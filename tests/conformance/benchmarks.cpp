@@ -15,10 +15,11 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/continuous_score.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/metrics.h"
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/scorer.h"
 
 namespace enfilade::tests {
 namespace {
@@ -26,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using tasks::EpisodeSet;
-using tasks::PublicScorer;
+using tasks::Scorer;
 using tasks::Task;
 using tasks::Trajectory;
 
@@ -76,14 +77,13 @@ class Check {
   double tolerance_;
 };
 
-std::map<std::string, double> by_name(const PublicScorer& scorer, std::span<const double> values) {
+std::map<std::string, double> by_name(const Scorer& scorer, std::span<const double> values) {
   std::map<std::string, double> named;
   for (std::size_t k = 0; k < values.size(); ++k) named[scorer.metrics[k].name] = values[k];
   return named;
 }
 
-std::map<std::string, double> by_mean_name(const PublicScorer& scorer,
-                                           std::span<const double> means) {
+std::map<std::string, double> by_mean_name(const Scorer& scorer, std::span<const double> means) {
   std::map<std::string, double> named;
   for (std::size_t k = 0; k < means.size(); ++k) {
     if (scorer.metrics[k].rule == tasks::MeanRule::kNone) continue;
@@ -93,22 +93,22 @@ std::map<std::string, double> by_mean_name(const PublicScorer& scorer,
 }
 
 // SOON's released scorer has no values of an episode: what is recorded is its summary of one.
-bool summarises_one(const PublicScorer& scorer) {
+bool summarises_one(const Scorer& scorer) {
   return std::ranges::any_of(scorer.metrics, [](const tasks::ScorerMetric& m) {
     return m.rule == tasks::MeanRule::kGuarded;
   });
 }
 
-std::vector<double> score_one(const PublicScorer& scorer, const EpisodeSet& episodes,
+std::vector<double> score_one(const Scorer& scorer, const EpisodeSet& episodes,
                               const Trajectory& trajectory) {
   const tasks::Episode& episode = episodes.episodes.at(trajectory.episode);
   std::vector<double> values(scorer.metrics.size());
-  scorer.score(episodes.graph_of(episode), episodes.path_of(episode), trajectory, values);
+  scorer.on_graph({episodes.graph_of(episode), episodes.path_of(episode), trajectory}, values);
   return values;
 }
 
-void compare_one(Check& check, const std::string& where, const PublicScorer& scorer,
-                 const Json& expected, std::span<const double> values) {
+void compare_one(Check& check, const std::string& where, const Scorer& scorer, const Json& expected,
+                 std::span<const double> values) {
   if (!summarises_one(scorer)) {
     check.compare(where, expected, by_name(scorer, values));
     return;
@@ -183,7 +183,7 @@ void check_means(Check& check, const std::string& where, const EpisodeSet& episo
                  const std::vector<Trajectory>& trajectories, const Json& means) {
   for (const auto& [name, expected] : means.items()) {
     const auto [scorer_name, language] = split_language(episodes.task, name);
-    const PublicScorer& scorer = tasks::public_scorer(episodes.task, scorer_name);
+    const Scorer& scorer = tasks::benchmark(episodes.task).scorer(scorer_name);
     std::vector<double> values;
     for (const Trajectory& trajectory : trajectories) {
       const tasks::Episode& episode = episodes.episodes[trajectory.episode];
@@ -235,7 +235,7 @@ void check_set(Check& check, const Json& set, Task task, const Places& places,
     trajectories.push_back(predictions.read(prediction));
     const std::string where = fmt::format("{} {}", id, prediction.at("instr_id").dump());
     for (const auto& [name, expected] : prediction.at("scores").items()) {
-      const PublicScorer& scorer = tasks::public_scorer(task, name);
+      const Scorer& scorer = tasks::benchmark(task).scorer(name);
       compare_one(check, where + " " + name, scorer, expected,
                   score_one(scorer, episodes, trajectories.back()));
     }
@@ -308,9 +308,9 @@ void check_threshold(Check& check, const Json& all, const Places& places) {
       }
       trajectory.turning_point = walk.back();
       trajectory.point = {0.16, 0.5};
-      const PublicScorer& scorer = tasks::public_scorer(task, scorer_name);
+      const Scorer& scorer = tasks::benchmark(task).scorer(scorer_name);
       std::vector<double> values(scorer.metrics.size());
-      scorer.score(graph, reference, trajectory, values);
+      scorer.on_graph({graph, reference, trajectory}, values);
       compare_one(check, fmt::format("{}: {}", set.at("case").dump(), name), scorer, expected,
                   values);
     }

@@ -10,7 +10,7 @@
 
 #include "apps/common/program.h"
 #include "enfilade/core/file.h"
-#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/benchmark.h"
 #include "tests/conformance/benchmarks.h"
 #include "tests/conformance/data_beside.h"
 #include "tests/conformance/doubtful.h"
@@ -49,7 +49,7 @@ std::string_view title_of(const std::string& file) {
   if (is_continuous(file)) return "VLN-CE";
   std::string name = std::filesystem::path(file).stem().string();
   std::ranges::replace(name, '_', '-');
-  return tasks::title_of(tasks::task_named(name));
+  return tasks::benchmark(name).title;
 }
 
 // As a table of Markdown.

@@ -10,9 +10,10 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::tests {
 namespace {
@@ -65,7 +66,7 @@ std::string codes_of(const InvalidInput& refused) {
   return fmt::format("fault: {}", fmt::join(codes, ", "));
 }
 
-bool same_means(const tasks::TaskScore& score, const Json& means) {
+bool same_means(const tasks::ScoreTable& score, const Json& means) {
   for (std::size_t k = 0; k < score.means.size(); ++k) {
     const tasks::ScorerMetric& metric = score.scorer->metrics[k];
     if (metric.rule == tasks::MeanRule::kNone) continue;
@@ -90,9 +91,9 @@ std::string ours_of(const Json& input, const Json& annotations, Task task,
         tasks::parse_annotations(annotations.dump(), "annotations", "made", task), graphs,
         tasks::Instructions::kAll, &objects);
     const auto results = tasks::parse_results(input.at("predictions").dump(), "results", episodes);
-    const auto& scorer = tasks::public_scorer(task, scorer_name(input.at("scorer").get<std::string>()));
+    const auto& scorer = tasks::benchmark(task).scorer(scorer_name(input.at("scorer").get<std::string>()));
     const auto score =
-        tasks::compute_task_score(results.trajectories, episodes, scorer, {.bootstrap_samples = 0});
+        tasks::compute_score(results.trajectories, episodes, scorer, {.bootstrap_samples = 0});
     const Json& outcome = input.at("outcome");
     const bool means = outcome.contains("means") && !outcome["means"].contains("error");
     if (!means) return "scored";
@@ -119,7 +120,7 @@ std::vector<DoubtfulInput> doubtful_inputs(const fs::path& file, const fs::path&
     const Json all = Json::parse(read_file(file));
     std::string name = file.stem().string();
     std::replace(name.begin(), name.end(), '_', '-');
-    const Task task = tasks::task_named(name);
+    const Task task = tasks::benchmark(name, tasks::World::kGraph).task;
     const auto objects = task == Task::kReverie
                              ? tasks::ObjectBoxes::load(data / "reverie/BBox.json.gz")
                              : tasks::ObjectBoxes();

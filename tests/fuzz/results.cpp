@@ -6,7 +6,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/fuzz/fixture.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

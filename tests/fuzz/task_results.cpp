@@ -7,7 +7,8 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/tasks/task_score.h"
+#include "enfilade/tasks/benchmark.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/fuzz/fixture.h"
 
 namespace {
@@ -62,11 +63,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {
     const tasks::Results results = tasks::parse_results(text, "<fuzz>", episodes);
-    for (const tasks::PublicScorer& scorer : tasks::public_scorers(episodes.task)) {
-      const auto score = tasks::compute_task_score(results.trajectories, episodes, scorer,
-                                                   {.threads = 1, .bootstrap_samples = 10});
+    for (const tasks::Scorer& scorer : tasks::benchmark(episodes.task).scorers) {
+      const auto score = tasks::compute_score(results.trajectories, episodes, scorer,
+                                              {.threads = 1, .bootstrap_samples = 10});
       EN_CHECK_EQ(score.means.size(), scorer.metrics.size());
-      to_json(score, episodes, true);
+      to_json(score, true);
     }
   } catch (const Error&) {
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "enfilade/core/file.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::service::testing {
@@ -130,9 +131,10 @@ inline void write_benchmarks(const std::filesystem::path& root, const HiddenThin
     write_file_atomically(file, text);
   };
   for (const tasks::Task task : kOtherTasks) {
-    const auto place = tasks::annotation_places(task, "test").front();
+    const auto place = tasks::episode_places(tasks::benchmark(task), "test").front();
     write(root / "data" / place, served_split(task, mistaken ? &goal : nullptr));
-    write(root / fmt::format("secret-{}.json", tasks::name_of(task)), served_split(task, &goal));
+    write(root / fmt::format("secret-{}.json", tasks::benchmark(task).name),
+          served_split(task, &goal));
   }
   write(root / "data" / tasks::object_places().front(), served_boxes());
 }

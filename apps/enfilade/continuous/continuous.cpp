@@ -50,10 +50,10 @@ tasks::Annotations annotations_of(const dataset::Dataset& data, tasks::Continuou
                                              : data.annotations(split);
 }
 
-SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
+SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                          const std::shared_ptr<const continuous::Buildings>& buildings,
                          const std::string& split, const Options& options) {
-  const tasks::Annotations annotations = annotations_of(data, benchmark.form, split);
+  const tasks::Annotations annotations = annotations_of(data, setup.benchmark->form, split);
   tasks::DeriveOptions derive;
   derive.seed = options.seed;
   if (options.headings == "random") derive.start_headings = tasks::StartHeadings::kRandom;
@@ -62,12 +62,12 @@ SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousB
   const fs::path folder = data.folder();
   if (!goals_hidden(derived.episodes)) {
     const agents::ContinuousRunOptions run{
-        .batch_size = 64, .seed = 1, .simulator = benchmark.simulator};
-    write_packed(folder / tasks::expert_places(benchmark.form, split).front(),
+        .batch_size = 64, .seed = 1, .simulator = setup.simulator};
+    write_packed(folder / tasks::expert_places(*setup.benchmark, split).front(),
                  to_json(agents::record_experts(derived.episodes, buildings, run,
                                                 progress_bar("experts, " + split))));
   }
-  write_packed(folder / tasks::continuous_places(benchmark.form, split).front(),
+  write_packed(folder / tasks::episode_places(*setup.benchmark, split).front(),
                to_json(derived.episodes));
   return {derived.episodes.episodes.size(), source_paths(derived, annotations), derived.dropped};
 }
@@ -78,10 +78,10 @@ void tell_dropped(const std::string& split, const SplitReport& report, std::stri
   }
 }
 
-FloorsReport make_and_tell(const dataset::Dataset& data,
-                           const agents::ContinuousBenchmark& benchmark, const Options& options) {
-  FloorsReport report = make_floors(data, benchmark, options.meshes, options.threads);
-  const fs::path folder = data.folder() / benchmark.navigation_folder();
+FloorsReport make_and_tell(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
+                           const Options& options) {
+  FloorsReport report = make_floors(data, setup, options.meshes, options.threads);
+  const fs::path folder = data.folder() / setup.navigation_folder();
   fmt::print("{}: navigation meshes: {} made, {} were there\n", folder.string(), report.made,
              report.kept);
   if (!report.without_mesh.empty()) {
@@ -103,9 +103,9 @@ std::vector<std::string> splits_of(const dataset::Dataset& data, tasks::Continuo
 }
 
 ExitCode make(const Options& options) {
-  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const agents::ContinuousSetup& setup = agents::continuous_setup(options.task);
   const dataset::Dataset data = open_data(options.data);
-  const FloorsReport floors = make_and_tell(data, benchmark, options);
+  const FloorsReport floors = make_and_tell(data, setup, options);
   if (options.light) {
     const LightsReport lights = make_home_lights(data, options.threads);
     fmt::print("{}: light of homes: {} made, {} were there\n", (data.folder() / "light").string(),
@@ -114,13 +114,13 @@ ExitCode make(const Options& options) {
   const ExitCode status = floors.faults.empty() ? kSuccess : kFaultsFound;
   if (options.floors_only || floors.made + floors.kept == 0) return status;
   const auto buildings =
-      std::make_shared<const continuous::Buildings>(data.folder() / benchmark.navigation_folder());
+      std::make_shared<const continuous::Buildings>(data.folder() / setup.navigation_folder());
   std::string dropped;
-  for (const std::string& split : splits_of(data, benchmark.form)) {
-    const SplitReport report = derive_split(data, benchmark, buildings, split, options);
+  for (const std::string& split : splits_of(data, setup.benchmark->form)) {
+    const SplitReport report = derive_split(data, setup, buildings, split, options);
     tell_dropped(split, report, dropped);
     fmt::print("{}: {} episodes of {} paths; {} cannot be walked\n",
-               (data.folder() / tasks::continuous_places(benchmark.form, split).front()).string(),
+               (data.folder() / tasks::episode_places(*setup.benchmark, split).front()).string(),
                report.episodes, report.paths, report.dropped.size());
   }
   if (!options.dropped.empty()) write_output(options.dropped, dropped);

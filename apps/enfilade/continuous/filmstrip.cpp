@@ -33,7 +33,7 @@ struct Options {
 tasks::ContinuousResult expert_walk(const tasks::ContinuousEpisodes& episodes,
                                     const tasks::ContinuousEpisode& episode,
                                     const std::shared_ptr<const continuous::Buildings>& buildings,
-                                    const agents::ContinuousBenchmark& benchmark) {
+                                    const agents::ContinuousSetup& setup) {
   tasks::ContinuousEpisodes one = episodes;
   one.episodes = {episode};
   if (!episode.reference_path) {
@@ -43,8 +43,7 @@ tasks::ContinuousResult expert_walk(const tasks::ContinuousEpisodes& episodes,
                     tasks::text_of(episode.id), episodes.split));
   }
   const auto expert = agents::make_continuous_agent("reference");
-  return agents::run_continuous(*expert, one, buildings, {.simulator = benchmark.simulator})
-      .front();
+  return agents::run_continuous(*expert, one, buildings, {.simulator = setup.simulator}).front();
 }
 
 // "12: forward"; the last pose has no action after it.
@@ -83,20 +82,20 @@ void draw_strip(const Options& options) {
   (void)picture_files({.file = options.output});  // throws if the name is not that of a picture
   const Size thumb = parse_size("--thumb", options.thumb);
   validate_field_of_view(options.vfov);
-  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const agents::ContinuousSetup& setup = agents::continuous_setup(options.task);
   const dataset::Dataset data = open_data(options.data);
   const tasks::ContinuousEpisodes episodes =
-      agents::load_continuous_split(benchmark, data.folder(), options.split);
+      agents::load_continuous_split(*setup.benchmark, data.folder(), options.split);
   const tasks::ContinuousEpisode* episode = find_episode(episodes, options.episode);
   if (episode == nullptr) {
-    throw UsageError(
-        fmt::format("{}: no episode of {} {}", options.episode, benchmark.name, options.split));
+    throw UsageError(fmt::format("{}: no episode of {} {}", options.episode, setup.benchmark->name,
+                                 options.split));
   }
   const tasks::ContinuousResult walk =
       options.results.empty() ? expert_walk(episodes, *episode,
                                             std::make_shared<const continuous::Buildings>(
-                                                data.folder() / benchmark.navigation_folder()),
-                                            benchmark)
+                                                data.folder() / setup.navigation_folder()),
+                                            setup)
                               : walk_of(options.results, episodes, *episode);
   if (walk.headings.empty()) {
     throw UsageError(
@@ -110,7 +109,7 @@ void draw_strip(const Options& options) {
                    continuous::parse_appearance(options.appearance).value(), options.threads);
   const auto pictures = captioned_poses(walk, chosen_poses(walk, options.pictures), look,
                                         {thumb.width, thumb.height, degrees(options.vfov)},
-                                        benchmark.simulator.eye_height, options.threads);
+                                        setup.simulator.eye_height, options.threads);
   const std::string title =
       fmt::format("{}{}, episode {} of {}: {}", scan, data.synthetic() ? " (SYNTHETIC)" : "",
                   options.episode, options.split, episode->instruction.text);

@@ -47,12 +47,12 @@ mesh::FloorPolygons floor_of_file(const MeshFile& found, const std::string& up,
 
 class Maker {
  public:
-  Maker(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
+  Maker(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
         const MeshSource& source)
       : data_(data),
-        benchmark_(benchmark),
+        setup_(setup),
         source_(source),
-        folder_(data.folder() / benchmark.navigation_folder()) {
+        folder_(data.folder() / setup.navigation_folder()) {
     if (!source.folder.empty() && !fs::is_directory(source.folder)) {
       throw FileError(fmt::format("{}: not a folder (looked for meshes there)", source.folder));
     }
@@ -98,9 +98,9 @@ class Maker {
           data_.graphs()->graph(ScanIndex(static_cast<std::uint32_t>(index)));
       continuous::save_navigation_mesh(
           home == homes_.end()
-              ? floor_of_file(*found, source_.up, graph, benchmark_.body)
+              ? floor_of_file(*found, source_.up, graph, setup_.body)
               : homes::make_home_floor(
-                    homes::build_home(home->second.plan, homes::Surfaces::kPlain), benchmark_.body),
+                    homes::build_home(home->second.plan, homes::Surfaces::kPlain), setup_.body),
           file);
       count(report_.made);
     } catch (const InvalidInput& error) {  // the other buildings are made all the same
@@ -114,7 +114,7 @@ class Maker {
   bool is_there(const fs::path& file) const {
     if (!file_exists(file)) return false;
     const mesh::Body have = continuous::load_navigation_mesh(file).body;
-    const mesh::Body& want = benchmark_.body;
+    const mesh::Body& want = setup_.body;
     return have.radius == want.radius && have.height == want.height && have.step == want.step &&
            have.slope == want.slope;
   }
@@ -125,7 +125,7 @@ class Maker {
   }
 
   const dataset::Dataset& data_;
-  const agents::ContinuousBenchmark& benchmark_;
+  const agents::ContinuousSetup& setup_;
   const MeshSource& source_;
   fs::path folder_;
   std::map<std::string, homes::HomeEntry> homes_;
@@ -143,9 +143,9 @@ std::optional<MeshFile> find_mesh_file(const fs::path& data, const MeshSource& s
   return MeshFile{found->file, found->up == mesh::UpAxis::kZ ? "z" : "format"};
 }
 
-FloorsReport make_floors(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
+FloorsReport make_floors(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                          const MeshSource& source, int threads) {
-  return Maker(data, benchmark, source).run(threads, progress_bar("floors"));
+  return Maker(data, setup, source).run(threads, progress_bar("floors"));
 }
 
 }  // namespace enfilade::apps

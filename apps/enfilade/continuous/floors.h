@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 
 namespace enfilade::apps {
 
@@ -36,7 +36,7 @@ struct FloorsReport {
 /// Makes the navigation mesh of each scan that has a mesh: a model home's own, which is made again
 /// from its seed, or a file. What is there for the same body is kept; a killed run goes on.
 /// \throws FileError
-FloorsReport make_floors(const dataset::Dataset& data, const agents::ContinuousBenchmark& benchmark,
+FloorsReport make_floors(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                          const MeshSource& source, int threads);
 
 }  // namespace enfilade::apps

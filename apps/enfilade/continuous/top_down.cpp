@@ -8,7 +8,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/continuous/walked_episode.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/draw/top_down.h"
 #include "enfilade/tasks/continuous_results.h"
@@ -37,20 +37,20 @@ std::vector<draw::WalkedLine> lines_of(const tasks::ContinuousEpisodes& episodes
 }
 
 void draw_map(const Options& options) {
-  const agents::ContinuousBenchmark& benchmark = agents::continuous_benchmark(options.task);
+  const agents::ContinuousSetup& setup = agents::continuous_setup(options.task);
   const dataset::Dataset data = open_data(options.data);
-  const continuous::Buildings buildings(data.folder() / benchmark.navigation_folder());
+  const continuous::Buildings buildings(data.folder() / setup.navigation_folder());
   std::string scan = options.what;
   draw::TopDownOptions map;
   std::vector<draw::WalkedLine> lines;
   if (!buildings.find(scan)) {
     const tasks::ContinuousEpisodes episodes =
-        agents::load_continuous_split(benchmark, data.folder(), options.split);
+        agents::load_continuous_split(*setup.benchmark, data.folder(), options.split);
     const tasks::ContinuousEpisode* episode = find_episode(episodes, options.what);
     if (episode == nullptr) {
       throw UsageError(
           fmt::format("{}: neither a scan with a navigation mesh nor an episode of {} {}",
-                      options.what, benchmark.name, options.split));
+                      options.what, setup.benchmark->name, options.split));
     }
     scan = episode->scan();
     map.title = fmt::format("{}, episode {} of {}", scan, options.what, options.split);

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "apps/common/program.h"
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/tasks/continuous_results.h"
 

@@ -9,42 +9,39 @@
 
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/task_option.h"
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/agents/graph_walk.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/gzip.h"
-#include "enfilade/tasks/continuous_measures.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 namespace {
 
-using agents::ContinuousBenchmark;
+using agents::ContinuousSetup;
 
-std::shared_ptr<const continuous::Buildings> open_buildings(const ContinuousBenchmark& benchmark,
+std::shared_ptr<const continuous::Buildings> open_buildings(const ContinuousSetup& setup,
                                                             const dataset::Dataset& data) {
-  return std::make_shared<const continuous::Buildings>(data.folder() /
-                                                       benchmark.navigation_folder());
+  return std::make_shared<const continuous::Buildings>(data.folder() / setup.navigation_folder());
 }
 
-std::vector<tasks::ContinuousScore> scores_of(const std::vector<tasks::ContinuousResult>& walks,
-                                              const tasks::ContinuousEpisodes& episodes,
-                                              const continuous::Buildings& buildings,
-                                              const ContinuousBenchmark& benchmark,
-                                              const dataset::Dataset& data) {
-  return agents::score_continuous_walks(
-      walks, episodes, buildings, agents::load_experts_of(benchmark, data.folder(), episodes.split),
-      progress_bar("scores"));
+tasks::ScoreTable score(const std::vector<tasks::ContinuousResult>& walks,
+                        const tasks::ContinuousEpisodes& episodes,
+                        const continuous::Buildings& buildings, const tasks::Benchmark& benchmark,
+                        const tasks::Scorer& scorer, const dataset::Dataset& data) {
+  return agents::compute_score(walks, episodes, buildings,
+                               agents::load_experts_of(benchmark, data.folder(), episodes.split),
+                               benchmark, scorer, progress_bar("scoring"));
 }
 
 // Runs the agent through the graph's episodes, and prints how it did there.
 std::unique_ptr<agents::ContinuousAgent> decide_in_graph(
-    const FreeWalk& walk, const ContinuousBenchmark& benchmark, const dataset::Dataset& data,
+    const FreeWalk& walk, const ContinuousSetup& setup, const dataset::Dataset& data,
     const tasks::ContinuousEpisodes& episodes,
     const std::shared_ptr<const continuous::Buildings>& buildings) {
   const tasks::Task task =
-      benchmark.form == tasks::ContinuousForm::kRxr ? tasks::Task::kRxr : tasks::Task::kR2r;
+      setup.benchmark->form == tasks::ContinuousForm::kRxr ? tasks::Task::kRxr : tasks::Task::kR2r;
   const tasks::EpisodeSet set = episodes_of(data, task, walk.split, tasks::Instructions::kAll);
   const std::unique_ptr<agents::Agent> agent =
       std::filesystem::is_directory(walk.agent) ? load_trained_agent(walk.agent, walk.features, set)
@@ -64,43 +61,45 @@ std::unique_ptr<agents::ContinuousAgent> decide_in_graph(
 }  // namespace
 
 void run_free_walk(const FreeWalk& walk) {
-  const ContinuousBenchmark& benchmark = agents::continuous_benchmark(walk.task);
+  const ContinuousSetup& setup = agents::continuous_setup(walk.task);
   std::unique_ptr<agents::ContinuousAgent> agent;
   const bool trained = std::filesystem::is_directory(walk.agent);
   if (!walk.walk_graph && !trained) agent = agents::make_continuous_agent(walk.agent);
   const dataset::Dataset data = open_data(walk.data);
   const tasks::ContinuousEpisodes episodes =
-      agents::load_continuous_split(benchmark, data.folder(), walk.split);
-  const auto buildings = open_buildings(benchmark, data);
-  if (walk.walk_graph) agent = decide_in_graph(walk, benchmark, data, episodes, buildings);
+      agents::load_continuous_split(*setup.benchmark, data.folder(), walk.split);
+  const auto buildings = open_buildings(setup, data);
+  if (walk.walk_graph) agent = decide_in_graph(walk, setup, data, episodes, buildings);
   if (!agent) {
     agent = load_continuous_agent(walk.agent, data, {.folder = walk.meshes, .up = "format"},
                                   episodes, walk.threads);
   }
   const agents::ContinuousRunOptions options{
-      .batch_size = walk.batch_size, .seed = walk.seed, .simulator = benchmark.simulator};
+      .batch_size = walk.batch_size, .seed = walk.seed, .simulator = setup.simulator};
   const auto walks =
       agents::run_continuous(*agent, episodes, buildings, options,
                              progress_bar(fmt::format("{}, {}", walk.agent, walk.split)));
   if (!walk.output.empty()) {
-    write_output(walk.output, to_json(walks, episodes, benchmark.results_form()));
+    write_output(walk.output, to_json(walks, episodes, setup.benchmark->results_form));
   }
   if (walk.output == "-") return;
-  fmt::print("{} on {} of {}: {} episodes{}\n", walk.agent, walk.split, benchmark.title,
+  fmt::print("{} on {} of {}: {} episodes{}\n", walk.agent, walk.split, setup.benchmark->title,
              walks.size(), walk.output.empty() ? "" : " -> " + walk.output);
   if (goals_hidden(episodes)) {
     fmt::print("The goals of this split are hidden, so there is nothing to score it with.\n");
     return;
   }
-  const auto scores = scores_of(walks, episodes, *buildings, benchmark, data);
-  fmt::print("{}", to_table(tasks::measure(scores, walks, episodes)));
+  const tasks::Benchmark& benchmark = *setup.benchmark;
+  fmt::print("{}",
+             to_table(score(walks, episodes, *buildings, benchmark, benchmark.scorer({}), data)));
 }
 
 ExitCode score_free_walk(const FreeScore& asked) {
-  const ContinuousBenchmark& benchmark = agents::continuous_benchmark(asked.task);
+  const ContinuousSetup& setup = agents::continuous_setup(asked.task);
+  const tasks::Scorer& scorer = setup.benchmark->scorer(asked.scorer);
   const dataset::Dataset data = open_data(asked.data);
   const tasks::ContinuousEpisodes episodes =
-      agents::load_continuous_split(benchmark, data.folder(), asked.split);
+      agents::load_continuous_split(*setup.benchmark, data.folder(), asked.split);
   std::vector<tasks::ContinuousResult> walks;
   try {
     walks = tasks::load_continuous_results(
@@ -115,13 +114,10 @@ ExitCode score_free_walk(const FreeScore& asked) {
                     "it cannot be scored here",
                     asked.results, asked.split));
   }
-  const auto buildings = open_buildings(benchmark, data);
-  const auto scores = scores_of(walks, episodes, *buildings, benchmark, data);
-  const tasks::ContinuousMeasures measures = tasks::measure(scores, walks, episodes);
-  if (!asked.json.empty()) {
-    write_output(asked.json, to_json(measures, scores, walks, episodes, asked.per_episode));
-  }
-  if (asked.json != "-") fmt::print("{}", to_table(measures));
+  const auto buildings = open_buildings(setup, data);
+  const tasks::ScoreTable made = score(walks, episodes, *buildings, *setup.benchmark, scorer, data);
+  if (!asked.json.empty()) write_output(asked.json, to_json(made, asked.per_episode));
+  if (asked.json != "-") fmt::print("{}", to_table(made));
   return kSuccess;
 }
 

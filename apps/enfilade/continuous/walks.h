@@ -23,6 +23,7 @@ void run_free_walk(const FreeWalk& walk);
 /// What `score` is asked for.
 struct FreeScore {
   std::string data, task, split, results, json;
+  std::string scorer = {};  ///< empty: the default
   bool per_episode = false, part = false;
 };
 ExitCode score_free_walk(const FreeScore& score);

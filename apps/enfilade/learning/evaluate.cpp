@@ -12,12 +12,13 @@
 #include "apps/enfilade/learning/rank_options.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/core/file.h"
 #include "enfilade/neural/ranks.h"
 #include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/benchmark.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 namespace evaluate_verb {
@@ -105,7 +106,8 @@ void evaluate_speaker(const Options& options) {
 // An agent that walks freely.
 void evaluate_continuous(const Options& options) {
   const std::string task = options.task.empty() ? "r2r-ce" : options.task;
-  if (!agents::is_continuous(task)) {
+  const tasks::Benchmark* named = tasks::find_benchmark(task);
+  if (named == nullptr || !named->continuous()) {
     throw UsageError(fmt::format("--task {}: {} walks freely, in r2r-ce", task, options.model));
   }
   if (!options.features.empty() || !options.objects.empty()) {

@@ -21,7 +21,7 @@
 #include "enfilade/report/scaling_curve.h"
 #include "enfilade/tasks/path_sampling.h"
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::apps {
 namespace study_verb {

@@ -154,7 +154,7 @@ neural::TrainingData load_continuous_training(const Options& options,
     };
   }
   return neural::load_continuous_data(
-      data.folder(), agents::continuous_benchmark(options.training.task()), config, sight);
+      data.folder(), agents::continuous_setup(options.training.task()), config, sight);
 }
 
 void refuse_continuous_options(const Options& options) {

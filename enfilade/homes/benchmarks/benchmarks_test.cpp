@@ -18,6 +18,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/scan/connectivity.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/metrics.h"
 #include "tests/support/folder_content.h"
@@ -53,10 +54,10 @@ const fs::path& folder() {
 }
 
 Annotations read(Task task, const std::string& split, const fs::path& root = folder()) {
-  for (const fs::path& place : tasks::annotation_places(task, split)) {
+  for (const fs::path& place : tasks::episode_places(tasks::benchmark(task), split)) {
     if (fs::exists(root / place)) return tasks::load_annotations(root / place, split, task);
   }
-  ADD_FAILURE() << tasks::name_of(task) << " has no " << split;
+  ADD_FAILURE() << tasks::benchmark(task).name << " has no " << split;
   return {};
 }
 
@@ -89,12 +90,12 @@ TEST(HomeBenchmarks, AreFoundAndFitTheGraphs) {
       const Annotations annotations = read(task, split);
       // Of so few paths, none may be near enough to be joined.
       const bool few = task == Task::kR4r && split == "val_seen";
-      EXPECT_TRUE(few || !annotations.paths.empty()) << tasks::name_of(task) << " " << split;
+      EXPECT_TRUE(few || !annotations.paths.empty()) << tasks::benchmark(task).name << " " << split;
       const tasks::EpisodeSet episodes =
           tasks::make_episodes(annotations, graphs, tasks::Instructions::kScored, &objects);
       EXPECT_GE(episodes.episodes.size(), annotations.paths.size());
       for (const tasks::ReferencePath& path : episodes.paths) {
-        EXPECT_EQ(goal_hidden(path), split.starts_with("test")) << tasks::name_of(task);
+        EXPECT_EQ(goal_hidden(path), split.starts_with("test")) << tasks::benchmark(task).name;
         const auto* const object = std::get_if<tasks::SeenObject>(&path.goal);
         if (object == nullptr) continue;
         EXPECT_EQ(std::ranges::count(object->seen_from, path.viewpoints.back()), 1)
@@ -122,7 +123,7 @@ TEST(HomeBenchmarks, HiddenFilesHoldTheGoalsOfTestSplits) {
     } else {
       whole = read(task, split, root);
     }
-    ASSERT_EQ(open.paths.size(), whole.paths.size()) << tasks::name_of(task);
+    ASSERT_EQ(open.paths.size(), whole.paths.size()) << tasks::benchmark(task).name;
     for (std::size_t i = 0; i < open.paths.size(); ++i) {
       EXPECT_FALSE(whole.paths[i].goal_hidden());
       EXPECT_EQ(open.paths[i].path.size(), 1U);

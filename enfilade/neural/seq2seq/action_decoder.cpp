@@ -30,7 +30,7 @@ void ActionDecoder::begin(std::int64_t n, std::int64_t steps, bool keep, const D
   both_ = both_memory_.get({slots_, n, 2 * hidden_}, options);
   query_ = query_memory_.get({slots_, n, hidden_}, options);
   attended_ = attended_memory_.get({slots_, n, hidden_}, options);
-  logits_ = logits_memory_.get({slots_, n, kSixActions}, options);
+  logits_ = logits_memory_.get({slots_, n, kSixActionCount}, options);
   bias_ = parameters_.weight(Weight::kDecoderInputBias) +
           parameters_.weight(Weight::kDecoderHiddenBias);
   inputs_.resize(as_size(steps * n));

@@ -43,9 +43,9 @@ std::int32_t drawn(std::span<const double> logits, double uniform) {
 void check_labels(const Choices& step) {
   for (std::size_t r = 0; r < step.labels.size(); ++r) {
     const std::int32_t label = step.labels[r];
-    if (label < kIgnoreLabel || label >= kSixActions) {
+    if (label < kIgnoreLabel || label >= kSixActionCount) {
       throw ArgumentError(fmt::format("environment: label {} of episode {}, not from {} to {}",
-                                      label, r, kIgnoreLabel, kSixActions - 1));
+                                      label, r, kIgnoreLabel, kSixActionCount - 1));
     }
     if (label == static_cast<std::int32_t>(kForward) && step.forward_open[r] == 0) {
       throw ArgumentError(

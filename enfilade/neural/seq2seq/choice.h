@@ -8,7 +8,7 @@
 
 namespace enfilade::neural::seq2seq {
 
-inline constexpr auto kLogits = static_cast<std::size_t>(kSixActions);  ///< numbers a row
+inline constexpr auto kLogits = static_cast<std::size_t>(kSixActionCount);  ///< numbers a row
 
 /// One step of n rows.
 struct Choices {

@@ -41,8 +41,8 @@ std::array<WeightInfo, kWeights> weight_infos(const models::NetworkConfig& confi
       {"decoder.lstm.bias_hh", {4 * h}, h},
       {"decoder.attention_layer.linear_in.weight", {h, h}, h},
       {"decoder.attention_layer.linear_out.weight", {h, 2 * h}, 2 * h},
-      {"decoder.decoder2action.weight", {kSixActions, h}, h},
-      {"decoder.decoder2action.bias", {kSixActions}, h},
+      {"decoder.decoder2action.weight", {kSixActionCount, h}, h},
+      {"decoder.decoder2action.bias", {kSixActionCount}, h},
   }};
   std::int64_t begin = 0;
   for (WeightInfo& info : infos) {

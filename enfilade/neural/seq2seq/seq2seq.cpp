@@ -38,7 +38,7 @@ std::span<double> Seq2Seq::Walk::gradient_of(std::size_t step) {
 }
 
 void Seq2Seq::Walk::read(const at::Tensor& step_logits) {
-  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(n), kSixActions};
+  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(n), kSixActionCount};
   at::from_blob(logits.data(), shape, at::TensorOptions().dtype(at::kDouble)).copy_(step_logits);
 }
 
@@ -218,7 +218,8 @@ void Seq2Seq::act(std::span<const float> features, std::span<const std::uint8_t>
 
 void Seq2Seq::backward(const Sentences& sentences, const Context& context, const Dropout& dropout,
                        std::size_t steps, const std::function<void()>& decoder_done) {
-  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(steps * walk_.n), kSixActions};
+  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(steps * walk_.n),
+                                          kSixActionCount};
   const at::Tensor gradient =
       at::from_blob(walk_.gradient.data(), shape, at::TensorOptions().dtype(at::kDouble))
           .to(parameters_.flat_weights.options());

@@ -23,7 +23,6 @@
 #include "enfilade/neural/detail/parted_learning.h"
 #include "enfilade/neural/seq2seq_ce/batches.h"
 #include "enfilade/neural/seq2seq_ce/gatherer.h"
-#include "enfilade/tasks/continuous_measures.h"
 
 namespace enfilade::neural::seq2seq_ce {
 namespace {
@@ -111,7 +110,7 @@ class CeLearner : public detail::Learner {
                                            const tasks::ContinuousEpisodes& episodes,
                                            std::uint64_t seed) {
     agents::ContinuousRunOptions options{
-        .batch_size = kAtOnce, .seed = seed, .simulator = data_->benchmark.simulator};
+        .batch_size = kAtOnce, .seed = seed, .simulator = data_->setup.simulator};
     options.simulator.most_steps = static_cast<std::uint32_t>(config_.max_steps);
     return agents::run_continuous(agent, episodes, data_->buildings, options);
   }

@@ -116,7 +116,7 @@ class SeesTwoBuildings : public ::testing::Test {
   TrainingData data(const models::TrainConfig& config,
                     ContinuousSight sight = world_->sight()) const {
     auto own = std::make_shared<ContinuousData>();
-    own->benchmark = agents::continuous_benchmark("r2r-ce");
+    own->setup = agents::continuous_setup("r2r-ce");
     own->training = episodes();
     own->buildings = world_->buildings;
     own->sight = sight;

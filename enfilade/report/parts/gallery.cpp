@@ -182,7 +182,7 @@ Json walk_json(const RunRecord& record, const tasks::EpisodeSet& episodes, std::
                Frames& frames, bool side_by_side) {
   const tasks::Episode& episode = episodes.episodes[i];
   const graph::NavGraph& graph = episodes.graph_of(episode);
-  const tasks::EpisodeMetrics& m = record.run->scores.ours.episodes[i];
+  const tasks::EpisodeMetrics m = metrics_of(record.run->scores.ours, i);
   const RecordedEpisode recorded(record.recorded, episode.instruction_id);
   const ShownGoal goal{graph, episodes.path_of(episode).goal, episodes.objects.get(),
                        episode.instruction_id};
@@ -212,7 +212,7 @@ Json episode_json(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
   const graph::NavGraph& graph = episodes.graph_of(episode);
   Json reference = Json::array();
   for (const ViewpointIndex v : episodes.path_of(episode).viewpoints) reference.push_back(v.value);
-  const double shortest = gallery.run->scores.ours.episodes[chosen.episode].shortest;
+  const double shortest = gallery.run->scores.ours.value(chosen.episode, "shortest");
   Json json{{"kind", chosen.kind},    {"id", episode.instruction_id},
             {"scan", graph.scan()},   {"text", episode.text},
             {"reference", reference}, {"shortest", rounded(shortest, 0.01)}};
@@ -304,7 +304,10 @@ std::optional<GalleryRun> choose_run(const ScoredRuns& runs, const RunDirectory&
 
 std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
                                            const tasks::EpisodeSet& episodes, std::size_t each) {
-  const auto& metrics = gallery.run->scores.ours.episodes;
+  std::vector<tasks::EpisodeMetrics> metrics;
+  for (std::size_t i = 0; i < gallery.run->scores.ours.episodes; ++i) {
+    metrics.push_back(metrics_of(gallery.run->scores.ours, i));
+  }
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < metrics.size(); ++i) {
     const std::string& id = episodes.episodes[i].instruction_id;

@@ -15,6 +15,8 @@
 namespace enfilade::report::parts {
 namespace {
 
+using tasks::GoalKind;
+
 constexpr double kMetresABin = 2;     // of path lengths
 constexpr std::size_t kPoints = 400;  // of a curve, at most: charts have few more pixels
 // Bins with fewer paths are left out.
@@ -53,8 +55,8 @@ Json success_by_length(const std::vector<const ScoredRun*>& runs, const ScoredRu
   std::map<std::size_t, LengthBin> bins;
   for (const ScoredRun* run : runs) {
     const tasks::EpisodeSet& episodes = scored.splits.at(run->split);
-    for (std::size_t i = 0; i < run->scores.ours.episodes.size(); ++i) {
-      const tasks::EpisodeMetrics& m = run->scores.ours.episodes[i];
+    for (std::size_t i = 0; i < run->scores.ours.episodes; ++i) {
+      const tasks::EpisodeMetrics m = metrics_of(run->scores.ours, i);
       if (!std::isfinite(m.shortest)) continue;
       LengthBin& bin = bins[static_cast<std::size_t>(m.shortest / kMetresABin)];
       ++bin.episodes;
@@ -93,28 +95,31 @@ Json run_json(const std::string& name, const models::TrainingHistory& log) {
 }
 
 // Whether success is to stop near a place, however many steps are left.
-bool ends_near(tasks::Task task) {
-  return task != tasks::Task::kReverie && task != tasks::Task::kCvdn && task != tasks::Task::kSoon;
+bool ends_near(GoalKind goal) {
+  return goal == GoalKind::kNearEnd || goal == GoalKind::kTurningPoint || goal == GoalKind::kPoint;
 }
 
-const char* rule_of(tasks::Task task) {
-  switch (task) {
-    case tasks::Task::kReverie:
+const char* rule_of(GoalKind goal) {
+  switch (goal) {
+    case GoalKind::kObject:
       return "The goal is the nearest viewpoint that sees the object; an episode succeeds where it "
              "is seen.";
-    case tasks::Task::kCvdn:
+    case GoalKind::kRegion:
       return "The goal is the nearest viewpoint of the region; an episode succeeds in it.";
-    case tasks::Task::kSoon:
+    case GoalKind::kBoxes:
       return "The goal is the nearest viewpoint with a box of the object; an episode succeeds "
              "there, or less than 3 m from the end of the path.";
-    case tasks::Task::kR2rBack:
+    case GoalKind::kTurningPoint:
       return "Where the agent named no viewpoint within 3 m of the turning point, the distance "
              "goes "
              "through that point. An episode succeeds if the named viewpoint and the end are at "
              "most 3 m off.";
-    default:
-      return "An episode succeeds if it is less than 3 m.";
+    case GoalKind::kPoint:
+      return "An episode succeeds if the agent says stop and it is less than 3 m.";
+    case GoalKind::kNearEnd:
+      break;
   }
+  return "An episode succeeds if it is less than 3 m.";
 }
 
 }  // namespace
@@ -146,35 +151,22 @@ std::vector<CurvePoint> training_curve(std::span<const models::TrainRecord> reco
 }
 
 Json errors_part(const ScoredRuns& scored) {
-  Json part = by_agent(scored.runs, [](const std::vector<const ScoredRun*>& runs) {
+  const tasks::Benchmark& benchmark = *scored.benchmark;
+  const char* error = benchmark.continuous() ? "distance_to_goal" : "nav_error";
+  Json part = by_agent(scored.runs, [error](const std::vector<const ScoredRun*>& runs) {
     Histogram histogram{1, {}, 0};
     for (const ScoredRun* run : runs) {
-      for (const tasks::EpisodeMetrics& m : run->scores.ours.episodes) {
-        if (std::isfinite(m.nav_error)) histogram.add(m.nav_error);
+      for (std::size_t i = 0; i < run->scores.ours.episodes; ++i) {
+        const double metres = run->scores.ours.value(i, error);
+        if (std::isfinite(metres)) histogram.add(metres);
       }
     }
     return to_json(histogram);
   });
-  part["measured"] = "along the graph";
-  const bool near = ends_near(scored.task);
-  part["rule"] = rule_of(scored.task);
+  const bool near = ends_near(benchmark.goal);
+  part["measured"] = benchmark.continuous() ? "along the floor" : "along the graph";
+  part["rule"] = rule_of(benchmark.goal);
   part["radius"] = near ? Json(tasks::MetricOptions{}.success_distance) : Json(nullptr);
-  return part;
-}
-
-Json errors_part(const ContinuousRuns& scored) {
-  Json part = by_agent(scored.runs, [](const std::vector<const ContinuousRun*>& runs) {
-    Histogram histogram{1, {}, 0};
-    for (const ContinuousRun* run : runs) {
-      for (const tasks::ContinuousScore& score : run->scores) {
-        if (std::isfinite(score.distance_to_goal)) histogram.add(score.distance_to_goal);
-      }
-    }
-    return to_json(histogram);
-  });
-  part["measured"] = "along the floor";
-  part["rule"] = "An episode succeeds if the agent says stop and it is less than 3 m.";
-  part["radius"] = 3.0;
   return part;
 }
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "enfilade/models/training_log.h"
-#include "enfilade/report/continuous_runs.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
 #include "enfilade/report/scored_runs.h"
@@ -15,7 +14,6 @@ namespace enfilade::report::parts {
 
 /// How far from the goal agents stop, by agent and split. "shortest" is left out: it stops there.
 nlohmann::ordered_json errors_part(const ScoredRuns& runs);
-nlohmann::ordered_json errors_part(const ContinuousRuns& runs);
 
 /// Success by the length of the shortest path, by agent and split, with intervals.
 nlohmann::ordered_json by_length_part(const ScoredRuns& runs);

@@ -20,10 +20,10 @@ using Json = nlohmann::ordered_json;
 using Role = draw::WalkedLine::Role;
 
 // Each agent's first run on a split, in the order of the runs.
-std::vector<const ContinuousRun*> first_runs(const ContinuousRuns& runs, const std::string& split) {
-  std::vector<const ContinuousRun*> first;
+std::vector<const ScoredRun*> first_runs(const ScoredRuns& runs, const std::string& split) {
+  std::vector<const ScoredRun*> first;
   std::set<std::string_view> agents;
-  for (const ContinuousRun& run : runs.runs) {
+  for (const ScoredRun& run : runs.runs) {
     if (run.split == split && agents.insert(without_seed(run.agent)).second) first.push_back(&run);
   }
   return first;
@@ -35,12 +35,15 @@ struct Chosen {
 };
 
 // By how far from the goal a run stopped. Its walks are in the order of the episodes.
-std::vector<Chosen> choose(const ContinuousRun& run, std::size_t of_a_kind) {
-  std::vector<std::size_t> order(run.scores.size());
+std::vector<Chosen> choose(const ScoredRun& run, std::size_t of_a_kind) {
+  std::vector<std::size_t> order(run.scores.ours.episodes);
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return std::pair(-run.scores[a].spl, run.scores[a].distance_to_goal) <
-           std::pair(-run.scores[b].spl, run.scores[b].distance_to_goal);
+    const auto rank = [&run](std::size_t k) {
+      return std::pair(-run.scores.ours.value(k, "spl"),
+                       run.scores.ours.value(k, "distance_to_goal"));
+    };
+    return rank(a) < rank(b);
   });
   std::vector<Chosen> chosen;
   std::set<std::size_t> taken;
@@ -55,7 +58,7 @@ std::vector<Chosen> choose(const ContinuousRun& run, std::size_t of_a_kind) {
   return chosen;
 }
 
-Json map_of(const Chosen& one, const std::vector<const ContinuousRun*>& agents,
+Json map_of(const Chosen& one, const std::vector<const ScoredRun*>& agents,
             const tasks::ContinuousEpisodes& episodes, const continuous::Buildings& buildings,
             bool synthetic) {
   const tasks::ContinuousEpisode& episode = episodes.episodes.at(one.episode);
@@ -63,14 +66,14 @@ Json map_of(const Chosen& one, const std::vector<const ContinuousRun*>& agents,
   std::vector<draw::WalkedLine> lines;
   if (episode.reference_path) lines.push_back({Role::kReference, *episode.reference_path, ""});
   Json ends = Json::array();
-  for (const ContinuousRun* run : agents) {
+  for (const ScoredRun* run : agents) {
     for (std::size_t k = 0; k < run->walks.size(); ++k) {
       if (run->walks[k].episode != one.episode) continue;
       lines.push_back({Role::kAgent, draw::walked_points(run->walks[k].positions), run->agent});
-      const tasks::ContinuousScore& score = run->scores[k];
       ends.push_back({{"agent", run->agent},
-                      {"distance", score.distance_to_goal},  // null if it is not finite
-                      {"success", score.success > 0}});
+                      // null if it is not finite
+                      {"distance", run->scores.ours.value(k, "distance_to_goal")},
+                      {"success", run->scores.ours.value(k, "success") > 0}});
     }
   }
   draw::TopDownOptions options;
@@ -88,19 +91,20 @@ Json map_of(const Chosen& one, const std::vector<const ContinuousRun*>& agents,
 
 }  // namespace
 
-Json walks_part(const ContinuousRuns& runs, std::size_t of_a_kind, bool synthetic) {
+Json walks_part(const ScoredRuns& runs, std::size_t of_a_kind, bool synthetic) {
   if (runs.runs.empty()) return missing("There are no results that can be scored.");
   const bool unseen = std::ranges::any_of(
-      runs.runs, [](const ContinuousRun& run) { return run.split == "val_unseen"; });
+      runs.runs, [](const ScoredRun& run) { return run.split == "val_unseen"; });
   const std::string split = unseen ? "val_unseen" : runs.runs.front().split;
-  const std::vector<const ContinuousRun*> agents = first_runs(runs, split);
-  const ContinuousRun* judge = agents.back();
-  for (const ContinuousRun* run : agents) {
+  const std::vector<const ScoredRun*> agents = first_runs(runs, split);
+  const ScoredRun* judge = agents.back();
+  for (const ScoredRun* run : agents) {
     if (!is_oracle(run->agent)) judge = run;
   }
   Json all = Json::array();
   for (const Chosen& one : choose(*judge, of_a_kind)) {
-    all.push_back(map_of(one, agents, runs.splits.at(split), *runs.buildings, synthetic));
+    all.push_back(
+        map_of(one, agents, runs.continuous_splits.at(split), *runs.buildings, synthetic));
   }
   return {{"agent", judge->agent}, {"split", split}, {"walks", std::move(all)}};
 }

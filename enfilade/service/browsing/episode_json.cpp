@@ -13,6 +13,7 @@
 #include "enfilade/draw/outlines.h"
 #include "enfilade/draw/planned_goal.h"
 #include "enfilade/service/detail/json_list.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/instruction_ids.h"
 #include "enfilade/tasks/pose_trace.h"
@@ -169,7 +170,7 @@ ordered_json brief_episode_json(const tasks::PathAnnotation& path, std::size_t k
 ordered_json whole_episode_json(const Site& site, const PublicSplit& split,
                                 const tasks::PathAnnotation& path, std::size_t k) {
   ordered_json one = brief_episode_json(path, k);
-  one["task"] = tasks::name_of(split.annotations.task);
+  one["task"] = tasks::benchmark(split.annotations.task).name;
   if (k < path.details.size()) {
     const tasks::InstructionDetails& details = path.details[k];
     if (!details.turns.empty()) one["turns"] = detail::json_list(details.turns, turn_json);

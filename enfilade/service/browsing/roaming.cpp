@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
@@ -21,6 +21,7 @@
 #include "enfilade/mesh/vertex_light.h"
 #include "enfilade/mesh/write_glb.h"
 #include "enfilade/service/detail/refusal.h"
+#include "enfilade/tasks/benchmark.h"
 
 namespace enfilade::service::browsing {
 namespace {
@@ -31,10 +32,10 @@ using nlohmann::ordered_json;
 constexpr std::size_t kMostMeshBytes = 192U << 20U;     // packed: about a hundred homes
 constexpr std::size_t kMostEpisodeBytes = 256U << 20U;  // all splits of R2R-CE have 100 MB
 
-const agents::ContinuousBenchmark& benchmark() { return agents::continuous_benchmark("r2r-ce"); }
+const agents::ContinuousSetup& setup() { return agents::continuous_setup("r2r-ce"); }
 
 fs::path floor_file(const Site& site, std::string_view scan) {
-  return site.folder() / benchmark().navigation_folder() / continuous::navigation_mesh_name(scan);
+  return site.folder() / setup().navigation_folder() / continuous::navigation_mesh_name(scan);
 }
 
 std::vector<homes::HomeEntry> homes_of(const Site& site) {
@@ -108,7 +109,7 @@ ordered_json polygon_json(const mesh::FloorPolygons& floor, std::size_t p) {
 bool shows_goals(const Site& site, const std::string& split) {
   const bool secret = std::ranges::any_of(site.phases(), [&split](const Phase& phase) {
     return phase.goals_secret() && phase.split == split &&
-           share_paths(phase.task, tasks::Task::kR2r);
+           share_paths(*phase.benchmark, *setup().benchmark);
   });
   const PublicSplit* r2r = site.find_split(split);
   return !secret && (r2r == nullptr || !r2r->goals_hidden);
@@ -209,7 +210,7 @@ ordered_json Roaming::floor_json(ScanIndex scan) const {
                     name));
   }
   const mesh::FloorPolygons floor = continuous::load_navigation_mesh(file);
-  const continuous::SimulatorConfig& walker = benchmark().simulator;
+  const continuous::SimulatorConfig& walker = setup().simulator;
   ordered_json out{
       {"scan", name},
       {"body",
@@ -234,7 +235,7 @@ ordered_json Roaming::episodes_json(const std::string& split, const ContinuousFi
   const Episodes episodes = episodes_.get(split, [&] {
     try {
       return std::make_shared<const tasks::ContinuousEpisodes>(
-          agents::load_continuous_split(benchmark(), site_->folder(), split));
+          agents::load_continuous_split(*setup().benchmark, site_->folder(), split));
     } catch (const FileError&) {  // its message names folders of this machine
       throw detail::Refusal(
           detail::Reason::kNotFound,

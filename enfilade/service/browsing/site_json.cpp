@@ -10,6 +10,7 @@
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/service/browsing/episode_json.h"
 #include "enfilade/service/browsing/roaming.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/instruction_ids.h"
 
@@ -105,14 +106,14 @@ ordered_json split_list_json(const Site& site, std::optional<tasks::Task> task) 
     std::size_t instructions = 0;
     for (const auto& path : annotations.paths) instructions += path.instructions.size();
     list.push_back({{"split", annotations.split},
-                    {"task", tasks::name_of(annotations.task)},
-                    {"title", tasks::title_of(annotations.task)},
+                    {"task", tasks::benchmark(annotations.task).name},
+                    {"title", tasks::benchmark(annotations.task).title},
                     {"paths", annotations.paths.size()},
                     {"instructions", instructions},
                     {"goals_hidden", split.goals_hidden}});
   }
   ordered_json out;
-  if (task) out["task"] = tasks::name_of(*task);
+  if (task) out["task"] = tasks::benchmark(*task).name;
   out["splits"] = list;
   return out;
 }
@@ -135,7 +136,7 @@ ordered_json episodes_json(const Site& site, const PublicSplit& split,
     }
   }
   return {{"split", split.annotations.split},
-          {"task", tasks::name_of(split.annotations.task)},
+          {"task", tasks::benchmark(split.annotations.task).name},
           {"goals_hidden", split.goals_hidden},
           {"matching", matching},
           {"episodes", list}};

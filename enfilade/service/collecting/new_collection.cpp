@@ -16,7 +16,7 @@
 #include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -332,7 +332,7 @@ class Reader {
 
   void take_split(const Path& path, const std::string& split) {
     const auto phase = std::ranges::find_if(site_.phases(), [&split](const Phase& one) {
-      return one.split == split && one.task == tasks::Task::kR2r && one.continuous == nullptr &&
+      return one.split == split && one.benchmark == &tasks::benchmark(tasks::Task::kR2r) &&
              one.goals_secret();
     });
     const PublicSplit* open = site_.find_split(split);

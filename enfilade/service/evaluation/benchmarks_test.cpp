@@ -4,6 +4,7 @@
 #include <set>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/measures.h"
 #include "tests/support/refusal.h"
 #include "tests/support/served_benchmarks.h"
@@ -19,7 +20,7 @@ using tasks::Task;
 
 /// \param fields more of them, in JSON
 std::string phase_of(Task task, const std::string& fields = "") {
-  const std::string_view name = tasks::name_of(task);
+  const std::string_view name = tasks::benchmark(task).name;
   return fmt::format(
       R"({{"name": "{0}", "split": "test", "task": "{0}", "annotations": "secret-{0}.json"{1}}})",
       name, fields);
@@ -35,13 +36,15 @@ class Benchmarks : public ::testing::Test {
   }
   /// The organisers' view of a submission when it is scored.
   json score(Task task, const std::string& results, const std::string& method = "m") {
-    const auto taken = served_.submit(team_, std::string(tasks::name_of(task)), results, method);
+    const auto taken =
+        served_.submit(team_, std::string(tasks::benchmark(task).name), results, method);
     EXPECT_EQ(taken->status, 202) << taken->body;
     if (taken->status != 202) return {};
     return served_.scored(organiser_, json::parse(taken->body).at("id").get<std::int64_t>());
   }
   json leaderboard(Task task) {
-    return served_.json("/api/v1/leaderboards/" + std::string(tasks::name_of(task)), organiser_);
+    return served_.json("/api/v1/leaderboards/" + std::string(tasks::benchmark(task).name),
+                        organiser_);
   }
 
   Served served_;
@@ -56,19 +59,20 @@ TEST_F(Benchmarks, EachIsScoredWithColumnsOfItsOwn) {
     const json scored = score(task, benchmark_results(task, 2));
     EXPECT_EQ(scored.at("state"), "scored") << scored;
     const json board = leaderboard(task);
-    EXPECT_EQ(board.at("task"), tasks::name_of(task));
-    EXPECT_EQ(board.at("primary"), tasks::headline(task).name);
+    EXPECT_EQ(board.at("task"), tasks::benchmark(task).name);
+    EXPECT_EQ(board.at("primary"), tasks::benchmark(task).headline().name);
     std::vector<std::string> names;
     for (const json& column : board.at("columns")) names.push_back(column.at("name").get<std::string>());
     std::vector<std::string> expected;
-    for (const tasks::Measure& measure : tasks::measures(task)) expected.emplace_back(measure.name);
-    EXPECT_EQ(names, expected) << tasks::name_of(task);
+    for (const tasks::Measure& measure : tasks::benchmark(task).scorers.front().columns)
+      expected.emplace_back(measure.name);
+    EXPECT_EQ(names, expected) << tasks::benchmark(task).name;
     const json& means = board.at("rows").at(0).at("means");
     EXPECT_EQ(means.size(), names.size()) << means;
     // Each agent here walks the reference path, and says what is true.
     const double best = task == Task::kCvdn ? 2 : 1;
     EXPECT_NEAR(means.at(names.front()).at("mean").get<double>(), best, 1e-12)
-        << tasks::name_of(task) << means;
+        << tasks::benchmark(task).name << means;
   }
 }
 
@@ -153,7 +157,7 @@ std::string everything(Served& served) {
   std::string all = served.get("/api/v1/phases")->body + served.get("/api/v1/splits")->body +
                     served.get("/api/v1/splits/test/episodes")->body;
   for (const Task task : kOtherTasks) {
-    const std::string query = "?task=" + std::string(tasks::name_of(task));
+    const std::string query = "?task=" + std::string(tasks::benchmark(task).name);
     all += served.get("/api/v1/splits" + query)->body;
     all += served.get("/api/v1/splits/test/episodes" + query)->body;
   }
@@ -165,7 +169,7 @@ std::string told_to_team(Served& served) {
   const auto team = served.team("A");
   std::string told;
   for (const Task task : kOtherTasks) {
-    const auto taken = served.submit(team, std::string(tasks::name_of(task)),
+    const auto taken = served.submit(team, std::string(tasks::benchmark(task).name),
                                      benchmark_results(task, 1, {.object = 62}));
     told += taken->body;
     const json id = json::parse(taken->body).value("id", json());

@@ -4,63 +4,55 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
-#include <span>
 #include <utility>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/shown_metrics.h"
-#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::service::evaluation {
 namespace {
 
 using nlohmann::ordered_json;
 
-/// Whether a stored score was made as the phase says now: organisers may have changed its file.
-bool fits(const ordered_json& score, const Phase& phase) {
-  if (!score.contains("scorer")) return phase.scorer == tasks::kOwnScorer;
-  return score["task"] == phase.task_name() && score["scorer"] == phase.scorer;
-}
-
-/// The measures of a stored score; none of a scorer that is no longer there.
-std::span<const tasks::Measure> measures_of(const ordered_json& score) {
+/// A stored score; none of a benchmark or scorer that is no longer there.
+std::optional<tasks::ScoreTable> stored_score(const Submission& submission) {
   try {
-    if (!score.contains("scorer")) return tasks::measures(tasks::Task::kR2r);
-    const auto task = score["task"].get<std::string>();
-    if (agents::is_continuous(task))
-      return tasks::measures(agents::continuous_benchmark(task).form);
-    return tasks::measures(tasks::task_named(task), score["scorer"].get<std::string>());
+    return tasks::from_json(submission.score);
   } catch (const LookupError&) {
-    return {};
+    return std::nullopt;
   }
 }
 
-/// A stored mean in metres, or as a share from 0 to 1; the worst where it is no finite number.
-double mean_of(const ordered_json& score, const tasks::Measure& measure) {
-  const ordered_json& mean = score.at("means").at(measure.name).at("mean");
-  if (mean.is_number()) return mean.get<double>() / measure.whole;
+/// Whether a stored score was made as the phase says now: organisers may have changed its file.
+bool fits(const std::optional<tasks::ScoreTable>& score, const Phase& phase) {
+  return score && score->benchmark == phase.benchmark && score->scorer == phase.scorer;
+}
+
+/// A mean in metres, or as a share from 0 to 1; the worst where it is no finite number.
+double mean_of(const tasks::ScoreTable& score, const tasks::Measure& measure) {
+  const double mean = score.mean(measure.name).mean;
+  if (std::isfinite(mean)) return mean / measure.whole;
   return measure.better == tasks::Better::kHigher ? -HUGE_VAL : HUGE_VAL;
 }
 
-/// A mean and its interval as stored, but shares from 0 to 1, whatever the scorer prints.
-ordered_json exact_json(const ordered_json& stored, const tasks::Measure& measure) {
-  ordered_json exact = stored;
-  for (ordered_json& value : exact) {
-    if (measure.whole != 1 && value.is_number()) value = value.get<double>() / measure.whole;
-  }
-  return exact;
+/// A mean and its interval in metres, or as shares from 0 to 1, whatever the scorer prints.
+ordered_json exact_json(const tasks::MeanInterval& mean, const tasks::Measure& measure) {
+  return {{"mean", mean.mean / measure.whole},
+          {"low", mean.low / measure.whole},
+          {"high", mean.high / measure.whole}};
 }
 
 /// The means that the visibility allows. \param view of kBestRows or kAll
-ordered_json means_json(const ordered_json& score, const View& view) {
+ordered_json means_json(const tasks::ScoreTable& score, const View& view) {
   ordered_json means = ordered_json::object();
-  for (const tasks::Measure& measure : measures_of(score)) {
+  for (const tasks::Measure& measure : score.scorer->columns) {
     if (view.visibility == Visibility::kAll) {
-      means[measure.name] = exact_json(score.at("means").at(measure.name), measure);
+      means[measure.name] = exact_json(score.mean(measure.name), measure);
       continue;
     }
     const double mean = mean_of(score, measure);
@@ -96,10 +88,10 @@ std::optional<Ranked> ranked(const Submission& submission, const View& view) {
     if (!submission.shown) return std::nullopt;
     return Ranked{&submission, *submission.shown, *submission.shown};
   }
-  const auto score = ordered_json::parse(submission.score);
+  const auto score = stored_score(submission);
   if (!fits(score, *view.phase)) return std::nullopt;
   const tasks::Measure& primary = view.phase->primary_measure();
-  const double exact = mean_of(score, primary);
+  const double exact = mean_of(*score, primary);
   if (view.visibility == Visibility::kAll) return Ranked{&submission, exact, exact};
   return Ranked{&submission, exact, grid_of(*view.phase, primary).round(exact)};
 }
@@ -172,9 +164,9 @@ ordered_json submission_json(const Submission& submission, const View& view, boo
   if (view.visibility == Visibility::kImprovements && submission.shown) {
     one["means"][view.phase->primary]["mean"] = *submission.shown;
   } else if (!submission.score.empty() && shown) {
-    const auto score = ordered_json::parse(submission.score);
+    const auto score = stored_score(submission);
     if (view.phase == nullptr || fits(score, *view.phase)) {
-      one["means"] = means_json(score, view);
+      one["means"] = score ? means_json(*score, view) : ordered_json::object();
     } else {
       one["withheld"] = "other-scorer";
     }
@@ -222,7 +214,8 @@ std::string leaderboard_csv(const ordered_json& rows, const Phase& phase) {
   out += "\r\n";
   for (const ordered_json& row : rows) {
     out += fmt::format("{},{},{}", detail::sheet_text(row["team"].get<std::string>()),
-                       detail::sheet_text(row["method"].get<std::string>()), row["created"].get<std::string>());
+                       detail::sheet_text(row["method"].get<std::string>()),
+                       row["created"].get<std::string>());
     for (const tasks::Measure& measure : phase.measures()) {
       for (const char* part : {"mean", "low", "high"}) {
         out += "," + cell(row["means"], measure.name, part);

@@ -10,6 +10,7 @@
 
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/service/evaluation/shown_metrics.h"
+#include "enfilade/tasks/benchmark.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::service::evaluation {
@@ -29,9 +30,9 @@ Phase secret_phase(Scores scores) {
 
 /// One of each kind of grid: shares, errors, progress.
 std::vector<tasks::Measure> measures_of_grids() {
-  const auto own = tasks::measures(tasks::Task::kR2r);
+  const auto own = tasks::benchmark(tasks::Task::kR2r).scorers.front().columns;
   return {*tasks::find_measure(own, "spl"), *tasks::find_measure(own, "nav_error"),
-          tasks::headline(tasks::Task::kCvdn)};
+          tasks::benchmark(tasks::Task::kCvdn).headline()};
 }
 
 /// How many different answers a ladder can give to n submissions with L levels, by trying all
@@ -150,7 +151,7 @@ TEST(Leakage, WhatIsBeyondAGridIsItsEnd) {
   EXPECT_EQ(shares.round(0.0749), 0.07);
   EXPECT_EQ(shares.round(-kInfinite), 0);
   EXPECT_EQ(shares.round(std::numeric_limits<double>::quiet_NaN()), 0);
-  const Grid progress = grid_of(phase, tasks::headline(tasks::Task::kCvdn));
+  const Grid progress = grid_of(phase, tasks::benchmark(tasks::Task::kCvdn).headline());
   EXPECT_EQ(progress.round(-3.14), -3.1);
   EXPECT_EQ(progress.round(-kInfinite), -30);
   EXPECT_EQ(progress.levels(), 601);
@@ -158,8 +159,8 @@ TEST(Leakage, WhatIsBeyondAGridIsItsEnd) {
 
 TEST(Leakage, ARowOfAnotherBenchmarkHasItsColumns) {
   Phase phase = secret_phase(Scores::kAfterEnd);
-  phase.task = tasks::Task::kCvdn;
-  phase.scorer = "hamt";
+  phase.benchmark = &tasks::benchmark(tasks::Task::kCvdn);
+  phase.scorer = &phase.benchmark->scorer("hamt");
   phase.primary = "gp";
   phase.step = 0.5;
   // SR, OSR and SPL on 0, 0.5, 1; metres of progress on -30, -25, ... 30.

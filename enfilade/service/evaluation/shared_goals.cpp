@@ -12,7 +12,7 @@ namespace {
 
 bool share_goals(const Phase* one, const Phase* other) {
   if (!one->goals_secret() || !other->goals_secret()) return one == other;
-  if (one->split == other->split && share_paths(one->task, other->task)) return true;
+  if (one->split == other->split && share_paths(*one->benchmark, *other->benchmark)) return true;
   std::error_code error;  // the files were read before; one that is gone now equals none
   return std::filesystem::equivalent(one->annotations, other->annotations, error);
 }

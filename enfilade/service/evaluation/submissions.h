@@ -42,7 +42,7 @@ struct Submission {
   std::string team_name, phase, method;
   SubmissionState state = SubmissionState::kQueued;
   std::int64_t created = 0;
-  /// tasks::to_json() of a Score or a TaskScore, without episodes; empty unless scored.
+  /// tasks::to_record() of its ScoreTable; empty unless scored.
   std::string score;
   bool approved = false;        ///< its team is
   std::optional<double> shown;  ///< what a ladder showed of it; none if it was no improvement

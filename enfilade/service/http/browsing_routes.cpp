@@ -13,6 +13,7 @@
 #include "enfilade/service/browsing/plans.h"
 #include "enfilade/service/browsing/site_json.h"
 #include "enfilade/service/http/routes.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
 namespace enfilade::service::http {
@@ -161,7 +162,7 @@ constexpr std::int64_t kMostEpisodes = 500;
 tasks::Task task_of(const std::string& name) {
   if (name.empty()) return tasks::Task::kR2r;
   try {
-    return tasks::task_named(name);
+    return tasks::benchmark(name, tasks::World::kGraph).task;
   } catch (const LookupError&) {
     throw HttpError(404, "no benchmark of this name");
   }

@@ -8,13 +8,14 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/store/database.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
@@ -44,10 +45,15 @@ struct CallRow {
 
 tasks::Task task_of(const std::string& name) {
   try {
-    return tasks::task_named(name);
+    return tasks::benchmark(name, tasks::World::kGraph).task;
   } catch (const LookupError& error) {
     throw Refusal(Reason::kInvalidInput, fmt::format("task: {}", error.what()));
   }
+}
+
+bool is_continuous(const std::string& task) {
+  const tasks::Benchmark* known = tasks::find_benchmark(task);
+  return known != nullptr && known->continuous();
 }
 
 void carry_out(arena::Session& session, const CallRow& call) {
@@ -140,11 +146,11 @@ std::unique_ptr<arena::World> Plays::open_world(const WorldKey& key) const {
   const auto& [task, name] = key;
   const Refusal unknown(Reason::kNotFound,
                         fmt::format("there is no split {:.40} of {}", name, task));
-  if (agents::is_continuous(task)) {
+  if (is_continuous(task)) {
     if (!detail::is_name(name)) throw unknown;  // the name becomes a file's
-    const auto& benchmark = agents::continuous_benchmark(task);
-    if (!agents::find_continuous_split(benchmark, site_->folder(), name)) throw unknown;
-    return arena::FreeWorld::open(benchmark, site_->folder(), name);
+    const auto& setup = agents::continuous_setup(task);
+    if (!agents::find_continuous_split(*setup.benchmark, site_->folder(), name)) throw unknown;
+    return arena::FreeWorld::open(setup, site_->folder(), name);
   }
   const tasks::Task known = task_of(task);
   const PublicSplit* split = site_->find_split(name, known);
@@ -320,7 +326,7 @@ ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
 std::string Plays::picture(const Ticket& ticket, arena::Pictures kind, std::size_t number,
                            std::uint32_t size) {
   const auto order = with(ticket, [&](const Live& live) -> std::optional<arena::PictureOrder> {
-    const bool free = agents::is_continuous(live.row.task);
+    const bool free = is_continuous(live.row.task);
     if (free || live.session->ending()) return std::nullopt;
     const auto all = order_pictures(*live.session, kind, size);
     if (number >= all.size()) return std::nullopt;

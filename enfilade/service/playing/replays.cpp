@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/agents/continuous_benchmark.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/arena/world.h"
 #include "enfilade/core/enum_names.h"
@@ -22,6 +21,7 @@
 #include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/instruction_ids.h"
 
@@ -455,15 +455,20 @@ struct Replays::Run {
     for (const PublicSplit& one : site.splits()) {
       const auto found = find_in(one, transcript.id);
       if (!found || found->path->instructions[found->number] != *instruction) continue;
-      task = tasks::name_of(one.annotations.task);
+      task = tasks::benchmark(one.annotations.task).name;
       split = one.annotations.split;
       return;
     }
   }
 
+  bool is_continuous() const {
+    const tasks::Benchmark* known = task ? tasks::find_benchmark(*task) : nullptr;
+    return known != nullptr && known->continuous();
+  }
+
   const PublicSplit* served_split(const Site& site) const {
     const auto found = std::ranges::find_if(site.splits(), [this](const PublicSplit& one) {
-      return one.annotations.split == split && tasks::name_of(one.annotations.task) == task;
+      return one.annotations.split == split && tasks::benchmark(one.annotations.task).name == task;
     });
     return found == site.splits().end() ? nullptr : &*found;
   }
@@ -472,7 +477,7 @@ struct Replays::Run {
   /// with hidden goals only what the site shows of it is shown, and where there are secret goals
   /// nothing of a split that the site does not know or has left out.
   void keep_secrets(const Site& site) {
-    if (task && agents::is_continuous(*task)) return;
+    if (is_continuous()) return;
     const PublicSplit* served = served_split(site);
     if (served == nullptr) {
       if (std::ranges::none_of(site.phases(), &Phase::goals_secret)) return;
@@ -501,7 +506,7 @@ struct Replays::Run {
   /// Where the steps were. \returns why that is not known of some; empty: of all it is
   std::string find_places(const std::shared_ptr<const Site>& site, std::string_view id,
                           Transcript& transcript, ordered_json& out) const {
-    if (task && agents::is_continuous(*task)) {
+    if (is_continuous()) {
       return "the steps of a walk in continuous space have no viewpoints";
     }
     const PublicSplit* served = served_split(*site);

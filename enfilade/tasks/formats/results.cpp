@@ -1,4 +1,5 @@
 #include "enfilade/tasks/results.h"
+#include "enfilade/tasks/benchmark.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -444,7 +445,7 @@ class Reader {
   // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
   // nobody scores.
   bool is_unscored(std::string_view id) const {
-    if (episodes_.task != Task::kR2r || by_id_.contains(id)) return false;
+    if (benchmark(episodes_.task).scored_instructions == 0 || by_id_.contains(id)) return false;
     const std::string fourth = fmt::format("_{}", kScoredInstructions);
     if (!id.ends_with(fourth)) return false;
     id.remove_suffix(fourth.size());

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "enfilade/tasks/results.h"
-#include "enfilade/tasks/score.h"
+#include "enfilade/tasks/score_table.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::tasks {
@@ -147,7 +147,7 @@ TEST(Results, APartOfASplitOnPurpose) {
   EXPECT_EQ(part.episodes[0].instruction_id, "7_0");
   EXPECT_EQ(part.episodes[1].instruction_id, "7_2");
   EXPECT_EQ(results.trajectories[1].points.size(), 2U);
-  const Score score = compute_score(results.trajectories, part);
+  const ScoreTable score = compute_score(results.trajectories, part);
   EXPECT_DOUBLE_EQ(score.mean("nav_error").mean, 3);
   EXPECT_THROW(parse_results("[]", "r.json", set, Coverage::kPart), InvalidInput)
       << "nothing is no part";

@@ -136,22 +136,6 @@ TEST(ContinuousEpisodes, SayWhichFormTheyHave) {
   EXPECT_EQ(form_of(bert), ContinuousForm::kR2rBert);
 }
 
-TEST(ContinuousEpisodes, LieWhereThePublicCodeHasThem) {
-  using Form = ContinuousForm;
-  EXPECT_EQ(continuous_places(Form::kR2r, "test")[0], "vlnce/test.json.gz");
-  EXPECT_THAT(continuous_places(Form::kR2r, "test"),
-              Contains("R2R_VLNCE_v1-3_preprocessed/test/test.json.gz"));
-  EXPECT_THAT(
-      continuous_places(Form::kR2rBert, "train"),
-      Contains("data/datasets/R2R_VLNCE_v1-2_preprocessed_BERTidx/train/train_bertidx.json.gz"));
-  EXPECT_THAT(continuous_places(Form::kRxr, "train", AnnotationRole::kFollower),
-              Contains("RxR_VLNCE_v0/train/train_follower.json.gz"));
-  EXPECT_THAT(expert_places(Form::kRxr, "train"),
-              Contains("RxR_VLNCE_v0/train/train_guide_gt.json.gz"));
-  EXPECT_EQ(expert_places(Form::kR2rBert, "train"), expert_places(Form::kR2r, "train"));
-  EXPECT_EQ(expert_places(Form::kR2r, "val_seen")[0], "vlnce/val_seen_gt.json.gz");
-}
-
 TEST(ContinuousEpisodes, ReportFaultsWithTheirPaths) {
   EXPECT_THAT(faults("\"episodes\"", "\"all\""), HasSubstr("$: has no field \"episodes\""));
   EXPECT_THAT(faults("\"episode_id\": 7", "\"episode_id\": 7.5"),

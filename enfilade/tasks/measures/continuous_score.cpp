@@ -127,6 +127,14 @@ ContinuousScore score_continuous(const ContinuousWalk& walk, std::span<const Poi
   return score;
 }
 
+std::array<double, 10> vlnce_values(const ContinuousScore& s) noexcept {
+  return {s.path_length, s.distance_to_goal,
+          s.success,     s.oracle_success,
+          s.spl,         s.ndtw,
+          s.sdtw,        s.ndtw_fastdtw,
+          s.steps_taken, s.collisions.value_or(std::numeric_limits<double>::quiet_NaN())};
+}
+
 EtpNavScore score_as_etpnav(const ContinuousWalk& walk, std::span<const Point3> reference) {
   check_sizes(walk, reference);
   const auto places = kept(walk.positions);

@@ -10,10 +10,10 @@
 namespace enfilade::tasks {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kOutOfReach = std::numeric_limits<double>::infinity();
 
 struct Nearest {
-  double distance = kInfinity;
+  double distance = kOutOfReach;
   std::optional<ViewpointIndex> viewpoint;
 
   void offer(ViewpointIndex candidate, double metres) {
@@ -117,6 +117,29 @@ double shortest_to_goal(const graph::NavGraph& graph, const ReferencePath& path,
   const auto* boxes = std::get_if<Boxes>(&path.goal);
   if (boxes != nullptr && has_box(*boxes, end)) return graph.distance(start, end);
   return graph.distance(start, path.viewpoints.back());
+}
+
+GoalOutcome judge(const graph::NavGraph& graph, const ReferencePath& path,
+                  const Trajectory& trajectory, double radius) {
+  // On which leg it is at the end: back, if the turning point that it names is one.
+  const Leg leg = trajectory.turning_point
+                      ? leg_after(graph, path, *trajectory.turning_point, Leg::kOut, radius)
+                      : Leg::kOut;
+  const ViewpointIndex end = trajectory.points.back().viewpoint;
+  GoalOutcome outcome;
+  outcome.error = outcome.oracle_error = distance_to_goal(graph, path, end, leg);
+  outcome.reached = outcome.oracle_reached = goal_reached(graph, path, end, leg, radius);
+  Leg at = Leg::kOut;
+  for (const TrajectoryPoint& point : trajectory.points) {
+    // On the way out, R2R-Back's start is no end that was reached.
+    at = leg_after(graph, path, point.viewpoint, at, radius);
+    if (leg == Leg::kBack && at == Leg::kOut) continue;
+    outcome.oracle_error =
+        std::min(outcome.oracle_error, distance_to_goal(graph, path, point.viewpoint, leg));
+    if (goal_reached(graph, path, point.viewpoint, leg, radius)) outcome.oracle_reached = true;
+  }
+  outcome.shortest = shortest_to_goal(graph, path, end);
+  return outcome;
 }
 
 }  // namespace enfilade::tasks

@@ -4,9 +4,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <variant>
 #include <vector>
 
 #include "enfilade/core/check.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/goal_distance.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::tasks {
 namespace {
@@ -156,6 +160,24 @@ EpisodeMetrics compute_metrics(const graph::NavGraph& graph,
   m.sdtw_collapsed = m.success * m.ndtw_collapsed;
   m.coverage = coverage(pass.nearest(), options.success_distance);
   m.cls = cls(m);
+  return m;
+}
+
+EpisodeMetrics compute_metrics(const graph::NavGraph& graph, const ReferencePath& path,
+                               const Trajectory& trajectory, const MetricOptions& options) {
+  thread_local std::vector<ViewpointIndex> viewpoints;
+  viewpoints.clear();
+  for (const TrajectoryPoint& point : trajectory.points) viewpoints.push_back(point.viewpoint);
+  EpisodeMetrics m = compute_metrics(graph, viewpoints, path.viewpoints, options);
+  if (std::holds_alternative<NearEnd>(path.goal)) return m;
+  const GoalOutcome outcome = judge(graph, path, trajectory, options.success_distance);
+  m.nav_error = outcome.error;
+  m.oracle_error = outcome.oracle_error;
+  m.success = outcome.reached ? 1 : 0;
+  m.oracle_success = outcome.oracle_reached ? 1 : 0;
+  m.shortest = outcome.shortest;
+  // Also where the end is out of reach, and `shortest` infinite.
+  m.spl = m.success * (m.trajectory_length > m.shortest ? m.shortest / m.trajectory_length : 1);
   return m;
 }
 

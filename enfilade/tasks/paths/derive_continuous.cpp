@@ -1,4 +1,5 @@
 #include "enfilade/tasks/derive_continuous.h"
+#include "enfilade/tasks/benchmark.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -169,12 +170,10 @@ WalkedNodes GuessedFloor::walk(const graph::NavGraph& /*graph*/,
 
 DerivedEpisodes derive_continuous(const Annotations& annotations, const graph::GraphSet& graphs,
                                   const EpisodeFloor& floor, const DeriveOptions& options) {
-  const bool walks_a_path = annotations.task == Task::kR2r || annotations.task == Task::kR2rLast ||
-                            annotations.task == Task::kR4r || annotations.task == Task::kRxr;
-  if (!walks_a_path) {
+  if (benchmark(annotations.task).goal != GoalKind::kNearEnd) {
     throw ArgumentError(
         fmt::format("annotations of {}: continuous episodes are made of R2R, R2R-Last, R4R and RxR",
-                    title_of(annotations.task)));
+                    benchmark(annotations.task).title));
   }
   check_range("radius", options.radius, 0, std::numeric_limits<double>::max());
   return Deriver(annotations, graphs, floor, options).derive();

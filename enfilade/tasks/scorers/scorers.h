@@ -1,5 +1,6 @@
-/// \file  The formulas of the public scorers. Internal: public_scorer.h lists them.
+/// \file  The formulas of the scorers, and the lists of them. Internal: scorer.h is the interface.
 #pragma once
+#include <array>
 #include <limits>
 #include <span>
 #include <vector>
@@ -8,16 +9,33 @@
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/metrics.h"
 #include "enfilade/tasks/results.h"
+#include "enfilade/tasks/scorer.h"
 
 namespace enfilade::tasks::scorers {
 
-/// What a formula gets. Metrics go to `out`, in the order of its table in public_scorer.cpp.
-struct Scored {
-  const graph::NavGraph& graph;
-  const ReferencePath& reference;
-  const Trajectory& trajectory;
-};
+/// What a formula gets. Metrics go to `out`, in the order of its table in tables.cpp.
+using Scored = ScoredTrajectory;
 using Out = std::span<double>;
+
+/// \name The scorers of each benchmark, the default first
+/// @{
+extern const std::array<Scorer, 5> kR2r;
+extern const std::array<Scorer, 1> kR2rLast;
+extern const std::array<Scorer, 1> kR2rBack;
+extern const std::array<Scorer, 4> kR4r;
+extern const std::array<Scorer, 3> kRxr;
+extern const std::array<Scorer, 3> kReverie;
+extern const std::array<Scorer, 5> kCvdn;
+extern const std::array<Scorer, 2> kSoon;
+extern const std::array<Scorer, 2> kR2rCe;
+extern const std::array<Scorer, 2> kRxrCe;
+/// @}
+
+// Enfilade's own, of any goal on graphs.
+void own(const Scored& scored, Out out);
+// In continuous space.
+void vlnce(const ContinuousWalk& walk, std::span<const Point3> reference, Out out);
+void etpnav(const ContinuousWalk& walk, std::span<const Point3> reference, Out out);
 
 // R2R, R2R-Last, R4R, RxR; the last of them R2R-Back.
 void hamt(const Scored& scored, Out out);

@@ -1,4 +1,5 @@
-#include "enfilade/tasks/public_scorer.h"
+#include "enfilade/tasks/scorer.h"
+#include "enfilade/tasks/benchmark.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,33 +52,37 @@ ReferencePath reference(const Walk& path, Goal goal = NearEnd()) {
 }
 
 Values score(Task task, const char* name, const ReferencePath& path, const Trajectory& trajectory) {
-  const PublicScorer& scorer = public_scorer(task, name);
+  const Scorer& scorer = benchmark(task).scorer(name);
   std::vector<double> values(scorer.metrics.size());
-  scorer.score(row(), path, trajectory, values);
+  scorer.on_graph({row(), path, trajectory}, values);
   Values named;
   for (std::size_t k = 0; k < values.size(); ++k) named[scorer.metrics[k].name] = values[k];
   return named;
 }
 
-TEST(PublicScorers, EachHasItsNameAndMetricsOnce) {
-  std::set<std::pair<Task, std::string_view>> scorers;
-  for (const PublicScorer& one : public_scorers()) {
-    EXPECT_TRUE(scorers.emplace(one.task, one.name).second) << one.name;
-    std::set<std::string> names;
-    for (const ScorerMetric& metric : one.metrics) {
-      EXPECT_TRUE(names.insert(metric.name).second) << one.name << " " << metric.name;
+TEST(Scorers, EachHasItsNameAndMetricsOnce) {
+  for (const Benchmark& of : benchmarks()) {
+    std::set<std::string_view> scorers;
+    for (const Scorer& one : of.scorers) {
+      EXPECT_TRUE(scorers.insert(one.name).second) << one.name;
+      std::set<std::string> names;
+      for (const ScorerMetric& metric : one.metrics) {
+        EXPECT_TRUE(names.insert(metric.name).second) << one.name << " " << metric.name;
+      }
+      EXPECT_EQ(one.source.empty(), one.name == kOwnScorer);
+      EXPECT_EQ(one.on_graph == nullptr, of.continuous());
+      EXPECT_EQ(one.on_floor == nullptr, !of.continuous());
+      EXPECT_EQ(&of.scorer(one.name), &one);
     }
-    EXPECT_FALSE(one.source.empty());
-    EXPECT_EQ(&public_scorer(one.task, one.name), &one);
   }
-  EXPECT_EQ(public_scorers(Task::kReverie).size(), 3U);
-  EXPECT_EQ(public_scorers(Task::kR2rBack).size(), 1U);
-  EXPECT_THAT([] { public_scorer(Task::kSoon, "hamt"); },
+  EXPECT_EQ(benchmark(Task::kReverie).scorers.size(), 3U);
+  EXPECT_EQ(benchmark(Task::kR2rBack).scorers.size(), 1U);
+  EXPECT_THAT([] { benchmark(Task::kSoon).scorer("hamt"); },
               ThrowsMessage<LookupError>(HasSubstr("duet, official")));
 }
 
 // The agent ends 3 m before the goal: "nearer than 3 m" is not reached, "at most 3 m" is.
-TEST(PublicScorers, DifferAtExactlyThreeMetres) {
+TEST(Scorers, DifferAtExactlyThreeMetres) {
   const auto path = reference(walk({0, 1, 2, 3, 4}));
   const Trajectory early = along({0, 1, 2});
   EXPECT_EQ(score(Task::kR4r, "hamt", path, early)["success"], 0);
@@ -88,14 +93,14 @@ TEST(PublicScorers, DifferAtExactlyThreeMetres) {
 }
 
 // The reference goes to v4 and back to v2: 9 m, where 3 m are the shortest way from start to end.
-TEST(PublicScorers, DifferInTheLengthOfSpl) {
+TEST(Scorers, DifferInTheLengthOfSpl) {
   const auto path = reference(walk({0, 1, 2, 3, 4, 3, 2}));
   const Trajectory perfect = along({0, 1, 2, 3, 4, 3, 2});
   EXPECT_DOUBLE_EQ(score(Task::kR4r, "duet", path, perfect)["spl"], 1);
   EXPECT_DOUBLE_EQ(score(Task::kR4r, "valan", path, perfect)["spl"], 1.0 / 3);
 }
 
-TEST(PublicScorers, WhoStaysAtAReferenceOfOneViewpoint) {
+TEST(Scorers, WhoStaysAtAReferenceOfOneViewpoint) {
   const auto path = reference(walk({2}));
   const Trajectory stays = along({2});
   EXPECT_TRUE(std::isnan(score(Task::kR4r, "hamt", path, stays)["CLS"]));
@@ -104,14 +109,14 @@ TEST(PublicScorers, WhoStaysAtAReferenceOfOneViewpoint) {
   EXPECT_TRUE(std::isnan(score(Task::kR4r, "valan", path, stays)["dtw_over_length"]));
 }
 
-TEST(PublicScorers, OfR4rInsistOnEdges) {
+TEST(Scorers, OfR4rInsistOnEdges) {
   const auto path = reference(walk({0, 1, 2}));
   EXPECT_EQ(score(Task::kR4r, "r4r_public", path, along({0, 1, 2}))["cls"], 1);
   EXPECT_TRUE(std::isnan(score(Task::kR4r, "r4r_public", path, along({0, 2}))["cls"]));
   EXPECT_TRUE(std::isnan(score(Task::kR4r, "r4r_public", path, along({0, 1, 1, 2}))["cls"]));
 }
 
-TEST(PublicScorers, OfR2rBackWantTheTurningPointSaid) {
+TEST(Scorers, OfR2rBackWantTheTurningPointSaid) {
   const auto path = reference(walk({0, 1, 2, 3, 2, 1, 0}), TurningPoint{ViewpointIndex(3)});
   Trajectory trajectory = along({0, 1, 2, 3, 2, 1, 0});
   EXPECT_EQ(score(Task::kR2rBack, "hamt", path, trajectory)["success"], 0) << "not said";
@@ -121,7 +126,7 @@ TEST(PublicScorers, OfR2rBackWantTheTurningPointSaid) {
   EXPECT_EQ(score(Task::kR2rBack, "hamt", path, trajectory)["success"], 0) << "4.5 m off";
 }
 
-TEST(PublicScorers, OfReverieAskWhoSeesTheObjectAndHowItIsNamed) {
+TEST(Scorers, OfReverieAskWhoSeesTheObjectAndHowItIsNamed) {
   const auto path =
       reference(walk({0, 1, 2, 3}), SeenObject{66, {ViewpointIndex(1), ViewpointIndex(5)}});
   Trajectory trajectory = along({0, 1, 2, 3});  // through a viewpoint that sees it, to one that not
@@ -138,7 +143,7 @@ TEST(PublicScorers, OfReverieAskWhoSeesTheObjectAndHowItIsNamed) {
   EXPECT_EQ(score(Task::kReverie, "hamt", path, along({0, 1}))["success"], 1);
 }
 
-TEST(PublicScorers, OfCvdnMeasureProgressToARegion) {
+TEST(Scorers, OfCvdnMeasureProgressToARegion) {
   const auto path =
       reference(walk({0, 1, 2}), Region{walk({4, 5}), walk({0, 1, 2, 3, 4}), walk({0, 1, 2})});
   const Trajectory trajectory = along({0, 1, 2, 3});
@@ -166,7 +171,7 @@ Box box(std::size_t viewpoint, double heading, double half) {
 
 constexpr double kTurn = 6.283185307179586;
 
-TEST(PublicScorers, OfSoonMoveTheGoalToTheBoxThatWasReached) {
+TEST(Scorers, OfSoonMoveTheGoalToTheBoxThatWasReached) {
   const auto path = reference(walk({0, 1, 2, 3}), Boxes{{box(5, 1, 0.2), box(5, 3, 0.2)}, {}});
   Trajectory trajectory = along({0, 1, 2, 3, 4, 5});
   trajectory.point = SpherePoint{3 / kTurn, 0.5};
@@ -181,7 +186,7 @@ TEST(PublicScorers, OfSoonMoveTheGoalToTheBoxThatWasReached) {
   EXPECT_TRUE(std::isnan(official.at("point_det_errors")));
 }
 
-TEST(PublicScorers, OfSoonTakeABoxWithoutItsEdges) {
+TEST(Scorers, OfSoonTakeABoxWithoutItsEdges) {
   const auto path = reference(walk({0}), Boxes{{box(0, 1, 0.25)}, {}});
   const auto detected = [&path](double heading, double elevation) {
     Trajectory trajectory = along({0});
@@ -196,8 +201,8 @@ TEST(PublicScorers, OfSoonTakeABoxWithoutItsEdges) {
   EXPECT_FALSE(detected(1, -0.26));
 }
 
-TEST(PublicScorers, TakeMeansByTheirRules) {
-  const PublicScorer& soon = public_scorer(Task::kSoon, "official");
+TEST(Scorers, TakeMeansByTheirRules) {
+  const Scorer& soon = benchmark(Task::kSoon).scorer("official");
   const std::size_t width = soon.metrics.size();
   std::vector<double> values(2 * width, 1);
   const auto at = [&soon](std::string_view name) {
@@ -211,7 +216,7 @@ TEST(PublicScorers, TakeMeansByTheirRules) {
   EXPECT_EQ(means[at("heading_errors")], 0.25);
   EXPECT_EQ(means[at("nav_error")], 1);
   EXPECT_EQ(means[at("oracle_rate")], 2 / (2 + 1e-9));
-  const PublicScorer& duet = public_scorer(Task::kReverie, "duet");
+  const Scorer& duet = benchmark(Task::kReverie).scorer("duet");
   EXPECT_EQ(summarise(duet, std::vector<double>(duet.metrics.size(), 1)).back(), 100);
   EXPECT_TRUE(std::isnan(summarise(duet, {})[0]));
 }

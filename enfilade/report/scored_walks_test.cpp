@@ -1,4 +1,4 @@
-#include "enfilade/report/continuous_runs.h"
+#include "enfilade/report/scored_runs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/navigation_mesh.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
@@ -26,9 +27,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // The made-up graph data beside a room of 6 m by 4 m with two episodes of two trajectories.
-class ContinuousRunsTest : public ::testing::Test {
+class ScoredWalks : public ::testing::Test {
  protected:
-  ContinuousRunsTest() : data_(made_.data()) {
+  ScoredWalks() : data_(made_.data()) {
     const mesh::RayTracer tracer(std::make_shared<const mesh::Mesh>(
         mesh::testing::Maker().room(0, 0, 6, 4).box({2.5F, 0, 0}, {3, 2.5F, 2.6F}).mesh));
     make_folder(made_.data() / "navmesh/r2r-ce");
@@ -66,25 +67,27 @@ class ContinuousRunsTest : public ::testing::Test {
     const auto walks = agents::run_continuous(
         *walker, episodes_,
         std::make_shared<const continuous::Buildings>(made_.data() / "navmesh/r2r-ce"),
-        {.batch_size = 2, .seed = seed, .simulator = benchmark_.simulator});
+        {.batch_size = 2,
+         .seed = seed,
+         .simulator = agents::continuous_setup(benchmark_).simulator});
     write_file_atomically(made_.run() / (as + "_" + split + ".json"),
                           to_json(walks, episodes_, tasks::ContinuousResultsForm::kR2r));
   }
   RunDirectory found() const {
-    return find_continuous_runs(std::vector<fs::path>{made_.run()}, data_, benchmark_);
+    return find_runs(std::vector<fs::path>{made_.run()}, data_, benchmark_);
   }
 
   testing::MadeRun made_;
   dataset::Dataset data_;
   tasks::ContinuousEpisodes episodes_;
-  const agents::ContinuousBenchmark& benchmark_ = agents::continuous_benchmark("r2r-ce");
+  const tasks::Benchmark& benchmark_ = tasks::benchmark("r2r-ce");
 };
 
-TEST_F(ContinuousRunsTest, HaveATableWithSeedsInOneRow) {
+TEST_F(ScoredWalks, HaveATableWithSeedsInOneRow) {
   run("shortest", "shortest");
   run("random", "random-1", 1);
   run("random", "random-2", 2);
-  const ContinuousRuns runs = score_continuous_runs(found(), benchmark_, data_);
+  const ScoredRuns runs = score_runs(found(), data_);
   const ResultsTable table = make_table(runs, true);
   ASSERT_EQ(table.rows.size(), 2U);
   EXPECT_EQ(table.rows[0].agent, "shortest");
@@ -92,7 +95,7 @@ TEST_F(ContinuousRunsTest, HaveATableWithSeedsInOneRow) {
   EXPECT_THAT(table.rows[1].runs, ElementsAre("random-1", "random-2"));
   EXPECT_EQ(table.columns[2].metric, "success");
   EXPECT_EQ(table.rows[0].values[2].mean, 1);
-  EXPECT_EQ(table.rows[0].values[2].mean, runs.runs[0].measures.means[2].mean);
+  EXPECT_EQ(table.rows[0].values[2].mean, runs.runs[0].scores.ours.means[2].mean);
   const auto json = nlohmann::json::parse(to_json(table));
   EXPECT_EQ(json["task"], "r2r-ce");
   EXPECT_EQ(json["scorer"], "vln-ce");
@@ -101,7 +104,7 @@ TEST_F(ContinuousRunsTest, HaveATableWithSeedsInOneRow) {
   EXPECT_THAT(to_text(table), HasSubstr("SDTW"));
 }
 
-TEST_F(ContinuousRunsTest, StandBesideResultsOfTheGraph) {
+TEST_F(ScoredWalks, StandBesideResultsOfTheGraph) {
   run("shortest", "shortest");
   made_.write_results(made_.run() / "random_val_seen.json", 2);
   EXPECT_EQ(found().results.size(), 1U);
@@ -110,39 +113,39 @@ TEST_F(ContinuousRunsTest, StandBesideResultsOfTheGraph) {
   ASSERT_EQ(graph.results.size(), 1U);
   EXPECT_EQ(graph.results[0].agent, "random");
   // By names, results of the graph come first.
-  EXPECT_EQ(find_continuous_benchmark_of_runs(folder), nullptr);
+  EXPECT_EQ(find_benchmark_of_runs(folder), nullptr);
   fs::remove(made_.run() / "random_val_seen.json");
-  EXPECT_EQ(find_continuous_benchmark_of_runs(folder), &benchmark_);
+  EXPECT_EQ(find_benchmark_of_runs(folder), &benchmark_);
 }
 
-TEST_F(ContinuousRunsTest, HiddenGoalsAreLeftOut) {
+TEST_F(ScoredWalks, HiddenGoalsAreLeftOut) {
   run("shortest", "shortest", 1, "test");
-  const ContinuousRuns runs = score_continuous_runs(found(), benchmark_, data_);
+  const ScoredRuns runs = score_runs(found(), data_);
   EXPECT_TRUE(runs.runs.empty());
   ASSERT_EQ(runs.left_out.size(), 1U);
   EXPECT_THAT(runs.left_out[0], HasSubstr("hidden"));
 }
 
-TEST_F(ContinuousRunsTest, FaultsOfAFileAreNamed) {
+TEST_F(ScoredWalks, FaultsOfAFileAreNamed) {
   run("shortest", "shortest");
   const fs::path file = made_.run() / "shortest_val_unseen.json";
   std::string text = read_file(file);
   text.replace(text.find("\"position\""), 10, "\"place\"");
   write_file_atomically(file, text);
   try {
-    score_continuous_runs(found(), benchmark_, data_);
+    score_runs(found(), data_);
     FAIL() << "a pose without a position was taken";
   } catch (const InvalidInput& refused) {
     EXPECT_THAT(refused.what(), HasSubstr("position"));
   }
 }
 
-TEST_F(ContinuousRunsTest, ReportHasMapsAndNoPartsOfTheGraph) {
+TEST_F(ScoredWalks, ReportHasMapsAndNoPartsOfTheGraph) {
   run("shortest", "shortest");
   run("random", "random");
   ReportConfig config;
   config.runs = {made_.run()};
-  config.continuous = benchmark_;
+  config.benchmark = &benchmark_;
   const std::string page = make_report(config, data_);
   for (const char* part : {"\"walks\"", "\"table\"", "\"errors\"", "data:image/svg+xml"}) {
     EXPECT_THAT(page, HasSubstr(part));
