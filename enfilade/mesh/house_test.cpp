@@ -9,8 +9,8 @@
 namespace enfilade::mesh {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 /// Written by hand after the layout of Matterport3D's data_organization.md: one record a kind.
 constexpr const char* kLines[] = {

@@ -7,9 +7,9 @@
 namespace enfilade::mesh {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 /// A square of 2 m at z = 1, of two triangles.
 Mesh square() {

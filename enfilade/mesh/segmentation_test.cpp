@@ -12,9 +12,9 @@
 namespace enfilade::mesh {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 /// A square and a triangle beside it, names as the documentation has them.
 constexpr const char* kDocumented =
@@ -108,7 +108,7 @@ TEST(SegmentGroups, ReadsEitherNameOfTheId) {
 }
 
 /// The folder of a building: two objects in the .house, one more in the .semseg.json.
-class HouseMesh : public testing::Test {
+class HouseMesh : public ::testing::Test {
  protected:
   HouseMesh() {
     write(".ply", kDocumented);

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/products.h"
 #include "tests/support/scripted_environment.h"
 #include "tests/support/temporary_folder.h"
 
@@ -306,25 +305,6 @@ TEST(Network, ThreadsChangeNoMoreThanTheBlasDoes) {
     }
     EXPECT_LE(difference, 2e-6 * most) << array.name;
   }
-}
-
-// Of sizes that can be counted by hand: no vision, one word an instruction (no language).
-TEST(Network, ItsProductsAreNoted) {
-  models::NetworkConfig config = small_config();
-  config.inputs = {.language = false, .vision = false};
-  Fixture fixture(config);
-  ProductLog log;
-  EXPECT_EQ(log_products(&log), nullptr);
-  fixture.rollout(options_of(models::Feedback::kArgmax));
-  EXPECT_EQ(log_products(nullptr), &log);
-  double found = 0;
-  for (const Product& product : log) found += product.operations();
-  // Word (8) and start; then at each of 5 steps action (4), cell, attention, output, logits.
-  const double encoder = 8 * 96 + 24 * 24;
-  const double step = 4 * 96 + 24 * 96 + 24 * 24 + 48 * 24 + 24 * 6;
-  EXPECT_EQ(found, 2.0 * kEpisodes * (encoder + 5 * step));
-  ProductTimer(log).run();
-  EXPECT_EQ(log.size(), 2 + 5 * 5);  // those of the timer are not noted
 }
 
 TEST(Network, LearnsItsTeachersLabels) {

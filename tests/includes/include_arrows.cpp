@@ -54,9 +54,9 @@ const std::vector<ThirdParty>& third_parties() {
       {"Recast.h", {"enfilade/mesh/"}},
       {"Detour", {"enfilade/continuous/"}},
       {"epoxy/", {"enfilade/render/gl/"}},
-      {"ATen/", {"enfilade/neural/", "tests/conformance/", "bench/bench_duet"}},
+      {"ATen/", {"enfilade/neural/", "tests/conformance/", "tests/support/", "bench/"}},
       {"torch/", {"enfilade/neural/"}},
-      {"c10/", {"enfilade/neural/", "tests/conformance/"}},
+      {"c10/", {"enfilade/neural/", "tests/conformance/", "tests/support/", "bench/"}},
       {"hdf5.h", {"enfilade/features/"}},
       {"CLI/", {"apps/", "bench/", "tests/conformance/"}},
       {"benchmark/", {"bench/"}},
@@ -84,7 +84,8 @@ bool is_posix(std::string_view name) {
 
 /// The header of all names, for users' short programs: may include every folder, and none may it.
 constexpr std::string_view kAllNames = "enfilade/enfilade.h";
-constexpr std::string_view kConformance = "tests/conformance/";
+/// Recordings are compared with the parts of a library too, and tests of a library share helpers.
+constexpr std::array<std::string_view, 2> kTestsOfParts{"tests/conformance/", "tests/support/"};
 constexpr std::array<std::string_view, 2> kBenchesOfParts{"bench/bench_cuda.cpp",
                                                           "bench/bench_duet.cpp"};
 
@@ -207,8 +208,10 @@ class FileChecker {
 
   /// \pre `name` lies in a detail/ or in a room
   void check_private(std::string_view name, const Place& target) {
-    // Recordings are compared with the parts of a library too, and some parts are timed alone.
-    if (file_.path.starts_with(kConformance)) return;
+    if (std::ranges::any_of(kTestsOfParts, [&](auto part) { return file_.path.starts_with(part); })) {
+      return;
+    }
+    // Some parts are timed alone.
     if (std::ranges::find(kBenchesOfParts, file_.path) != kBenchesOfParts.end()) return;
     if (target != place_ && target.folder != "core") {
       report("detail", fmt::format("\"{}\" is private to its folder", name));
@@ -309,9 +312,9 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
        {{"plan", {}},
         {"looks", {"plan"}},
         {"furniture", {"looks"}},
-        {"speaking", {}},
+        {"instructions", {}},
         {"sets", {}},
-        {"benchmarks", {"speaking", "sets"}}}},
+        {"benchmarks", {"instructions", "sets"}}}},
       {"mesh", {{"light", {}}, {"readers", {}}}},
       {"models", {{"vocabularies", {}}}},
       {"neural",

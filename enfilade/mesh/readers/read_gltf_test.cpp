@@ -15,12 +15,12 @@
 namespace enfilade::mesh::readers {
 namespace EN_UNIT {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::Field;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::ThrowsMessage;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
 
 template <class T>
 std::string raw(std::initializer_list<T> values) {

@@ -10,12 +10,12 @@
 namespace enfilade::mesh::readers {
 namespace EN_UNIT {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::Field;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::ThrowsMessage;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
 
 constexpr const char* kCorners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\n";
 
@@ -120,7 +120,7 @@ TEST(ReadObj, WarnsOfAbsurdScaleAndTakesAnother) {
 }
 
 /// Files beside an OBJ.
-class ObjFolder : public testing::Test {
+class ObjFolder : public ::testing::Test {
  protected:
   void write(const char* name, std::string_view text) const {
     write_file_atomically(folder_ / name, text);

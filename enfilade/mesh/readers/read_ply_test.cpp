@@ -8,10 +8,10 @@
 namespace enfilade::mesh::readers {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
 
 template <class T>
 void put(std::string& out, T value, bool big) {

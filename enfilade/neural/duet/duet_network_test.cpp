@@ -16,10 +16,10 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/duet/small_duet.h"
 #include "enfilade/neural/duet/training.h"
 #include "enfilade/neural/encoders/random_weights.h"
 #include "tests/support/refusal.h"
+#include "tests/support/small_duet.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::duet {

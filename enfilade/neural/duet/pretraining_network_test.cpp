@@ -9,8 +9,8 @@
 #include <string>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/duet/small_duet.h"
 #include "tests/support/refusal.h"
+#include "tests/support/small_duet.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::duet {

@@ -15,8 +15,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/neural/detail/optimizer.h"
-#include "enfilade/neural/duet/small_duet.h"
 #include "tests/support/graphs.h"
+#include "tests/support/small_duet.h"
 
 namespace enfilade::neural::duet {
 namespace EN_UNIT {

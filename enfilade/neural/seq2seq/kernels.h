@@ -13,7 +13,7 @@
 namespace enfilade::neural::seq2seq {
 
 /// out = a b, all two-dimensional with one contiguous dimension; nothing is copied. All products of
-/// the network are made here; products.h logs them.
+/// the network are made here.
 void multiply(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out);
 /// out += a b
 void multiply_add(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out);
