@@ -39,7 +39,8 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
   build [--preset P] [--web]    build; programs are left in build/P/bin/ (P is release);
                                 --web: with the web server, as serve does
   test  [--preset P] [ARGS]     build and run the tests; ARGS go to ctest, as in -R NavGraph
-        --quick                 unit tests only: no Python, browser, training, documentation
+        --quick [--web]         unit tests only: no Python, browser, training, documentation;
+                                --web: with the web server's
   docs  [ARGS]                  build the documentation: build/docs/index.html; with the examples'
                                 output where a build has them; ARGS go to tools/docs/site.py
   bench [ARGS]                  build and run the benchmarks; ARGS go to each of them
@@ -293,17 +294,22 @@ command_test() {
 
 # What was built of Python and the pages stays so; only their tests are left out.
 command_test_quick() {
-  local preset=$1 argument rest=()
+  local preset=$1 argument rest=() server=()
   shift
   for argument in "$@"; do
-    [[ $argument == --quick ]] || rest+=("$argument")
+    case $argument in
+      --quick) ;;
+      --web) server=(-DEN_WITH_WEB=ON) ;;
+      *) rest+=("$argument") ;;
+    esac
   done
   if [[ $preset == aarch64 ]]; then
     ensure_aarch64
   else
     ensure_packages "build Enfilade and its unit tests" build test
   fi
-  build_preset "$preset" -DEN_BUILD_TESTS=ON
+  ((${#server[@]} == 0)) || ensure_web
+  build_preset "$preset" -DEN_BUILD_TESTS=ON ${server[@]+"${server[@]}"}
   run_tests "$preset" --label-exclude slow ${rest[@]+"${rest[@]}"}
 }
 

@@ -8,8 +8,9 @@
 # copied to /given there, where COMMAND runs, as root, with an environment of its own but for pip's settings.
 # Needs root, debootstrap and 1 GB of disk. MIRROR names a mirror of Debian's archive. ARCHITECTURE=arm64 makes
 # a Debian for that, which this machine's kernel must be able to run, as it can with qemu-user-static.
+# CACHE names a folder that is the root's ~/.cache: a compiler cache there outlives the run.
 set -euo pipefail
-[[ $# -ge 3 ]] || { sed -n '2,10p' "$0"; exit 2; }
+[[ $# -ge 3 ]] || { sed -n '2,11p' "$0"; exit 2; }
 if [[ -z "${BARE_ROOT_INSIDE:-}" ]]; then  # mounts vanish with this process
   exec env BARE_ROOT_INSIDE=1 unshare --mount --propagation private -- "$0" "$@"
 fi
@@ -35,7 +36,7 @@ fi
 root=$(realpath "$(mktemp -d -p "$roots")")
 clean() {
   local place
-  for place in "$root/proc" "$root/dev"; do
+  for place in "$root/root/.cache" "$root/proc" "$root/sys" "$root/dev"; do
     if mountpoint -q "$place"; then umount -R -l "$place"; fi
   done
   rm -rf --one-file-system "$root"
@@ -53,8 +54,14 @@ for file in /etc/resolv.conf /etc/hosts /etc/ssl/certs /etc/pip.conf /root/.conf
 done
 mapfile -t settings < <(env | sed -nE '/^(PIP_|https?_proxy=|HTTPS?_PROXY=|SSL_CERT)/p')
 mount -t proc proc "$root/proc"
-mount --rbind /dev "$root/dev"
-mount --make-rslave "$root/dev"
+for place in sys dev; do
+  mount --rbind "/$place" "$root/$place"
+  mount --make-rslave "$root/$place"
+done
+if [[ -n ${CACHE:-} ]]; then
+  mkdir -p "$CACHE" "$root/root/.cache"
+  mount --bind "$CACHE" "$root/root/.cache"
+fi
 cp -a "$folder" "$root/given"
 chroot "$root" /usr/bin/env -i HOME=/root LANG=C.UTF-8 PATH=/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin \
-  "${settings[@]}" sh -c 'cd /given && exec "$@"' sh "$@"
+  "${settings[@]}" CI="${CI:-}" sh -c 'cd /given && exec "$@"' sh "$@"

@@ -10,7 +10,7 @@
 namespace enfilade::apps {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr std::uint64_t kMebi = std::uint64_t{1} << 20U, kGibi = kMebi << 10U;
 

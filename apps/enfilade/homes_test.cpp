@@ -75,7 +75,7 @@ void expect_same(const fs::path& folder, const Reference& reference) {
   for (const auto& [file, bytes] : content) {
     if (!reference.content.contains(file)) differ.push_back("left over: " + file);
   }
-  EXPECT_THAT(differ, testing::IsEmpty());
+  EXPECT_THAT(differ, ::testing::IsEmpty());
 }
 
 // The first half of files of the reference where a kill in the middle of writing them leaves it.
@@ -93,7 +93,7 @@ void leave_halves(const fs::path& folder, const Reference& reference,
 TEST(KilledHomes, GoOnWherePicturesWereAndGetTheSameBytes) {
   if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
   const Reference reference = run_whole(pictures_in);
-  ASSERT_THAT(reference.content, testing::Contains(testing::Key("store/home0002.enfilade")));
+  ASSERT_THAT(reference.content, ::testing::Contains(::testing::Key("store/home0002.enfilade")));
   const TemporaryFolder steps("homes"), times("homes");
   // Each appears when the step before it is done.
   for (const char* file :
@@ -137,7 +137,7 @@ bool killed_at(const fs::path& folder, const char* file) {
 
 TEST(KilledHomes, GoOnWherePathsWereAndGetTheSameBytes) {
   const Reference reference = run_whole(paths_in);
-  ASSERT_THAT(reference.content, testing::Contains(testing::Key("hidden/R2R_test.json")));
+  ASSERT_THAT(reference.content, ::testing::Contains(::testing::Key("hidden/R2R_test.json")));
   const TemporaryFolder folder("homes");
   for (const char* file : {"connectivity/home0003_connectivity.json", "r2r", "r2r/R2R_train.json",
                            "r2r/R2R_val_unseen.json", "hidden/R2R_test.json"}) {
@@ -166,8 +166,8 @@ TEST(DrawnHomes, LookTheSameByAListOfAnEarlierVersion) {
   const TemporaryFolder folder("homes"), drawn("drawn");
   EXPECT_EQ(Process(paths_in(folder.path())).wait(), 0);
   const std::string plan = plan_of(folder.path(), drawn.path() / "new.svg");
-  EXPECT_THAT(plan, testing::HasSubstr("furniture"));
-  EXPECT_THAT(plan, testing::HasSubstr("living room"));
+  EXPECT_THAT(plan, ::testing::HasSubstr("furniture"));
+  EXPECT_THAT(plan, ::testing::HasSubstr("living room"));
   const fs::path list = folder.path() / "homes.json";
   auto old = nlohmann::ordered_json::parse(read_file(list));
   for (auto& home : old.at("homes")) {

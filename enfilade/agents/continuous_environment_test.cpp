@@ -57,7 +57,7 @@ TEST(ContinuousEnvironment, TeachersArriveAndAreScored) {
   for (const auto rule : {ContinuousExpert::kReference, ContinuousExpert::kShortest}) {
     ContinuousEnvironment e = environment(2);
     begin(e, {0, 1});
-    EXPECT_THAT(e.episode(), testing::ElementsAre(0, 1));
+    EXPECT_THAT(e.episode(), ::testing::ElementsAre(0, 1));
     EXPECT_GT(e.distance()[0], 4.0);  // around the pillar
     const double first = e.distance()[0];
     for (int k = 0; k < 100; ++k) step(e, {*e.expert(0, rule), *e.expert(1, rule)});
@@ -109,8 +109,8 @@ TEST(ContinuousEnvironment, AgentsCanBeLeftInTheirEpisodes) {
   begin(e, {0, 1});
   step(e, {Action::kForward, Action::kLeft});
   begin(e, {-1, 0});
-  EXPECT_THAT(e.episode(), testing::ElementsAre(0, 0));
-  EXPECT_THAT(e.simulator().state().steps, testing::ElementsAre(1, 0));
+  EXPECT_THAT(e.episode(), ::testing::ElementsAre(0, 0));
+  EXPECT_THAT(e.simulator().state().steps, ::testing::ElementsAre(1, 0));
   EXPECT_EQ(e.walk(0).actions.size(), 1U);
   EXPECT_TRUE(e.walk(1).actions.empty());
 }

@@ -7,9 +7,9 @@
 namespace enfilade {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::Not;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
 
 TEST(CheckRange, LetsBothEndsPassAndNamesWhatIsOutside) {
   check_range("share", 0, 0, 1);

@@ -13,10 +13,10 @@ namespace enfilade {
 namespace EN_UNIT {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
-class FileTest : public testing::Test {
+class FileTest : public ::testing::Test {
  protected:
   const tests::TemporaryFolder made_{"file"};
   const fs::path& folder_ = made_.path();

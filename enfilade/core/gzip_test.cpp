@@ -10,8 +10,8 @@
 namespace enfilade {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 std::string text_of(std::size_t bytes) {
   std::string text;

@@ -20,10 +20,10 @@ namespace enfilade::dataset {
 namespace EN_UNIT {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
 
 void write(const fs::path& file, std::string_view text) {
   make_folder(file.parent_path());

@@ -15,11 +15,11 @@
 namespace enfilade::dataset {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 // Two viewpoints of scan "made", of which the second has no pictures.
-class Views : public testing::Test {
+class Views : public ::testing::Test {
  protected:
   Views() : made_("dataset_views"), data_((pack_into(made_.path()), made_.path())) {}
 

@@ -13,8 +13,8 @@ namespace enfilade::draw {
 namespace EN_UNIT {
 
 using mesh::testing::Maker;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 using Kind = UnderlayLine::Kind;
 
 // Viewpoints at these places, 1.5 m above floors, without edges.

@@ -12,8 +12,8 @@
 namespace enfilade::draw {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 mesh::FloorPolygons floor_of(mesh::Mesh made) {
   const mesh::RayTracer tracer(std::make_shared<const mesh::Mesh>(std::move(made)));

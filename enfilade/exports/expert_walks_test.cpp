@@ -78,7 +78,7 @@ TEST(StreamVln, HasAPictureBeforeEachAction) {
     ASSERT_GT(actions.size(), 20U);
     EXPECT_EQ(actions[0], -1);
     EXPECT_THAT(std::vector<int>(actions.begin() + 1, actions.end()),
-                testing::Each(testing::AllOf(testing::Ge(1), testing::Le(3))));
+                ::testing::Each(::testing::AllOf(::testing::Ge(1), ::testing::Le(3))));
     const fs::path rgb = folder.path() / entry["video"].get<std::string>() / "rgb";
     const auto files = std::distance(fs::directory_iterator(rgb), fs::directory_iterator());
     EXPECT_EQ(static_cast<std::size_t>(files), actions.size());

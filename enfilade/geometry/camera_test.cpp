@@ -10,8 +10,8 @@
 namespace enfilade {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 TEST(Camera, SquarePicturesSpanTheSameBothWays) {
   EXPECT_NEAR(horizontal_field_of_view({224, 224, Radians(1.1)}).value, 1.1, 1e-15);

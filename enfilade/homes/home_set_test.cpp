@@ -31,7 +31,7 @@ namespace enfilade::homes {
 namespace EN_UNIT {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using tests::content_of;
 using tests::TemporaryFolder;
 
@@ -125,7 +125,7 @@ TEST(HomeSet, KeepsHomesMadeBeforeAFailure) {
   write_homes(folder.path(), tiny(3, 0), [&](const std::string& home, std::size_t, std::size_t) {
     if (made.empty() || made.back() != home) made.push_back(home);
   });
-  EXPECT_THAT(made, testing::ElementsAre("home0003"));
+  EXPECT_THAT(made, ::testing::ElementsAre("home0003"));
   write_homes(whole.path(), tiny(3, 0));
   EXPECT_EQ(content_of(folder.path()), content_of(whole.path()));
 }

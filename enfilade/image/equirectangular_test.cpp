@@ -13,8 +13,8 @@
 namespace enfilade::image {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 Vec3d unit(Vec3d v) {
   const double norm = std::hypot(v.x, v.y, v.z);
@@ -92,7 +92,7 @@ TEST(CubeFromEquirectangular, KeepsAConstantAtTheSeamAndAtThePolesToo) {
   std::ranges::fill(flat.pixels, std::uint8_t{201});
   for (const std::uint32_t size : {3U, 16U, 64U}) {
     for (const Image8& face : cube_from_equirectangular(flat, size)) {
-      EXPECT_THAT(face.pixels, testing::Each(201));
+      EXPECT_THAT(face.pixels, ::testing::Each(201));
     }
   }
 }

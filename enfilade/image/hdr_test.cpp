@@ -11,9 +11,9 @@
 namespace enfilade::image {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 ImageF read(const std::string& text) { return decode_hdr(bytes_of(text), "a.hdr"); }
 std::string file(const std::string& resolution, const std::string& pixels,

@@ -10,9 +10,9 @@
 namespace enfilade::image {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 template <class T>
 Image<T> numbered(std::uint32_t width, std::uint32_t height, std::uint32_t channels) {
@@ -24,8 +24,8 @@ Image<T> numbered(std::uint32_t width, std::uint32_t height, std::uint32_t chann
 }
 
 template <class T>
-class Strips : public testing::Test {};
-using Texels = testing::Types<std::uint8_t, std::uint16_t, std::uint32_t>;
+class Strips : public ::testing::Test {};
+using Texels = ::testing::Types<std::uint8_t, std::uint16_t, std::uint32_t>;
 TYPED_TEST_SUITE(Strips, Texels);
 
 TYPED_TEST(Strips, AreCutIntoFacesAndJoinedAgain) {

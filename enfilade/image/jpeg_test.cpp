@@ -9,8 +9,8 @@
 namespace enfilade::image {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 // Waves of colour: smooth, as JPEG likes it, and different everywhere.
 Image8 waves(std::uint32_t width, std::uint32_t height) {

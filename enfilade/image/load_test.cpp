@@ -9,11 +9,11 @@
 namespace enfilade::image {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
-class LoadPicture : public testing::Test {
+class LoadPicture : public ::testing::Test {
  protected:
   // Every file has the same name, which says nothing.
   std::string write(std::string_view content) const {
@@ -40,9 +40,9 @@ TEST_F(LoadPicture, TellsFormatsByTheirFirstBytes) {
       "#?RGBE\n\n-Y 1 +X 2\n"
       "\x40\x40\x40\x80"
       "\x40\x40\x40\x80";
-  EXPECT_THAT(load_picture(write(hdr)).pixels, testing::Each(118));
+  EXPECT_THAT(load_picture(write(hdr)).pixels, ::testing::Each(118));
   // 64.5 / 256 of exponent 0, two stops down: 0.063, in sRGB 0.2782.
-  EXPECT_THAT(load_picture(write(hdr), -2).pixels, testing::Each(71));
+  EXPECT_THAT(load_picture(write(hdr), -2).pixels, ::testing::Each(71));
 }
 
 TEST_F(LoadPicture, GivesThreeChannelsWhateverTheFileHas) {

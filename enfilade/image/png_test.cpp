@@ -7,9 +7,9 @@
 namespace enfilade::image {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 template <class T>
 Image<T> noise(std::uint32_t width, std::uint32_t height, std::uint32_t channels) {

@@ -48,8 +48,8 @@ TEST(ToneMap, TakesAnyNumbers) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const Image8 odd = tone_map(greys({0, -1, kInfinity, std::nanf(""), 1}));
   EXPECT_THAT(odd.pixels,
-              testing::ElementsAre(0, 0, 0, 0, 0, 0, 255, 255, 255, 0, 0, 0, 118, 118, 118));
-  EXPECT_THAT(tone_map(greys({0, 0})).pixels, testing::Each(0));
+              ::testing::ElementsAre(0, 0, 0, 0, 0, 0, 255, 255, 255, 0, 0, 0, 118, 118, 118));
+  EXPECT_THAT(tone_map(greys({0, 0})).pixels, ::testing::Each(0));
   EXPECT_THROW(tone_map(ImageF(1, 1, 1)), ArgumentError);
 }
 

@@ -17,8 +17,8 @@
 namespace enfilade::neural {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 using tests::made_tokens;
 using tests::Script;
 using tests::ScriptedEnvironment;
@@ -98,7 +98,7 @@ TEST(Network, NamesAndShapesAreTheReleasedCodes) {
     for (const auto n : array.shape) shape += " " + std::to_string(n);
     found.push_back(array.name + shape);
   }
-  EXPECT_THAT(found, testing::ElementsAre(
+  EXPECT_THAT(found, ::testing::ElementsAre(
                          "encoder.embedding.weight 13 8", "encoder.lstm.weight_ih_l0 96 8",
                          "encoder.lstm.weight_hh_l0 96 24", "encoder.lstm.bias_ih_l0 96",
                          "encoder.lstm.bias_hh_l0 96", "encoder.encoder2decoder.weight 24 24",
@@ -503,7 +503,7 @@ TEST(Network, NamesAllThatIsWrongWithAFile) {
   state.arrays[1].shape = {8, 96};
   features::write_safetensors(file, state.arrays);
   EXPECT_THAT([&] { fixture.network.load_weights(features::TensorFile::open(file)); },
-              ThrowsMessage<InvalidInput>(testing::AllOf(
+              ThrowsMessage<InvalidInput>(::testing::AllOf(
                   HasSubstr("encoder.embedding.weight"), HasSubstr("embedding"),
                   HasSubstr("encoder.lstm.weight_ih_l0: is F32 [8, 96], not F32 [96, 8]"))));
   EXPECT_TRUE(equal(fixture.network.weights(), before));

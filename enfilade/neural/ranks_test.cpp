@@ -237,7 +237,7 @@ TEST(PartOf, CoversTheBatch) {
   std::vector<std::size_t> all;
   for (std::size_t k = 0; k < 4; ++k) {
     const auto part = detail::part_of(batch, k, 4);
-    EXPECT_THAT(part.size(), testing::AnyOf(2U, 3U));
+    EXPECT_THAT(part.size(), ::testing::AnyOf(2U, 3U));
     all.insert(all.end(), part.begin(), part.end());
   }
   EXPECT_EQ(all, batch);

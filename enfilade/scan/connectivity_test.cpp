@@ -13,8 +13,8 @@ namespace enfilade::scan {
 namespace EN_UNIT {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 Connectivity three_in_a_row() {
   Connectivity c{"row", "<memory>", {}};

@@ -11,8 +11,8 @@ namespace enfilade::scan {
 namespace EN_UNIT {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 TEST(DataRoot, KnowsTheLayoutsInTheWild) {
   const tests::TemporaryFolder made("data_root");

@@ -9,7 +9,7 @@
 namespace enfilade::scan {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using Depth = image::CubeMap<std::uint16_t>;
 using Colour = image::CubeMap<std::uint8_t>;
 

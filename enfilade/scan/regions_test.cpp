@@ -9,9 +9,9 @@
 namespace enfilade::scan {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 TEST(RegionMap, FindsTheRegionOfAViewpoint) {
   const RegionMap map = RegionMap::parse(R"({"s": {"0": ["a", "b"], "7": ["c"]}, "r": {}})", "f");

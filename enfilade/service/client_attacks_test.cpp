@@ -18,7 +18,7 @@ using testing::exchange;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::row_results;
-using testing::Served;
+using ::testing::Served;
 
 std::string token_in(const httplib::Headers& headers) {
   return headers.find("Authorization")->second.substr(std::string("Bearer ").size());
@@ -293,7 +293,7 @@ TEST(ClientAttacks, NoPageIsLargerThanTheLargest) {
 TEST(ClientAttacks, BeforeTheEndHeadersDoNotDependOnTheGoalsEither) {
   std::set<std::string> told;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-    testing::Target target(testing::draw_goals(seed), testing::kEnds);
+    ::testing::Target target(testing::draw_goals(seed), testing::kEnds);
     const auto team = target.served().team("A");
     target.submit(team, {}, "m");
     std::string all;

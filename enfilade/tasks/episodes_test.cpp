@@ -20,10 +20,10 @@
 namespace enfilade::tasks {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
 
 // The square v0 v1 v2 v3 of 2 m, and v4, which is left out.
 std::shared_ptr<const graph::GraphSet> graphs() {

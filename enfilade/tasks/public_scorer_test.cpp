@@ -16,8 +16,8 @@
 namespace enfilade::tasks {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 using Walk = std::vector<ViewpointIndex>;
 using Values = std::map<std::string, double>;
 

@@ -12,7 +12,7 @@ namespace EN_UNIT {
 
 const std::filesystem::path kDocs = std::filesystem::path(EN_SOURCE_DIR) / "docs/bad_input.md";
 
-class BadInput : public testing::TestWithParam<std::size_t> {};
+class BadInput : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(BadInput, GetsWhatTheTableSays) {
   const Case one = all_cases()[GetParam()];
@@ -20,10 +20,10 @@ TEST_P(BadInput, GetsWhatTheTableSays) {
   if (one.asks && EN_ASKS == 0) GTEST_SKIP() << "the program is built without HTTP";
   const Outcome outcome = run(one);
   EXPECT_EQ(outcome.exit_code, one.exit_code) << one.input << "\n" << outcome.output;
-  EXPECT_THAT(outcome.output, testing::HasSubstr(one.says)) << one.input;
+  EXPECT_THAT(outcome.output, ::testing::HasSubstr(one.says)) << one.input;
 }
 
-INSTANTIATE_TEST_SUITE_P(Case, BadInput, testing::Range(std::size_t{0}, all_cases().size()));
+INSTANTIATE_TEST_SUITE_P(Case, BadInput, ::testing::Range(std::size_t{0}, all_cases().size()));
 
 // A case that damages nothing would pass for the wrong reason.
 TEST(BadInputHarness, GoodFilesAreAccepted) {
@@ -68,6 +68,6 @@ int main(int argc, char** argv) {
     bad_input::show_outcomes();
     return 0;
   }
-  testing::InitGoogleTest(&argc, argv);
+  ::testing::InitGoogleTest(&argc, argv);
   return RUN_ALL_TESTS();
 }

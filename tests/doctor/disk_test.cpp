@@ -12,7 +12,7 @@
 namespace enfilade {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(Doctor, TellsWhichDiskHasTooLittleRoomAndWhatToDo) {
   const tests::TemporaryFolder folder("small_disk");

@@ -21,8 +21,8 @@
 namespace enfilade::render {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Sets an environment variable, for this process and those that it starts.
 class Variable {
@@ -74,7 +74,7 @@ nlohmann::json doctor(int status = 0) {
 constexpr const char* kSection = "OpenGL through EGL";
 
 /// Skipped where EGL does not load drivers that a variable names (all of GLVND's does).
-class Drivers : public testing::Test {
+class Drivers : public ::testing::Test {
  protected:
   void SetUp() override {
     if (tests::is_emulated()) {

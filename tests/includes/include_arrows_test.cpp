@@ -11,8 +11,8 @@
 namespace enfilade::tests {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 /// A file of one include; the directive is put together here, so that this file itself has none of
 /// the bad ones.

@@ -207,7 +207,7 @@ TEST_F(RankedTraining, RandomRanksKilledTheWeightsAreTheSameToTheBit) {
       if (k == victim) continue;
       const std::string errors = Run::errors(k);
       // Where rank 0 had not opened the store yet, it cannot be reached.
-      EXPECT_THAT(codes[static_cast<std::size_t>(k)], testing::AnyOf(kAgain, 2)) << errors;
+      EXPECT_THAT(codes[static_cast<std::size_t>(k)], ::testing::AnyOf(kAgain, 2)) << errors;
       named += errors.find("rank " + std::to_string(victim)) != std::string::npos ? 1 : 0;
     }
   }
@@ -233,8 +233,8 @@ TEST_F(RankedTraining, AFaultOfOneIsToldByTheOthers) {
   Words options = kSeq2Seq;
   for (const char* word : {"--iterations", "2"}) options.emplace_back(word);
   Run run(training(in("fault"), options), 2, {"--buildings", "99"});
-  EXPECT_THAT(run.wait(), testing::ElementsAre(kAgain, 2));
-  EXPECT_THAT(Run::errors(0), testing::ContainsRegex("rank 1 .* failed: buildings: 99, but split"));
+  EXPECT_THAT(run.wait(), ::testing::ElementsAre(kAgain, 2));
+  EXPECT_THAT(Run::errors(0), ::testing::ContainsRegex("rank 1 .* failed: buildings: 99, but split"));
 }
 
 TEST_F(RankedTraining, NumbersOfProcessesThatCannotShareThePartsAreNamed) {

@@ -7,8 +7,8 @@
 namespace enfilade::json {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 /// Each entry as simdjson writes it; or what is thrown or reported.
 std::vector<std::string> entries_of(std::string_view text) {

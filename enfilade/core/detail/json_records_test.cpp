@@ -10,10 +10,10 @@
 namespace enfilade::json {
 namespace EN_UNIT {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
 
 std::vector<std::int64_t> numbers_of(const std::string& text, std::size_t most_bytes = 100) {
   Records records(text, "a.jsonl", most_bytes);

@@ -6,7 +6,7 @@
 namespace enfilade::json {
 namespace EN_UNIT {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 std::string fault_of(const std::string& text) {
   try {

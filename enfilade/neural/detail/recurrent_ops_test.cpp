@@ -42,7 +42,7 @@ void expect_same(const std::vector<at::Tensor>& found, const std::vector<at::Ten
   }
 }
 
-class ReadLstm : public testing::TestWithParam<std::vector<std::int64_t>> {};
+class ReadLstm : public ::testing::TestWithParam<std::vector<std::int64_t>> {};
 
 TEST_P(ReadLstm, IsPyTorchsInBothDirections) {
   const std::vector<std::int64_t> lengths = GetParam();
@@ -101,7 +101,7 @@ TEST_P(ReadLstm, IsTheSameByParts) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lengths, ReadLstm,
-                         testing::Values(std::vector<std::int64_t>{1},
+                         ::testing::Values(std::vector<std::int64_t>{1},
                                          std::vector<std::int64_t>{5, 5, 3, 1},
                                          std::vector<std::int64_t>{17, 9, 9, 9, 2, 1}));
 

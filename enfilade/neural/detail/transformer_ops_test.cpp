@@ -44,7 +44,7 @@ struct Shape {
   std::int64_t n, a, b, heads, width;
 };
 
-class Attend : public testing::TestWithParam<Shape> {
+class Attend : public ::testing::TestWithParam<Shape> {
  protected:
   at::Tensor query() const { return random({s.n, s.a, s.heads * s.width}, 1); }
   at::Tensor keys(int seed) const { return random({s.n, s.b, s.heads * s.width}, seed); }
@@ -97,7 +97,7 @@ TEST_P(Attend, GivesTheGradientOfItsBias) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, Attend,
-                         testing::Values(Shape{1, 1, 1, 1, 1}, Shape{2, 3, 5, 2, 4},
+                         ::testing::Values(Shape{1, 1, 1, 1, 1}, Shape{2, 3, 5, 2, 4},
                                          Shape{3, 37, 37, 4, 32}, Shape{2, 17, 90, 2, 64},
                                          Shape{5, 9, 16, 3, 7}));
 

@@ -73,7 +73,7 @@ TEST_P(Others, GiveTheSameFeatures) {
   ASSERT_EQ(features.size(), 2 * encoder->dimensions());
   const double difference = relative_difference(encoded(*encoder, pictures, 2, camera), features);
   EXPECT_LE(difference, kTolerance);
-  RecordProperty("difference", testing::PrintToString(difference));
+  RecordProperty("difference", ::testing::PrintToString(difference));
 }
 
 INSTANTIATE_TEST_SUITE_P(

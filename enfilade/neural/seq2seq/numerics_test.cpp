@@ -181,7 +181,7 @@ std::string python_with_torch() {
   return {};
 }
 
-class Numerics : public testing::TestWithParam<std::pair<models::Feedback, bool>> {};
+class Numerics : public ::testing::TestWithParam<std::pair<models::Feedback, bool>> {};
 
 TEST_P(Numerics, AgreeWithPyTorchsOwnModules) {
   const std::string python = python_with_torch();
@@ -199,7 +199,7 @@ TEST_P(Numerics, AgreeWithPyTorchsOwnModules) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, Numerics,
-                         testing::Values(std::pair(models::Feedback::kTeacher, false),
+                         ::testing::Values(std::pair(models::Feedback::kTeacher, false),
                                          std::pair(models::Feedback::kTeacher, true),
                                          std::pair(models::Feedback::kSample, true)));
 

@@ -19,7 +19,7 @@ namespace enfilade::render {
 namespace EN_UNIT {
 
 using scan::Layer;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 using Texels = std::array<std::uint8_t, 3>;
 
@@ -141,7 +141,7 @@ Pictures draw(Renderer& renderer, const Camera& camera, std::span<const View> vi
 }
 
 /// Skips, with EGL's words, where no device works.
-class Gl : public testing::Test {
+class Gl : public ::testing::Test {
  protected:
   void SetUp() override {
     static const std::string kWhyNot = why_not();

@@ -85,7 +85,7 @@ TEST(NavigableViews, AgentsDoNotMix) {
     views.add(two, Direction{1, 0}, 0, {false, 0.5});
     views.compute();
     EXPECT_EQ(views.write(ViewpointIndex(0), row), 3U);
-    EXPECT_THAT(target, ElementsAre(0U, 2U, 1U, testing::_));
+    EXPECT_THAT(target, ElementsAre(0U, 2U, 1U, ::testing::_));
     EXPECT_EQ(views.write(ViewpointIndex(5), row), 1U);
     EXPECT_EQ(target[0], 5U);
     EXPECT_EQ(views.write(ViewpointIndex(7), row), 2U);

@@ -107,7 +107,7 @@ TEST(Cvdn, APathOfOneViewpointHidesNothing) {
       edited(kInstance, R"(["v0", "v1", "v2"])", R"(["v0"])"), R"(["v0", "v1"])", R"(["v0"])"));
   EXPECT_FALSE(entry.goal_hidden());
   EXPECT_THAT(read_one(edited(kInstance, "\"game_idx\": 3, ", "")).group,
-              testing::Eq(std::nullopt));
+              ::testing::Eq(std::nullopt));
 }
 
 TEST(Cvdn, NamesFieldPlaceAndWhatIsAllowed) {

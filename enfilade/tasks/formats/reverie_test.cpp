@@ -300,7 +300,7 @@ TEST(Reverie, OfPublishedFiles) {
       EXPECT_EQ(entry.goal_hidden(), name.ends_with("test.json"));
       EXPECT_GE(entry.heading.value, 0);
       EXPECT_LT(entry.heading.value, 2 * kPi);
-      EXPECT_THAT(entry.instructions.size(), AllOf(testing::Ge(1U), testing::Le(9U)));
+      EXPECT_THAT(entry.instructions.size(), AllOf(::testing::Ge(1U), ::testing::Le(9U)));
     }
   }
 }

@@ -56,13 +56,13 @@ TEST(ContinuousMeasures, UnknownOnesAreLeftOut) {
   auto scores = scores_of({1});
   const auto walks = walks_of({2});
   const ContinuousEpisodes episodes = three_episodes();
-  EXPECT_THAT(to_table(measure(scores, walks, episodes)), testing::Not(testing::HasSubstr("coll")));
+  EXPECT_THAT(to_table(measure(scores, walks, episodes)), ::testing::Not(::testing::HasSubstr("coll")));
   const auto json = nlohmann::json::parse(
       to_json(measure(scores, walks, episodes), scores, walks, episodes, true));
   EXPECT_TRUE(json["means"]["collisions"]["mean"].is_null());
   EXPECT_EQ(json["per_episode"]["3"]["success"], 1);
   scores[0].collisions = 2;
-  EXPECT_THAT(to_table(measure(scores, walks, episodes)), testing::HasSubstr("collisions"));
+  EXPECT_THAT(to_table(measure(scores, walks, episodes)), ::testing::HasSubstr("collisions"));
 }
 
 TEST(ContinuousMeasures, NeedAScoreAWalk) {
