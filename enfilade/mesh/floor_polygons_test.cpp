@@ -10,7 +10,7 @@
 namespace enfilade::mesh {
 namespace EN_UNIT {
 
-using ::testing::Maker;
+using testing::Maker;
 
 FloorPolygons polygons_of(Mesh mesh, const PolygonOptions& options = {}) {
   const RayTracer tracer(std::make_shared<const Mesh>(std::move(mesh)));

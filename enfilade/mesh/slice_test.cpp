@@ -16,7 +16,7 @@ double total(const std::vector<SliceLine>& lines) {
 }
 
 TEST(Slice, BoxGivesItsOutline) {
-  const auto lines = slice(::testing::Maker().box({1, 2, 0}, {4, 4, 1}).mesh, 0.25F);
+  const auto lines = slice(testing::Maker().box({1, 2, 0}, {4, 4, 1}).mesh, 0.25F);
   EXPECT_EQ(lines.size(), 8U);            // two triangles of each of four sides
   EXPECT_NEAR(total(lines), 10.0, 1e-5);  // 2 (3 + 2)
   for (const SliceLine& line : lines) {
@@ -29,14 +29,14 @@ TEST(Slice, BoxGivesItsOutline) {
 }
 
 TEST(Slice, CornersInThePlaneCountOnceAndLevelTrianglesNever) {
-  const Mesh box = ::testing::Maker().box({0, 0, 0}, {1, 1, 1}).mesh;
+  const Mesh box = testing::Maker().box({0, 0, 0}, {1, 1, 1}).mesh;
   EXPECT_NEAR(total(slice(box, 1)), 4.0, 1e-6);  // its sides reach up to there; its top lies in it
   EXPECT_TRUE(slice(box, 0).empty());            // nothing is below
   EXPECT_TRUE(slice(box, 1.5F).empty());
 }
 
 TEST(Slice, NamesTheObject) {
-  Mesh boxes = ::testing::Maker().box({0, 0, 0}, {1, 1, 1}).box({2, 0, 0}, {3, 1, 2}).mesh;
+  Mesh boxes = testing::Maker().box({0, 0, 0}, {1, 1, 1}).box({2, 0, 0}, {3, 1, 2}).mesh;
   boxes.objects = {{"stool", 0, 0}, {"post", 0, 0}};
   for (std::size_t t = 0; t < boxes.triangles.size(); ++t) {
     boxes.triangle_object.push_back(t < boxes.triangles.size() / 2 ? 0U : 1U);
@@ -47,7 +47,7 @@ TEST(Slice, NamesTheObject) {
 }
 
 TEST(Slice, SlopesGiveTheLineAtTheirHeight) {
-  const auto lines = slice(::testing::Maker().ramp(0, 0, 4, 2, 0, 2).mesh, 0.5F);
+  const auto lines = slice(testing::Maker().ramp(0, 0, 4, 2, 0, 2).mesh, 0.5F);
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_NEAR(total(lines), 2.0, 1e-6);
   for (const SliceLine& line : lines) EXPECT_NEAR(line.from.x, 1.0, 1e-6);

@@ -13,7 +13,7 @@
 namespace enfilade::mesh {
 namespace EN_UNIT {
 
-using ::testing::Maker;
+using testing::Maker;
 
 // A cell's width: rims are blurred by that much, on either side.
 constexpr double kCell = WalkableOptions().cell;

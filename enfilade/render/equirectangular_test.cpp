@@ -12,7 +12,7 @@ TEST(Equirectangular, EachPixelShowsItsDirection) {
   const auto cache = testing::made_cache(128);
   constexpr std::uint32_t kWidth = 200, kHeight = 100;
   const View view{ScanIndex(0), ViewpointIndex(0), degrees(70), Radians(0)};
-  ::testing::Pictures out({kWidth, kHeight, degrees(90)}, 1);
+  testing::Pictures out({kWidth, kHeight, degrees(90)}, 1);
   render_equirectangular(cache, view, kWidth, kHeight, out.outputs());
   for (std::uint32_t i = 0; i < kHeight; ++i) {
     for (std::uint32_t j = 0; j < kWidth; ++j) {
@@ -25,7 +25,7 @@ TEST(Equirectangular, EachPixelShowsItsDirection) {
       const std::size_t p = std::size_t{i} * kWidth + j;
       for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(out.channel(p, c), expected[c], 1.6);
       // A texel of 1/64 rad shifts the distance of slanting walls.
-      const double distance = ::testing::Room().distance(d);
+      const double distance = testing::Room().distance(d);
       ASSERT_NEAR(static_cast<double>(out.depth[p]), distance, 0.05 * distance);
       ASSERT_EQ(out.classes[p], index(project_to_cube(d).face) + 1);
     }
@@ -35,7 +35,7 @@ TEST(Equirectangular, EachPixelShowsItsDirection) {
 TEST(Equirectangular, ThreadsDoNotChangeABit) {
   const auto cache = testing::made_cache(16);
   const View view{ScanIndex(0), ViewpointIndex(0), degrees(10), Radians(0)};
-  ::testing::Pictures a({600, 300, degrees(90)}, 1), b({600, 300, degrees(90)}, 1);
+  testing::Pictures a({600, 300, degrees(90)}, 1), b({600, 300, degrees(90)}, 1);
   render_equirectangular(cache, view, 600, 300, a.outputs(), 1);
   render_equirectangular(cache, view, 600, 300, b.outputs(), 2);
   EXPECT_EQ(a, b);
@@ -44,7 +44,7 @@ TEST(Equirectangular, ThreadsDoNotChangeABit) {
 TEST(Equirectangular, RefusesWrongSizes) {
   const auto cache = testing::made_cache(16);
   const View view{ScanIndex(0), ViewpointIndex(0), degrees(10), Radians(0)};
-  ::testing::Pictures out({20, 10, degrees(90)}, 1);
+  testing::Pictures out({20, 10, degrees(90)}, 1);
   EXPECT_THROW(render_equirectangular(cache, view, 21, 10, out.outputs()), ArgumentError);
   EXPECT_THROW(render_equirectangular(cache, view, 0, 10, out.outputs()), ArgumentError);
   EXPECT_THROW(render_equirectangular(nullptr, view, 20, 10, out.outputs()), ArgumentError);

@@ -137,7 +137,7 @@ TEST(FaceCache, TakesNoMemoryForFacesThatTheirStoreHasInCells) {
   Rng rng(31, 0);
   for (int k = 0; k < 10; ++k) {
     const View view = testing::random_view(rng, 2);
-    ::testing::Pictures a(camera, 1), b(camera, 1);
+    testing::Pictures a(camera, 1), b(camera, 1);
     make_renderer(cells)->render(camera, {&view, 1}, a.outputs());
     make_renderer(decoded)->render(camera, {&view, 1}, b.outputs());
     EXPECT_EQ(a, b) << "view " << k;

@@ -17,7 +17,7 @@ using testing::cache_of;
 using testing::direction_colour;
 using ::testing::HasSubstr;
 using testing::made_cache;
-using ::testing::Pictures;
+using testing::Pictures;
 using testing::random_view;
 using testing::ray_of;
 using ::testing::ThrowsMessage;
@@ -134,7 +134,7 @@ TEST_P(EachBackend, DepthIsTrueToAQuarterMillimetreWherePixelsMeetTexels) {
   const auto renderer = make(made_cache(kSize));
   EN_SKIP_WITHOUT_DEVICE(renderer);
   const Camera camera{kSize, kSize, degrees(90)};
-  const ::testing::Room room;
+  const testing::Room room;
   for (const auto& [heading, elevation] : std::vector<std::pair<double, double>>{
            {0, 0}, {90, 0}, {180, 0}, {270, 0}, {0, 90}, {0, -90}}) {
     const View view{ScanIndex(0), ViewpointIndex(0), degrees(heading), degrees(elevation)};
@@ -154,7 +154,7 @@ TEST_P(EachBackend, DepthAndIdsAreThoseOfTheNearestTexel) {
   constexpr std::uint32_t kSize = 64;
   const auto renderer = make(made_cache(kSize));
   EN_SKIP_WITHOUT_DEVICE(renderer);
-  const ::testing::Room room;
+  const testing::Room room;
   Rng rng(13, 0);
   std::size_t off = 0, all = 0;
   for (int k = 0; k < 100; ++k) {

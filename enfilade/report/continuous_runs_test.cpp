@@ -74,7 +74,7 @@ class ContinuousRunsTest : public ::testing::Test {
     return find_continuous_runs(std::vector<fs::path>{made_.run()}, data_, benchmark_);
   }
 
-  ::testing::MadeRun made_;
+  testing::MadeRun made_;
   dataset::Dataset data_;
   tasks::ContinuousEpisodes episodes_;
   const agents::ContinuousBenchmark& benchmark_ = agents::continuous_benchmark("r2r-ce");

@@ -83,7 +83,7 @@ class DecisionsPage : public ::testing::Test {
     config.runs = {made_.run()};
     return make_report(config, dataset::Dataset(made_.data()));
   }
-  ::testing::MadeRun made_;
+  testing::MadeRun made_;
 };
 
 TEST_F(DecisionsPage, IsOfTheAgentThatChoosesWithOthersBesideIt) {

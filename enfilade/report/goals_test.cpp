@@ -39,7 +39,7 @@ class Goals : public ::testing::Test {
     walk.points = {{ViewpointIndex(0), {}, {}}, {ViewpointIndex(1), {}, {}}};
     run_.trajectories = {walk};
   }
-  ::testing::MadeRun made_;
+  testing::MadeRun made_;
   std::optional<dataset::Dataset> data_;
   tasks::EpisodeSet episodes_;
   ScoredRun run_;

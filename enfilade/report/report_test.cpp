@@ -62,7 +62,7 @@ class ReportTest : public ::testing::Test {
     made_.write_attention("student-2", "val_unseen", "</script><b>walk");
     made_.write_attention("student-1", "val_unseen", "</script><b>walk");
   }
-  ::testing::MadeRun made_;
+  testing::MadeRun made_;
 };
 
 TEST_F(ReportTest, HasEveryPart) {

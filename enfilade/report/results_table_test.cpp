@@ -27,7 +27,7 @@ class ResultsTableTest : public ::testing::Test {
   void run(const std::string& agent, const std::string& split, int moves) const {
     made_.write_results(made_.run() / fmt::format("{}_{}.json", agent, split), moves);
   }
-  ::testing::MadeRun made_;
+  testing::MadeRun made_;
 };
 
 TEST_F(ResultsTableTest, OneRunHasItsMeanAndTheBootstrapInterval) {

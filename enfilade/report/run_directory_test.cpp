@@ -30,7 +30,7 @@ class RunDirectoryTest : public ::testing::Test {
     for (const ResultsFile& one : found.results) names.push_back(one.agent + "@" + one.split);
     return names;
   }
-  ::testing::MadeRun made_;
+  testing::MadeRun made_;
 };
 
 TEST(WithoutSeed, TakesANumberAtTheEndOnly) {

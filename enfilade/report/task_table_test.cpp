@@ -52,7 +52,7 @@ class TaskTableTest : public ::testing::Test {
     const std::vector<std::filesystem::path> named{made_.run()};
     return make_table(score_runs(find_runs(named, data, task), data), synthetic);
   }
-  ::testing::MadeRun made_;
+  testing::MadeRun made_;
 };
 
 const char* const kFound = R"([

@@ -170,7 +170,7 @@ TEST(FileTree, RefusesAnAmbiguousName) {
 }
 
 TEST(FileTree, IsReadByManyThreads) {
-  std::vector<::testing::ZipEntry> entries;
+  std::vector<testing::ZipEntry> entries;
   for (std::size_t i = 0; i < kMany; ++i) {
     entries.push_back({"d/" + std::to_string(i), std::string(10000 + i, 'x'), ""});
   }

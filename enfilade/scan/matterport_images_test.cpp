@@ -89,7 +89,7 @@ class MatterportImagesTest : public ::testing::Test {
     for (const auto& [name, content] : files) write_file_atomically(kind / name, content);
   }
   static void write_zip(const fs::path& zip, const Files& files) {
-    std::vector<::testing::ZipEntry> entries;
+    std::vector<testing::ZipEntry> entries;
     for (const auto& [name, content] : files) entries.push_back({"house/kind/" + name, content});
     fs::create_directories(zip.parent_path());
     write_file_atomically(zip, testing::zip_of(entries));
@@ -178,7 +178,7 @@ TEST_F(MatterportImagesTest, WritesWantedFacesWithTheirBorders) {
   write(skybox(), strips_of("v0", testing::panorama(kSize, 3)));
   const auto source = open();
   const auto faces = read_panorama(*source, kV0).colour;
-  ::testing::BorderedMap found(kSize), expected(kSize);
+  testing::BorderedMap found(kSize), expected(kSize);
   const FaceMask wanted = 1U << index(CubeFace::kRight) | 1U << index(CubeFace::kDown);
   source->read_colour(kV0, wanted, found.faces());
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
@@ -216,7 +216,7 @@ TEST_F(MatterportImagesTest, SaysWhereItLookedForAPanorama) {
   write(skybox(), strips_of("v0", testing::panorama(kSize, 1)));
   write_zip(root() / "house" / "undistorted_depth_images.zip", {{"v0_d0_0.png", "not asked"}});
   write_zip(root() / (kSkybox + ".zip"), {{"v0_skybox_small.jpg", "not asked"}});
-  ::testing::BorderedMap room(kSize);
+  testing::BorderedMap room(kSize);
   std::array<std::uint16_t*, kCubeFaces> none{};
   EXPECT_THAT(
       refusal<LookupError>([&](const auto& s) { s.read_colour(kV1, kAllFaces, room.faces()); }),

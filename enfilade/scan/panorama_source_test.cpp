@@ -95,7 +95,7 @@ TEST(MemoryPanoramas, ComeBackAsTheyWere) {
 
 TEST(MemoryPanoramas, PutTheNeighboursTexelsAroundAFace) {
   const auto source = testing::memory_panoramas("scan", 1, 4);
-  ::testing::BorderedMap map(4);
+  testing::BorderedMap map(4);
   source->read_colour(ViewpointIndex(0), kAllFaces, map.faces());
   const Panorama truth = read_panorama(*source, ViewpointIndex(0));
   // Right of the front face begins the right face.

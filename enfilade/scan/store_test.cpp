@@ -88,7 +88,7 @@ TEST(Store, GivesBackWhatWasPacked) {
     EXPECT_EQ(store->poses()[i].world_from_panorama, source->poses()[i].world_from_panorama);
     EXPECT_EQ(store->face_sizes(v), source->face_sizes(v));
     expect_equal(read_panorama(*store, v), read_panorama(*source, v));
-    ::testing::BorderedMap here(16), there(16);
+    testing::BorderedMap here(16), there(16);
     store->read_colour(v, kAllFaces, here.faces());
     source->read_colour(v, kAllFaces, there.faces());
     for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(here.cells(k), there.cells(k));
@@ -102,10 +102,10 @@ TEST(Store, ReadsRowsOfJpegFaces) {
   const auto source = testing::memory_panoramas("house", 1, kSize);
   const auto store = packed(*source, folder.path(), ColourCoding::kJpeg);
   const ViewpointIndex v(0);
-  ::testing::BorderedMap whole(kSize);
+  testing::BorderedMap whole(kSize);
   store->read_colour(v, kAllFaces, whole.faces());
   for (const std::uint32_t step : {1U, 7U, 16U, 40U}) {
-    ::testing::BorderedMap parts(kSize);
+    testing::BorderedMap parts(kSize);
     for (std::size_t k = 0; k < kCubeFaces; ++k) {
       ASSERT_TRUE(store->reads_rows(v, cube_face(k)));
       for (std::uint32_t begin = 0; begin < kSize; begin += step) {
@@ -135,7 +135,7 @@ TEST(Store, HasSeamlessJpegFaces) {
   EXPECT_LT(difference / (6 * 32 * 32 * 3), 1.5);
   // To the bit: the frame of each face is what the store itself has on the other side of the edge.
   const MemoryPanoramas again(source->connectivity(), {decoded});
-  ::testing::BorderedMap here(32), there(32);
+  testing::BorderedMap here(32), there(32);
   store->read_colour(ViewpointIndex(0), kAllFaces, here.faces());
   again.read_colour(ViewpointIndex(0), kAllFaces, there.faces());
   for (std::size_t k = 0; k < kCubeFaces; ++k) EXPECT_EQ(here.cells(k), there.cells(k));
@@ -155,7 +155,7 @@ TEST(Store, DecodedStoresAreDrawnFromAsTheyStand) {
     for (std::size_t i = 0; i < 3; ++i) {
       const ViewpointIndex v(i);
       expect_equal(read_panorama(*store, v), read_panorama(*source, v));
-      ::testing::BorderedMap expected(size);
+      testing::BorderedMap expected(size);
       source->read_colour(v, kAllFaces, expected.faces());
       for (std::size_t l = 0; l < kLayers; ++l) {
         EXPECT_TRUE(store->has_cells(static_cast<Layer>(l), v));
@@ -208,7 +208,7 @@ TEST(Store, ReadsOneFaceAlone) {
   const TemporaryFolder folder("store_one_face");
   const auto source = testing::memory_panoramas("house", 2, 16);
   const auto store = packed(*source, folder.path(), ColourCoding::kJpeg);
-  ::testing::BorderedMap all(16), one(16), untouched(16);
+  testing::BorderedMap all(16), one(16), untouched(16);
   store->read_colour(ViewpointIndex(1), kAllFaces, all.faces());
   store->read_colour(ViewpointIndex(1), 1 << 4, one.faces());
   for (std::size_t k = 0; k < kCubeFaces; ++k) {

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::read_to_end;
 using testing::row_results;
-using ::testing::Served;
+using testing::Served;
 
 std::string percent_encoded(const std::string& text) {
   std::string coded;

@@ -18,7 +18,7 @@ namespace enfilade::service {
 namespace EN_UNIT {
 
 using ::testing::HasSubstr;
-using ::testing::Served;
+using testing::Served;
 
 std::uint16_t number_at(const std::string& bytes, std::size_t k) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes.at(i)); };

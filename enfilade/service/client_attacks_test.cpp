@@ -18,7 +18,7 @@ using testing::exchange;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::row_results;
-using ::testing::Served;
+using testing::Served;
 
 std::string token_in(const httplib::Headers& headers) {
   return headers.find("Authorization")->second.substr(std::string("Bearer ").size());

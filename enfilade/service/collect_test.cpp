@@ -11,11 +11,11 @@ namespace EN_UNIT {
 using nlohmann::json;
 using testing::collection_body;
 using ::testing::HasSubstr;
-using ::testing::Worker;
+using testing::Worker;
 
 constexpr const char* kText = "Walk past the table and stop at the door.";
 
-using Collect = ::testing::Collecting;
+using Collect = testing::Collecting;
 
 TEST_F(Collect, ThreeWorkersDescribeAPath) {
   create(collection_body("pilot", "write"));

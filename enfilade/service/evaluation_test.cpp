@@ -15,7 +15,7 @@ namespace EN_UNIT {
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::row_results;
-using ::testing::Served;
+using testing::Served;
 
 std::int64_t id_of(const httplib::Result& result) {
   return nlohmann::json::parse(result->body).at("id").get<std::int64_t>();
@@ -184,7 +184,7 @@ TEST(Evaluation, ScoringGoesOnAfterAFailureOfTheDatabase) {
   };
   Served served(config);
   const auto team = served.team("A");
-  std::optional<::testing::FrozenSubmissions> frozen;
+  std::optional<testing::FrozenSubmissions> frozen;
   frozen.emplace(served.config().database, "the disk is full");
   const auto id = id_of(served.submit(team, "open", row_results(3)));
   for (int k = 0; k < 1000 && failures == 0; ++k) {

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using ::testing::Served;
+using testing::Served;
 using ::testing::StartsWith;
 
 ServerConfig named_config() {

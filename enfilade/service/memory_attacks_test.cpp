@@ -31,7 +31,7 @@ using ::testing::AnyOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using testing::row_results;
-using ::testing::Served;
+using testing::Served;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMega = 1U << 20U;

@@ -21,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using ::testing::Served;
+using testing::Served;
 
 /// What a server says about its health, and what it writes into its log about it.
 class Health : public ::testing::Test {

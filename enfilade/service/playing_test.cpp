@@ -55,7 +55,7 @@ class PlayingTest : public ::testing::Test {
     return {};
   }
 
-  ::testing::Served served_;
+  testing::Served served_;
 };
 
 TEST_F(PlayingTest, AnEpisodeIsWalkedToItsGoalAndScored) {

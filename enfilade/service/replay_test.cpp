@@ -88,7 +88,7 @@ class ReplayTest : public ::testing::Test {
   }
 
   tests::TemporaryFolder runs_;
-  ::testing::Served served_;
+  testing::Served served_;
 };
 
 TEST_F(ReplayTest, ARunIsShownStepByStep) {
@@ -370,7 +370,7 @@ TEST_F(ReplayTest, AFolderMayBeARunItself) {
 TEST_F(ReplayTest, PagesAreToldWhetherThereAreRuns) {
   EXPECT_EQ(served_.json("/api/v1/scans").at("runs"), true);
   EXPECT_EQ(served_.json("/api/v1/scans/row").at("runs"), true);
-  ::testing::Served other;
+  testing::Served other;
   EXPECT_EQ(other.json("/api/v1/scans").at("runs"), false);
   EXPECT_EQ(other.json("/api/v1/scans/row").at("runs"), false);
   EXPECT_TRUE(other.json("/api/v1/runs").at("runs").empty());

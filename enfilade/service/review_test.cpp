@@ -11,11 +11,11 @@ namespace EN_UNIT {
 using nlohmann::json;
 using testing::collection_body;
 using ::testing::HasSubstr;
-using ::testing::Worker;
+using testing::Worker;
 
 constexpr const char* kText = "Walk past the table and stop at the door.";
 
-class Review : public ::testing::Collecting {
+class Review : public testing::Collecting {
  protected:
   /// Has a worker write about a path. \returns the task's number
   std::int64_t written(const std::string& name, const std::string& text = kText) {

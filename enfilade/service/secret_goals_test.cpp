@@ -17,7 +17,7 @@ namespace EN_UNIT {
 using nlohmann::json;
 using ::testing::HasSubstr;
 using testing::row_results;
-using ::testing::Served;
+using testing::Served;
 
 constexpr std::int64_t kEnd = 2'000'000;  // the clock begins at 1,000,000
 
@@ -202,7 +202,7 @@ TEST_F(SecretGoals, RowsWaitUntilAllIsScored) {
   testing::run_sql(
       served_.config().database,
       "UPDATE submission SET state = 'queued', score = NULL WHERE id = " + std::to_string(waits));
-  std::optional<::testing::FrozenSubmissions> frozen;
+  std::optional<testing::FrozenSubmissions> frozen;
   frozen.emplace(served_.config().database, "x");
   served_.start();
   now_ = kEnd;

@@ -16,7 +16,7 @@ namespace EN_UNIT {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-using ::testing::Served;
+using testing::Served;
 
 TEST(Server, ListsScans) {
   Served served;

@@ -17,9 +17,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::row_steps;
-using ::testing::Worker;
+using testing::Worker;
 
-using Walk = ::testing::Collecting;
+using Walk = testing::Collecting;
 
 TEST_F(Walk, AnInstructionIsShownAndItsGoalIsNot) {
   create(collection_body("pilot", "walk"));

@@ -15,11 +15,11 @@ using ::testing::Not;
 using testing::read_answer;
 using testing::row_results;
 using testing::row_steps;
-using ::testing::Worker;
+using testing::Worker;
 
 constexpr const char* kText = "Walk past the table and stop at the door.";
 
-using WorkAttacks = ::testing::Collecting;
+using WorkAttacks = testing::Collecting;
 
 TEST_F(WorkAttacks, AnotherWorkersTaskIsNotThere) {
   create(collection_body("pilot", "write"));

@@ -9,12 +9,12 @@ namespace EN_UNIT {
 using nlohmann::json;
 using testing::collection_body;
 using testing::row_results;
-using ::testing::Worker;
+using testing::Worker;
 
 constexpr std::int64_t kDay = 24L * 3600;
 constexpr const char* kText = "Walk past the table and stop at the door.";
 
-class ClockJumps : public ::testing::Collecting {
+class ClockJumps : public testing::Collecting {
  protected:
   int submit(const httplib::Headers& team, const std::string& method) {
     return served_.submit(team, "open", row_results(3), method)->status;

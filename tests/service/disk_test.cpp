@@ -12,7 +12,7 @@ namespace EN_UNIT {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-using ::testing::Program;
+using testing::Program;
 
 class FullDisk : public ::testing::Test {
  protected:

@@ -16,7 +16,7 @@ namespace EN_UNIT {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Program;
+using testing::Program;
 
 TEST(FirstSteps, AnOrganiserIsToldWhereToGoAndCanLogIn) {
   const tests::TemporaryFolder folder("first_steps");

@@ -19,8 +19,8 @@ namespace EN_UNIT {
 using nlohmann::json;
 using testing::count_methods;
 using testing::make_team;
-using ::testing::Program;
-using ::testing::Worker;
+using testing::Program;
+using testing::Worker;
 using tests::kills;
 
 constexpr std::size_t kClients = 4;

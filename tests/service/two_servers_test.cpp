@@ -12,8 +12,8 @@ namespace enfilade::service {
 namespace EN_UNIT {
 
 using nlohmann::json;
-using ::testing::Program;
-using ::testing::Worker;
+using testing::Program;
+using testing::Worker;
 
 class TwoServers : public ::testing::Test {
  protected:

@@ -53,7 +53,7 @@ void speak_in(std::uint64_t seed, Totals& totals) {
   const graph::NavGraph graph(build_graph(built, "home", 0));
   const Sights sights(built.home, *built.tracer, graph);
   const SpokenHome home{built.home, graph, sights};
-  const ::testing::InstructionChecker checker(built.home, *built.tracer, graph);
+  const testing::InstructionChecker checker(built.home, *built.tracer, graph);
   Rng rng(seed);
   std::size_t paths = 0;
   for (std::size_t tries = 0; tries < 5000 && paths < kPathsPerHome; ++tries) {

@@ -44,7 +44,7 @@ struct Stage {
   graph::NavGraph graph;
   Sights sights{home, *tracer, graph};
   SpokenHome spoken{home, graph, sights};
-  ::testing::InstructionChecker checker{home, *tracer, graph};
+  testing::InstructionChecker checker{home, *tracer, graph};
 };
 
 Stage& small_stage() {

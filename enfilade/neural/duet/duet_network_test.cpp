@@ -30,7 +30,7 @@ using testing::integers;
 using testing::tiny_duet;
 using tests::refusal;
 using tests::TemporaryFolder;
-using Batch = ::testing::DuetBatch;
+using Batch = testing::DuetBatch;
 
 double difference(const at::Tensor& a, const at::Tensor& b) {
   const at::Tensor finite = at::isfinite(b);

@@ -21,7 +21,7 @@ using testing::integers;
 using testing::tiny_duet;
 using tests::refusal;
 using tests::TemporaryFolder;
-using Batch = ::testing::DuetBatch;
+using Batch = testing::DuetBatch;
 
 at::Tensor guessed_words(const PretrainingNetwork& network, const Batch& batch,
                          const std::vector<std::int64_t>& masked) {

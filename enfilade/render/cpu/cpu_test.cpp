@@ -20,7 +20,7 @@ namespace enfilade::render {
 namespace EN_UNIT {
 
 using testing::cache_of;
-using ::testing::Pictures;
+using testing::Pictures;
 using testing::random_view;
 
 // A panorama in which no texel is like its neighbours.

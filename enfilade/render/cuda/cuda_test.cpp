@@ -16,8 +16,8 @@ namespace enfilade::render::cuda {
 namespace EN_UNIT {
 
 using testing::cache_of;
-using ::testing::Drawn;
-using ::testing::Formats;
+using testing::Drawn;
+using testing::Formats;
 using ::testing::HasSubstr;
 using testing::made_panorama;
 using testing::outputs_of;

@@ -103,10 +103,10 @@ void expect_equal(const std::vector<T>& drawn, const std::vector<T>& wanted, con
          << ", not " << static_cast<unsigned>(*b);
 }
 
-::testing::Formats formats_of(const Kinds& kinds) {
+testing::Formats formats_of(const Kinds& kinds) {
   constexpr std::array kColours{ColourFormat::kRgb8, ColourFormat::kBgr8, ColourFormat::kRgba8,
                                 ColourFormat::kPlanarFloat16, ColourFormat::kPlanarFloat32};
-  ::testing::Formats formats{.colour = {}, .depth = {}, .classes = {}, .instances = kinds.instances};
+  testing::Formats formats{.colour = {}, .depth = {}, .classes = {}, .instances = kinds.instances};
   if (kinds.colour != kNoColour) formats.colour = kColours[kinds.colour - kRgb];
   if (kinds.depth != kNoDepth) {
     const bool metres = kinds.depth == kMetres || kinds.depth == kLegacyMetres;
@@ -134,7 +134,7 @@ TEST(CudaKernels, DrawAsTheScalarTwinOfTheCpu) {
       std::vector<View> views;
       for (std::size_t k = 0; k < 1 + rng.below(3); ++k) views.push_back(random_view(rng, 2));
       const std::size_t pixels = views.size() * camera.width * camera.height;
-      ::testing::Drawn wanted, drawn;
+      testing::Drawn wanted, drawn;
       renderer->render(camera, views, outputs_of(formats_of(kinds), pixels, wanted));
 
       const Outputs outputs = outputs_of(formats_of(kinds), pixels, drawn);

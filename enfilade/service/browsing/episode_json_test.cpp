@@ -10,7 +10,7 @@
 namespace enfilade::service {
 namespace EN_UNIT {
 
-using ::testing::Served;
+using testing::Served;
 
 constexpr const char* kSecretTest =
     R"({"name": "test", "title": "Test", "split": "test", "annotations": "secret.json"})";

@@ -13,7 +13,7 @@ namespace EN_UNIT {
 constexpr double kRounding = 1e-9;  // of degrees and radians converted once or twice
 
 using ::testing::HasSubstr;
-using ::testing::Served;
+using testing::Served;
 using tests::TemporaryFolder;
 
 constexpr std::uint16_t kMetre = 4000;  // quarter millimetres

@@ -15,11 +15,11 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::read_answer;
 using testing::row_steps;
-using ::testing::Worker;
+using testing::Worker;
 
 constexpr const char* kText = "Walk past the table and stop at the door.";
 
-class Conditions : public ::testing::Collecting {
+class Conditions : public testing::Collecting {
  protected:
   static json all_paths(const std::string& kind) {
     json body = collection_body("pilot", kind);

@@ -19,7 +19,7 @@ using testing::collection_body;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::row_steps;
-using ::testing::Worker;
+using testing::Worker;
 
 constexpr const char* kText = "Water the plant beside the window of the hall.";
 
@@ -30,7 +30,7 @@ constexpr const char* kBoxes = R"({
                                                                             [0, 140, 20, 200]]},
              "9": {"name": "lamp", "visible_pos": [15], "bbox2d": [[300, 220, 40, 40]]}}})";
 
-class Kinds : public ::testing::Collecting {
+class Kinds : public testing::Collecting {
  protected:
   Kinds() {
     make_folder(served_.root() / "data/reverie");
@@ -223,7 +223,7 @@ TEST_F(Kinds, AGuideKeepsWordsAndPosesWithTheirTimes) {
   EXPECT_NEAR(look.view_angle.value, std::numbers::pi / 3, 1e-6);
 }
 
-json post(::testing::Served& served, const Worker& who, const std::string& target, const json& body) {
+json post(testing::Served& served, const Worker& who, const std::string& target, const json& body) {
   return testing::read_answer(
       served.client().Post(target, who.headers(), body.dump(), "application/json"));
 }
