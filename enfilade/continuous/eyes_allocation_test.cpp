@@ -24,7 +24,7 @@
 #endif
 
 #if !EN_TEST_SANITIZED  // sanitizers bring their own
-namespace EN_UNIT {
+namespace {
 thread_local std::size_t allocations = 0;
 
 void* counted(std::size_t size, std::size_t alignment) {
@@ -33,7 +33,7 @@ void* counted(std::size_t size, std::size_t alignment) {
   if (void* memory = std::aligned_alloc(alignment, whole)) return memory;
   throw std::bad_alloc();
 }
-}  // namespace EN_UNIT
+}  // namespace
 
 // Not inlined: gcc would see memory freed by one half of a pair and warn of a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {

@@ -33,9 +33,9 @@
 #endif
 
 #if !EN_TEST_SANITIZED  // sanitizers bring their own
-namespace EN_UNIT {
+namespace {
 thread_local std::size_t allocations = 0;
-}  // namespace EN_UNIT
+}  // namespace
 
 // Not inlined: gcc would see malloc's memory freed by one half of a pair and warn of a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
