@@ -12,8 +12,8 @@
 
 #include "bench/products.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/neural/encoder.h"
-#include "enfilade/neural/network.h"
 
 namespace enfilade {
 namespace {

@@ -21,8 +21,8 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/models/instructions.h"
-#include "enfilade/neural/network.h"
-#include "enfilade/neural/r2r_environment.h"
+#include "enfilade/neural/seq2seq/network.h"
+#include "enfilade/neural/seq2seq/r2r_environment.h"
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade {
@@ -31,6 +31,7 @@ namespace {
 using namespace features;  // NOLINT: a benchmark of its own file
 using namespace models;
 using namespace neural;
+using namespace neural::seq2seq;
 
 constexpr std::size_t kBatch = 100;
 using Time = std::chrono::nanoseconds;

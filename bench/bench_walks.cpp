@@ -10,7 +10,6 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/neural/network.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/tokenizer.h"
 #include "tests/support/feature_files.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/seq2seq/network.h"
 #include "tests/support/scripted_environment.h"
 
 namespace enfilade::bench {
@@ -22,10 +22,10 @@ TEST(Products, ThoseOfANetworkAreRecorded) {
   config.features = 0;
   config.max_words = 9;
   config.inputs = {.language = false, .vision = false};
-  neural::Network network(config, 7);
+  neural::seq2seq::Network network(config, 7);
   tests::ScriptedEnvironment environment({.episodes = kEpisodes});
   const std::vector<std::uint32_t> tokens(kEpisodes * config.max_words, 5);
-  neural::RolloutOptions options;
+  neural::seq2seq::RolloutOptions options;
   options.feedback = models::Feedback::kArgmax;
   options.max_steps = 5;
   ProductLog log;

@@ -177,8 +177,8 @@ void expect_reference_list(const GraphSet& graphs, const SimulatorConfig& config
   for (std::size_t k = 0; k < expected.size(); ++k) {
     const std::size_t at = i * config.max_navigable + k;
     const tests::ReferenceNavigable got{out.navigable_viewpoint[at], out.navigable_rel_heading[at],
-                                         out.navigable_rel_elevation[at],
-                                         out.navigable_distance[at]};
+                                        out.navigable_rel_elevation[at],
+                                        out.navigable_distance[at]};
     ASSERT_EQ(got, expected[k]) << "entry " << k;
   }
 }

@@ -9,9 +9,9 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/models/instruction_words.h"
+#include "enfilade/neural/panoramic/panoramic_episode.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
-#include "enfilade/neural/panoramic/panoramic_walk.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/envdrop_episodes.h"
 
@@ -162,7 +162,8 @@ class EpisodeCheck {
     tally_.begin("envdrop_episodes.jsonl.gz");
     std::map<std::size_t, std::map<std::size_t, std::string>> batches;
     for (const auto& [id, e] : episodes_.all()) {
-      batches[e.recorded->at("batch")][e.recorded->at("row")] = id;
+      batches[e.recorded->at("batch").get<std::size_t>()]
+             [e.recorded->at("row").get<std::size_t>()] = id;
     }
     for (const auto& [number, rows] : batches) {
       std::vector<std::string> ids;
@@ -180,7 +181,7 @@ class EpisodeCheck {
 
  private:
   void batch(const std::vector<std::string>& ids) {
-    std::vector<PanoramicWalk> walks = episodes_.walks(ids);
+    std::vector<PanoramicEpisode> walks = episodes_.walks(ids);
     roll_out(network_, episodes_.words(ids), walks, episodes_.images(), {},
              [&](const PanoramicStep& step) {
                for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -212,7 +213,7 @@ class EpisodeCheck {
   }
 
   void alone(const EnvdropEpisode& e) {
-    std::vector<PanoramicWalk> walks = episodes_.walks({e.id});
+    std::vector<PanoramicEpisode> walks = episodes_.walks({e.id});
     const json& recorded = e.recorded->at("alone");
     std::vector<std::string> viewpoints;
     roll_out(network_, episodes_.words({e.id}), walks, episodes_.images(), {},
@@ -231,7 +232,7 @@ class EpisodeCheck {
     const features::TensorFile tensors = folder_.tensors("envdrop_tensors.npz");
     for (const std::vector<std::string>& ids : batches_) {
       check_sentences(tensors, episodes_, ids, network_, tally_);
-      std::vector<PanoramicWalk> walks = episodes_.walks(ids);
+      std::vector<PanoramicEpisode> walks = episodes_.walks(ids);
       roll_out(network_, episodes_.words(ids), walks, episodes_.images(), {},
                [&](const PanoramicStep& step) {
                  for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -246,7 +247,7 @@ class EpisodeCheck {
   void results() {
     tally_.begin("envdrop_results.json");
     for (const json& result : folder_.json("envdrop_results.json")) {
-      const std::string id = result.at("instr_id");
+      const auto id = result.at("instr_id").get<std::string>();
       check_points(id, result.at("trajectory"), episodes_.graph_of(episodes_.at(id)), walked_[id],
                    tally_);
     }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/detail/optimizer.h"
+#include "enfilade/neural/core/optimizer.h"
 #include "tests/conformance/envdrop_episodes.h"
 
 namespace enfilade::tests {
@@ -66,13 +66,13 @@ class VariantCheck {
   }
 
  private:
-  static neural::detail::OptimizerConfig options_of(const json& settings) {
-    neural::detail::OptimizerConfig options;
+  static neural::core::OptimizerConfig options_of(const json& settings) {
+    neural::core::OptimizerConfig options;
     options.kind = models::Optimizer::kRmsProp;
-    options.rates.learning_rate = settings.at("lr");
-    options.rates.beta2 = settings.at("alpha");
-    options.rates.epsilon = settings.at("eps");
-    options.clip = settings.at("clip");
+    options.rates.learning_rate = settings.at("lr").get<double>();
+    options.rates.beta2 = settings.at("alpha").get<double>();
+    options.rates.epsilon = settings.at("eps").get<double>();
+    options.clip = settings.at("clip").get<double>();
     options.parts = {"encoder.", "decoder."};
     return options;
   }
@@ -81,14 +81,15 @@ class VariantCheck {
     const json& rollouts = recorded.at("rollouts");
     at::Tensor loss = at::zeros({}, at::kFloat);
     for (std::size_t r = 0; r < rollouts.size(); ++r) {
-      const double weight = settings_.at(rollouts.size() > 1 ? "ml_weight" : "teacher_weight");
+      const auto weight =
+          settings_.at(rollouts.size() > 1 ? "ml_weight" : "teacher_weight").get<double>();
       loss = loss + roll(rollouts[r], weight, fmt::format("{}.{}", name, r));
     }
     tally_.near(name + ".loss", golden_number(recorded.at("loss")), loss.item<double>());
     loss.backward();
     for (const auto& [part, norm] : recorded.at("norms").items()) {
       tally_.near(fmt::format("{}.norm.{}", name, part), golden_number(norm),
-                  neural::detail::gradient_norm(network_.weights(), part + "."));
+                  neural::core::gradient_norm(network_.weights(), part + "."));
     }
     for (const auto& [array, gradient] : recorded.at("gradients").items()) {
       const at::Tensor ours = network_.weight(array).grad();
@@ -107,8 +108,8 @@ class VariantCheck {
     options.draw = Draw::kLikeliest;
     options.imitate = teacher;
     options.reinforce = !teacher;
-    options.discount = settings_.at("gamma");
-    std::vector<PanoramicWalk> walks = episodes_.walks(ids);
+    options.discount = settings_.at("gamma").get<double>();
+    std::vector<PanoramicEpisode> walks = episodes_.walks(ids);
     std::vector<std::size_t> steps(ids.size(), 0);
     const RolloutLosses losses =
         roll_out(network_, episodes_.words(ids), walks, episodes_.images(), options,
@@ -133,7 +134,7 @@ class VariantCheck {
   }
 
   void check_rewards(const json& recorded, const RolloutLosses& losses,
-                     const std::vector<PanoramicWalk>& walks, const std::string& name) {
+                     const std::vector<PanoramicEpisode>& walks, const std::string& name) {
     tally_.equal(name + ".active", recorded.at("active"), losses.active);
     const json& active = recorded.at("active");
     for (std::size_t t = 0; t < std::min(active.size(), losses.steps); ++t) {
@@ -161,7 +162,7 @@ class VariantCheck {
   std::string name_;
   AgentsTally& tally_;
   PanoramicNetwork network_;
-  neural::detail::Optimizer optimizer_;
+  neural::core::Optimizer optimizer_;
 };
 
 }  // namespace

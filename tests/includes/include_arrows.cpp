@@ -86,8 +86,9 @@ bool is_posix(std::string_view name) {
 constexpr std::string_view kAllNames = "enfilade/enfilade.h";
 /// Recordings are compared with the parts of a library too, and tests of a library share helpers.
 constexpr std::array<std::string_view, 2> kTestsOfParts{"tests/conformance/", "tests/support/"};
-constexpr std::array<std::string_view, 2> kBenchesOfParts{"bench/bench_cuda.cpp",
-                                                          "bench/bench_duet.cpp"};
+constexpr std::array<std::string_view, 4> kBenchesOfParts{
+    "bench/bench_cuda.cpp", "bench/bench_duet.cpp", "bench/bench_neural.cpp",
+    "bench/products_test.cpp"};
 
 constexpr std::array<std::string_view, 6> kRoots{"enfilade", "apps",  "bench",
                                                  "compat",   "tests", "examples"};
@@ -208,7 +209,8 @@ class FileChecker {
 
   /// \pre `name` lies in a detail/ or in a room
   void check_private(std::string_view name, const Place& target) {
-    if (std::ranges::any_of(kTestsOfParts, [&](auto part) { return file_.path.starts_with(part); })) {
+    if (std::ranges::any_of(kTestsOfParts,
+                            [&](auto part) { return file_.path.starts_with(part); })) {
       return;
     }
     // Some parts are timed alone.
@@ -318,11 +320,13 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
       {"mesh", {{"light", {}}, {"readers", {}}}},
       {"models", {{"vocabularies", {}}}},
       {"neural",
-       {{"encoders", {}},
-        {"duet", {"encoders"}},
-        {"panoramic", {"encoders"}},
-        {"seq2seq", {}},
-        {"seq2seq_ce", {"panoramic"}}}},
+       {{"core", {}},
+        {"encoders", {"core"}},
+        {"seq2seq", {"core"}},
+        {"panoramic", {"core"}},
+        {"duet", {"core"}},
+        {"speaker", {"core", "panoramic"}},
+        {"continuous", {"core"}}}},
       {"render", {{"cpu", {}}, {"cuda", {"cpu"}}, {"gl", {"cpu"}}}},
       {"report", {{"parts", {}}}},
       {"service", transitive_closure(

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/random_weights.h"
+#include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/duet/duet_network.h"
-#include "enfilade/neural/encoders/random_weights.h"
 
 namespace enfilade::neural::duet::testing {
 
@@ -36,7 +36,7 @@ inline DuetConfig tiny_duet() {
 /// Normal numbers.
 inline at::Tensor random_tensor(const std::vector<std::int64_t>& shape, std::uint64_t seed) {
   Rng rng(seed);
-  return encoders::normal(shape, 1, rng);
+  return core::normal(shape, 1, rng);
 }
 
 /// int64.
@@ -121,14 +121,14 @@ struct DuetBatch {
 /// Compares each weight's gradient, where it is largest, with finite differences of `loss`. The
 /// weights are made larger first, so that every part has its say. \return the weights whose
 /// gradients are others, or missing
-inline std::vector<std::string> wrong_gradients(const detail::Weights& weights,
+inline std::vector<std::string> wrong_gradients(const core::Weights& weights,
                                                 const std::function<at::Tensor()>& loss) {
   std::vector<std::string> wrong;
   {
     const c10::NoGradGuard no_gradients;
     Rng rng(4);
     for (const auto& [name, values] : weights) {
-      at::Tensor(values).add_(encoders::normal(values.sizes().vec(), 0.2, rng));
+      at::Tensor(values).add_(core::normal(values.sizes().vec(), 0.2, rng));
     }
   }
   loss().backward();

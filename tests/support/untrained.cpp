@@ -18,14 +18,13 @@ void write_untrained(const models::ModelConfig& config, const std::filesystem::p
         fmt::format("agent {}: panoramic or duet is written untrained", to_string(training.agent)));
   }
   make_folder(folder);
-  const auto write = [&](const neural::detail::Weights& weights) {
-    models::write_state(files.weights(), neural::detail::as_arrays(weights), 0);
+  const auto write = [&](const neural::core::Weights& weights) {
+    models::write_state(files.weights(), neural::core::as_arrays(weights), 0);
   };
   if (training.agent == models::AgentKind::kDuet) {
     write(neural::duet::DuetNetwork(duet_sizes(training), training.seed).weights());
   } else {
-    write(
-        neural::panoramic::PanoramicNetwork(panoramic_sizes(training), training.seed).weights());
+    write(neural::panoramic::PanoramicNetwork(panoramic_sizes(training), training.seed).weights());
   }
   write_file_atomically(files.config(), to_json(config));
 }

@@ -89,7 +89,7 @@ tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& pa
   if (room && !site.naming().is_stairs(*room)) {
     text = instructions::sentence(
         instructions::expand("[okay,|alright,|so,|now,|] you are [standing|] in the $room",
-                         {{"room", site.naming().room(*room, rng)}}, rng));
+                             {{"room", site.naming().room(*room, rng)}}, rng));
     clock.say(text, details.words);
     text += " ";
   }

@@ -73,8 +73,8 @@ std::vector<std::string> requests_for(const Site& site, std::size_t thing, Rng& 
     const auto words = site.thing_words(thing, room.fits, rng);
     if (!words) continue;
     const std::string verb = instructions::expand(verbs_for(category), {}, rng);
-    const std::string text = instructions::sentence(
-        instructions::expand(kPattern, {{"room", room.text}, {"verb", verb}, {"thing", *words}}, rng));
+    const std::string text = instructions::sentence(instructions::expand(
+        kPattern, {{"room", room.text}, {"verb", verb}, {"thing", *words}}, rng));
     if (std::ranges::count(requests, text) == 0) requests.push_back(text);
   }
   if (requests.size() < kRequests) requests.clear();

@@ -7,8 +7,8 @@
 #include <memory>
 #include <span>
 
-#include "enfilade/neural/network.h"
 #include "enfilade/neural/seq2seq/dropout.h"
+#include "enfilade/neural/seq2seq/network.h"
 
 namespace enfilade::neural::seq2seq {
 
@@ -87,8 +87,5 @@ class Kernels {
 std::unique_ptr<Kernels> make_cpu_kernels();
 /// For any type and device.
 std::unique_ptr<Kernels> make_aten_kernels();
-
-/// The number given to set_threads().
-int kernel_threads() noexcept;
 
 }  // namespace enfilade::neural::seq2seq
