@@ -21,12 +21,15 @@
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/models/instructions.h"
 #include "enfilade/models/train_config.h"
-#include "enfilade/neural/detail/optimizer.h"
-#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/core/optimizer.h"
+#include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/device.h"
+#include "enfilade/neural/duet/duet_learner.h"
 #include "enfilade/neural/duet/pretraining_tasks.h"
-#include "enfilade/neural/duet/training.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/ranks.h"
+#include "enfilade/neural/training_data.h"
+#include "tests/support/feature_files.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade {
 namespace {
@@ -35,6 +38,7 @@ using namespace neural::duet;  // NOLINT: a benchmark of that folder
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kBatch = 32, kTrained = 16;
+constexpr std::size_t kFirst = 2000;  // of the episodes
 constexpr std::int64_t kImage = 128;
 
 double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
@@ -79,7 +83,7 @@ class MadeSurroundings : public Surroundings {
 struct Data {
   tasks::EpisodeSet episodes;
   models::InstructionWords words;
-  std::vector<WalkEpisode> batch;
+  std::vector<RolloutEpisode> batch;
 };
 
 const Data& data() {
@@ -87,8 +91,8 @@ const Data& data() {
     const auto root = *dataset::Dataset::from_environment();
     tasks::EpisodeSet episodes = make_episodes(root.annotations("train"), root.graphs());
     models::InstructionWords words(models::training_vocabulary(episodes));
-    std::vector<WalkEpisode> batch;
-    for (std::size_t i = 2000; i < 2000 + kBatch; ++i) {
+    std::vector<RolloutEpisode> batch;
+    for (std::size_t i = kFirst; i < kFirst + kBatch; ++i) {
       const tasks::Episode& one = episodes.episodes[i];
       const tasks::ReferencePath& path = episodes.path_of(one);
       batch.push_back({one.instruction_id, path.scan, path.viewpoints.front(),
@@ -112,10 +116,10 @@ void iteration(benchmark::State& state, PretrainingTask task, int threads) {
   const DuetConfig config = sizes();
   const PretrainingNetwork network(config, 1);
   MadeSurroundings surroundings;
-  Walker walker(data().episodes.graphs, surroundings);
-  neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};
+  RolloutRunner runner(data().episodes.graphs, surroundings);
+  neural::core::Optimizer optimizer{neural::core::OptimizerConfig()};
   const auto make = [&] {
-    return pretraining_batch(walker, config, data().words, data().batch, task, {});
+    return pretraining_batch(runner, config, data().words, data().batch, task, {});
   };
   make();  // what it knows of viewpoints is kept
   double whole = 0, batches = 0, updates = 0;
@@ -142,31 +146,67 @@ void iteration(benchmark::State& state, PretrainingTask task, int threads) {
   state.counters["update"] = updates / whole;
 }
 
-// One behind the teacher, one of its own.
-std::vector<TrainingWalk> walks_of(std::span<const WalkEpisode> episodes) {
-  WalkOptions led, own;
-  led.feedback = WalkFeedback::kTeacher;
-  led.expert = Expert::kReference;
-  own.feedback = WalkFeedback::kSample;
-  own.expert = Expert::kSpl;
-  led.dropout = own.dropout = true;
-  return {{episodes, led, 0.2}, {episodes, own, 1}};
+// The first of the batch's episodes alone.
+tasks::EpisodeSet first_episodes(std::size_t n) {
+  tasks::EpisodeSet chosen = data().episodes;
+  chosen.episodes.clear();
+  std::vector<tasks::ReferencePath> paths;
+  for (std::size_t i = kFirst; i < kFirst + n; ++i) {
+    tasks::Episode episode = data().episodes.episodes[i];
+    paths.push_back(data().episodes.path_of(episode));
+    episode.path = paths.size() - 1;
+    chosen.episodes.push_back(std::move(episode));
+  }
+  chosen.paths = std::move(paths);
+  return chosen;
 }
+
+// What `enfilade train` updates, on the same episodes again and again: one rollout along the
+// annotated path, one of its own.
+class Training {
+ public:
+  Training(const char* sizes, std::int64_t image, std::size_t episodes,
+           c10::Device device = c10::kCPU) {
+    config_.duet = models::duet_preset(sizes);
+    config_.duet.image = image;
+    config_.network.vocabulary = data().words.size();
+    config_.network.features = static_cast<std::size_t>(image);
+    config_.batch_size = episodes;
+    config_.evaluate_every = 0;
+    neural::GraphData& own = data_.graph();
+    own.training = first_episodes(episodes);
+    const auto file = folder_.path() / "features.safetensors";
+    Rng rng(1);
+    tests::write_feature_file(file, config_.network.features, tests::keys_of(own.training),
+                              [&](const features::FeatureKey&, std::span<float> out) {
+                                for (float& x : out) x = static_cast<float>(rng.uniform() - 0.5);
+                              });
+    own.features = features::FeatureSet::open(file);
+    learner_ = make_duet_learner(config_, data().words, device);
+    learner_->prepare(data_, alone_);
+  }
+
+  // The seconds in environment and maps.
+  double update() { return learner_->update(iteration_++).data_seconds; }
+
+ private:
+  tests::TemporaryFolder folder_{"bench_duet"};
+  models::TrainConfig config_ = models::recipe(models::AgentKind::kDuet);
+  neural::TrainingData data_;
+  neural::Ranks alone_;
+  std::unique_ptr<neural::core::Learner> learner_;
+  std::uint64_t iteration_ = 0;
+};
 
 void training(benchmark::State& state, int threads) {
   neural::set_threads(threads);
-  const DuetNetwork network(sizes(), 1);
-  MadeSurroundings surroundings;
-  Walker walker(data().episodes.graphs, surroundings);
-  neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};
-  const std::span<const WalkEpisode> episodes = std::span(data().batch).first(kTrained);
-  const std::vector<TrainingWalk> walks = walks_of(episodes);
-  train_once(network, walker, walks, optimizer);  // what it knows of viewpoints is kept
+  Training training("duet-s", kImage, kTrained);
+  training.update();  // what it knows of viewpoints is kept
   double whole = 0, environment = 0;
   ProductClock::spent() = {};
   for (auto _ : state) {
     const auto begin = Clock::now();
-    environment += train_once(network, walker, walks, optimizer).environment_seconds;
+    environment += training.update();
     const double time = seconds(Clock::now() - begin);
     state.SetIterationTime(time);
     whole += time;
@@ -244,19 +284,11 @@ struct OnCard {
 };
 
 void training_on_card(benchmark::State& state, const OnCard& what) {
-  const c10::Device device = neural::detail::open_agents_device("cuda");
-  DuetConfig config = models::duet_preset(what.sizes);
-  config.image = what.image;
-  config.vocabulary = static_cast<std::int64_t>(data().words.size());
-  const DuetNetwork network(config, 1, device);
-  MadeSurroundings surroundings;
-  Walker walker(data().episodes.graphs, surroundings);
-  neural::detail::Optimizer optimizer{neural::detail::OptimizerConfig()};
-  const std::span<const WalkEpisode> episodes = std::span(data().batch).first(what.episodes);
-  const std::vector<TrainingWalk> walks = walks_of(episodes);
+  const c10::Device device = neural::core::open_agents_device("cuda");
+  Training training(what.sizes, what.image, what.episodes, device);
   const auto iterate = [&] {
-    const neural::detail::PrecisionGuard guard(what.precision);
-    return train_once(network, walker, walks, optimizer).environment_seconds;
+    const neural::core::PrecisionGuard guard(what.precision);
+    return training.update();
   };
   constexpr int kWarmUp = 3;  // features go to the card, kernels are loaded
   for (int i = 0; i < kWarmUp; ++i) iterate();
@@ -283,7 +315,7 @@ void training_on_card(benchmark::State& state, const OnCard& what) {
 
 void register_card() {
   try {
-    neural::detail::open_agents_device("cuda");
+    neural::core::open_agents_device("cuda");
   } catch (const Error&) {
     return;  // no card
   }

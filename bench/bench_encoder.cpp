@@ -10,15 +10,15 @@
 #include <limits>
 #include <vector>
 
+#include "bench/products.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/neural/encoder.h"
-#include "enfilade/neural/network.h"
-#include "enfilade/neural/products.h"
 
 namespace enfilade {
 namespace {
 
-using neural::Product;
+using bench::Product;
 
 double milliseconds_of_processor() {
   timespec time{};
@@ -27,10 +27,10 @@ double milliseconds_of_processor() {
 }
 
 // Of n pictures through 12 blocks of width 768 with 12 heads, the last of which computes one token.
-neural::ProductLog products(std::int64_t n, std::int64_t patch) {
+bench::ProductLog products(std::int64_t n, std::int64_t patch) {
   constexpr std::int64_t kWidth = 768, kHidden = 3072, kBlocks = 12, kHeads = 12, kSide = 224;
   const std::int64_t patches = (kSide / patch) * (kSide / patch), tokens = patches + 1;
-  neural::ProductLog log;
+  bench::ProductLog log;
   const auto add = [&](std::int64_t rows, std::int64_t columns, std::int64_t inner) {
     log.push_back({rows, columns, inner, false, true, false});
   };
@@ -59,7 +59,7 @@ void encode(benchmark::State& state, const char* name, std::size_t n) {
   std::vector<float> features(n * encoder->dimensions());
   const auto log =
       products(static_cast<std::int64_t>(n), name == std::string("clip-vit-b-32") ? 32 : 16);
-  const neural::ProductTimer alone(log);
+  const bench::ProductTimer alone(log);
   alone.run();  // its pages are fetched now
   double whole = std::numeric_limits<double>::infinity(), least = whole, operations = 0;
   for (const Product& product : log) operations += product.operations();

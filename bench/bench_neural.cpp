@@ -13,15 +13,16 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "bench/main.h"
+#include "bench/products.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/models/instructions.h"
-#include "enfilade/neural/network.h"
-#include "enfilade/neural/products.h"
-#include "enfilade/neural/r2r_environment.h"
+#include "enfilade/neural/seq2seq/network.h"
+#include "enfilade/neural/seq2seq/r2r_environment.h"
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade {
@@ -30,6 +31,7 @@ namespace {
 using namespace features;  // NOLINT: a benchmark of its own file
 using namespace models;
 using namespace neural;
+using namespace neural::seq2seq;
 
 constexpr std::size_t kBatch = 100;
 using Time = std::chrono::nanoseconds;
@@ -139,29 +141,29 @@ void iteration(benchmark::State& state, Feedback feedback, bool vision, const Me
   RolloutOptions options{.feedback = feedback, .dropout = true};
   Shortest whole, products, update, environment;
   double operations = 0;
-  std::unique_ptr<ProductTimer> alone;
+  std::unique_ptr<bench::ProductTimer> alone;
   for (auto _ : state) {
     // The same episodes again and again, so that times differ by the machine's moods alone.
     std::iota(episodes.begin(), episodes.end(), std::size_t{2000});
     train.instructions.gather(episodes, tokens);
     walked.start(episodes);
     const auto spent = seen.spent();
-    ProductLog log;
-    log_products(&log);
+    bench::ProductLog log;
+    std::optional<bench::ProductRecorder> recorder(log);
     const auto start = measure.now();
     benchmark::DoNotOptimize(network.rollout_with_gradients({tokens, kBatch}, seen, options).loss);
     const auto learnt = measure.now();
     network.update({});
     const auto end = measure.now();
-    log_products(nullptr);
+    recorder.reset();
     state.SetIterationTime(milliseconds(end - start) / 1e3);
     whole.note(milliseconds(end - start));
     update.note(milliseconds(end - learnt));
     environment.note(milliseconds(seen.spent() - spent));
     if (!alone) {
-      alone = std::make_unique<ProductTimer>(log);
+      alone = std::make_unique<bench::ProductTimer>(log);
       alone->run();  // its pages are fetched now
-      for (const Product& product : log) operations += product.operations();
+      for (const bench::Product& product : log) operations += product.operations();
     }
     const auto again = measure.now();
     alone->run();

@@ -10,12 +10,11 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/neural/network.h"
 #include "enfilade/neural/trained_agent.h"
-#include "enfilade/neural/untrained.h"
 #include "enfilade/tasks/tokenizer.h"
 #include "tests/support/feature_files.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/untrained.h"
 
 namespace {
 
@@ -68,7 +67,7 @@ void run(const Options& options) {
   config.training.text = models::TextKind::kWordPieces;
   config.training.network.vocabulary = kPieces;
   config.training.network.features = static_cast<std::size_t>(config.training.duet.image);
-  neural::write_untrained(config, folder.path());
+  tests::write_untrained(config, folder.path());
   write_pieces(all, models::ModelFiles{folder.path()}.text(config.training.text));
   const fs::path file = folder.path() / "f.safetensors";
   Rng rng(1);

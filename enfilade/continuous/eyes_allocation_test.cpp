@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "enfilade/continuous/detail/test_rooms.h"
 #include "enfilade/continuous/eyes.h"
+#include "tests/support/lit_rooms.h"
 
 // GCC defines __SANITIZE_*__, clang tells through __has_feature.
 #if defined(__has_feature)
@@ -55,7 +55,7 @@ void* counted(std::size_t size, std::size_t alignment) {
 namespace enfilade::continuous {
 namespace EN_UNIT {
 
-using namespace detail;
+using namespace tests;
 
 TEST(Eyes, DrawingAllocatesNothing) {
 #if EN_TEST_SANITIZED

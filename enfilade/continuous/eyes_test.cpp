@@ -9,16 +9,16 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/continuous/detail/test_rooms.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/image/image.h"
 #include "enfilade/render/pictures.h"
+#include "tests/support/lit_rooms.h"
 
 namespace enfilade::continuous {
 namespace EN_UNIT {
 
-using namespace detail;
+using namespace tests;
 using ::testing::HasSubstr;
 
 constexpr double kMillimetre = 1e-3;

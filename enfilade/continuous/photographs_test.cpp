@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/continuous/detail/test_rooms.h"
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/continuous/pixels/painter.h"
 #include "enfilade/continuous/pixels/rasteriser.h"
@@ -16,11 +15,12 @@
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/mesh/capture.h"
 #include "enfilade/scan/panorama_source.h"
+#include "tests/support/lit_rooms.h"
 
 namespace enfilade::continuous {
 namespace EN_UNIT {
 
-using namespace detail;
+using namespace tests;
 using ::testing::HasSubstr;
 
 constexpr Camera kCamera{112, 112, degrees(90)};

@@ -11,7 +11,6 @@
 #include <limits>
 #include <string>
 
-#include "enfilade/continuous/detail/test_rooms.h"
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/continuous/pixels/painter.h"
 #include "enfilade/continuous/pixels/rasteriser.h"
@@ -19,11 +18,12 @@
 #include "enfilade/core/file.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/mesh/capture.h"
+#include "tests/support/lit_rooms.h"
 
 namespace enfilade::continuous {
 namespace EN_UNIT {
 
-using namespace detail;
+using namespace tests;
 using ::testing::HasSubstr;
 
 constexpr Camera kCamera{120, 120, degrees(90)};

@@ -133,12 +133,13 @@ TEST(ContinuousSimulator, SaysWhatIsWrongWithAStart) {
     }
     return "";
   };
-  EXPECT_THAT(message({.building = 1, .pose = {}}), ::testing::HasSubstr("building 1, there are 1"));
+  EXPECT_THAT(message({.building = 1, .pose = {}}),
+              ::testing::HasSubstr("building 1, there are 1"));
   EXPECT_THAT(message(start_at(std::numeric_limits<float>::quiet_NaN(), 1, 0)),
               ::testing::HasSubstr("not finite"));
   EXPECT_THAT(message({.building = 0, .pose = {{1, 1, 1.2F}, {}, {}}}),
               ::testing::AllOf(::testing::HasSubstr("no floor of room within 0.5 m"),
-                             ::testing::HasSubstr("1.20 m below")));
+                               ::testing::HasSubstr("1.20 m below")));
   EXPECT_THAT(message(start_at(100, 1, 0)), ::testing::HasSubstr("none within 20 m"));
   EXPECT_FLOAT_EQ(s.state().position[0].x, 1);  // nothing has happened
   EXPECT_THROW(s.new_episode(1, start_at(1, 1, 0)), ArgumentError);

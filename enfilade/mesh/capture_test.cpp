@@ -6,11 +6,11 @@
 #include <cmath>
 #include <memory>
 
-#include "enfilade/mesh/detail/test_room.h"
+#include "tests/support/assembly.h"
 
 namespace enfilade::mesh {
 
-using namespace detail;
+using tests::Assembly;
 
 namespace EN_UNIT {
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/mesh/detail/test_room.h"
+#include "tests/support/assembly.h"
 
 namespace enfilade::mesh {
 
-using namespace detail;
+using tests::Assembly;
 
 namespace EN_UNIT {
 

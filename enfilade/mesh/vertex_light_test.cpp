@@ -10,11 +10,11 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/image/tone.h"
-#include "enfilade/mesh/detail/test_room.h"
+#include "tests/support/assembly.h"
 
 namespace enfilade::mesh {
 
-using namespace detail;
+using tests::Assembly;
 
 namespace EN_UNIT {
 

@@ -30,6 +30,16 @@ std::string hash_of_arrays(std::span<const features::NamedArray> arrays) {
 
 }  // namespace
 
+ModelFiles require_model(const fs::path& folder) {
+  ModelFiles files{folder};
+  for (const fs::path& file : {files.config(), files.weights()}) {
+    if (fs::exists(file)) continue;
+    throw FileError(fmt::format("{}: no {} in it, so it is no model; `enfilade train` makes one",
+                                folder.string(), file.filename().string()));
+  }
+  return files;
+}
+
 fs::path ModelFiles::text(TextKind kind) const {
   if (kind == TextKind::kWords) return vocabulary();
   return folder / (kind == TextKind::kWordPieces ? "pieces.txt" : "pieces.model");

@@ -39,6 +39,9 @@ struct ModelFiles {
   std::filesystem::path attention(std::string_view split) const;
 };
 
+/// The files of a model directory. \throws FileError if it is none, naming the file that is missing
+ModelFiles require_model(const std::filesystem::path& folder);
+
 /// The content of config.json.
 struct ModelConfig {
   TrainConfig training;  ///< network.vocabulary and network.features are set

@@ -11,14 +11,16 @@
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/scene.h"
 #include "enfilade/models/model_directory.h"
+#include "enfilade/models/train_config.h"
 #include "enfilade/neural/encoder.h"
-#include "enfilade/neural/trainer.h"
+#include "enfilade/neural/training_data.h"
 
 namespace enfilade::neural {
 
 /// What a building looks like, by its scan. Called from one thread; what it returned last is kept
 /// for some buildings.
-using SceneOfScan = std::function<std::shared_ptr<const continuous::Scene>(const std::string&)>;
+using SceneOfScan =
+    std::function<std::shared_ptr<const enfilade::continuous::Scene>(const std::string&)>;
 
 /// How an agent sees.
 struct ContinuousSight {
@@ -32,8 +34,14 @@ struct ContinuousData {
   agents::ContinuousSetup setup;
   tasks::ContinuousEpisodes training;                 ///< of all splits trained on
   std::vector<tasks::ContinuousEpisodes> validation;  ///< one a split
-  std::shared_ptr<const continuous::Buildings> buildings;
+  std::shared_ptr<const enfilade::continuous::Buildings> buildings;
   ContinuousSight sight;  ///< does not count if the agent is not to see
+};
+
+/// How far an agent that walks freely is with the walks that it learns from next.
+struct GatheringProgress {
+  std::size_t set = 1, sets = 1;     ///< which, of how many
+  std::size_t walks = 0, total = 0;  ///< of this set
 };
 
 /// Reads the episodes that `config` names, and describes them and the encoder in the fingerprint.

@@ -54,4 +54,7 @@ struct TorchReport {
 /// one thread per core.
 TorchReport examine_torch();
 
+/// Sets the number of threads of libtorch and the BLAS, for the whole process. 0: all cores
+void set_threads(int threads);
+
 }  // namespace enfilade::neural

@@ -10,7 +10,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/neural/detail/known_vocabularies.h"
+#include "enfilade/neural/core/known_vocabularies.h"
 #include "enfilade/neural/duet/duet_network.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
 
@@ -253,7 +253,7 @@ class Import {
   }
 
   void take_vocabulary(std::size_t rows) {
-    const detail::KnownVocabulary known = detail::known_vocabulary(rows);
+    const core::KnownVocabulary known = core::known_vocabulary(rows);
     if (options_.vocabulary.empty()) {
       throw ArgumentError(
           fmt::format("{}: its table of words has {} rows, but no words are in the "
@@ -261,10 +261,10 @@ class Import {
                       options_.file.string(), rows, known.where));
     }
     const std::string content = read_file(options_.vocabulary);
-    training().text = detail::text_kind_of(options_.vocabulary, content);
+    training().text = core::text_kind_of(options_.vocabulary, content);
     training().letters = options_.letters.value_or(known.letters);
-    const std::size_t entries = detail::entries_in(options_.vocabulary, content, training());
-    const std::size_t marks = detail::rows_of_marks(training());
+    const std::size_t entries = core::entries_in(options_.vocabulary, content, training());
+    const std::size_t marks = core::rows_of_marks(training());
     if (entries + marks != rows) {
       refuse(options_.vocabulary.string(), "", "wrong-size",
              fmt::format("{} {}, but the table of words in {} has {} rows: {}", entries,
@@ -278,8 +278,8 @@ class Import {
     write_file_atomically(imported_.vocabulary, content);
   }
 
-  void write(const detail::Weights& weights) {
-    const std::vector<NamedArray> arrays = detail::as_arrays(weights);
+  void write(const core::Weights& weights) {
+    const std::vector<NamedArray> arrays = core::as_arrays(weights);
     imported_.arrays = arrays.size();
     for (const NamedArray& array : arrays) imported_.parameters += array.elements();
     models::write_state(files_.weights(), arrays, imported_.iteration);

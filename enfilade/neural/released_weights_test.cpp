@@ -69,7 +69,7 @@ class ReleasedWeightsTest : public ::testing::Test {
   // The arrays of the tiny DUET, changed, as a file.
   template <class Change>
   void rewrite(const Change& change) {
-    std::vector<NamedArray> arrays = detail::as_arrays(duet_.weights());
+    std::vector<NamedArray> arrays = core::as_arrays(duet_.weights());
     change(arrays);
     features::write_safetensors(path("changed.safetensors"), arrays);
     released_.file = path("changed.safetensors");
@@ -102,7 +102,7 @@ TEST_F(ReleasedWeightsTest, DuetBecomesAModelDirectory) {
   EXPECT_THAT(words.encode("Go lefts.", 9), ElementsAre(2, 5, 6, 7, 8, 3));
   const models::StateFile state = models::open_state(files.weights());
   const duet::DuetNetwork again(sizes, state.file);
-  EXPECT_EQ(detail::hash_of(again.weights()), detail::hash_of(duet_.weights()));
+  EXPECT_EQ(core::hash_of(again.weights()), core::hash_of(duet_.weights()));
 }
 
 TEST_F(ReleasedWeightsTest, NamesOfPretrainingAreThoseOfTheAgent) {
@@ -126,12 +126,12 @@ TEST_F(ReleasedWeightsTest, NamesOfPretrainingAreThoseOfTheAgent) {
   EXPECT_THAT(found.left_out, ElementsAre("bert: 1 arrays", "mlm_head: 1 arrays"));
   const models::StateFile state = models::open_state(path("model/weights.safetensors"));
   const duet::DuetNetwork again(tiny_duet(), state.file);
-  EXPECT_EQ(detail::hash_of(again.weights()), detail::hash_of(duet_.weights()));
+  EXPECT_EQ(core::hash_of(again.weights()), core::hash_of(duet_.weights()));
 }
 
 TEST_F(ReleasedWeightsTest, EnvDropsListenerReadsWords) {
   const panoramic::PanoramicNetwork listener(tiny_listener(), 4);
-  features::write_safetensors(path("listener.safetensors"), detail::as_arrays(listener.weights()));
+  features::write_safetensors(path("listener.safetensors"), core::as_arrays(listener.weights()));
   released_.file = path("listener.safetensors");
   released_.vocabulary = path("words.txt");
   released_.subout = models::Subout::kTanh;
@@ -146,7 +146,7 @@ TEST_F(ReleasedWeightsTest, EnvDropsListenerReadsWords) {
   EXPECT_EQ(load_instruction_words(files, training).begin(), 5) << "<BOS> behind the words";
   const panoramic::PanoramicNetwork again(panoramic_sizes(training),
                                           models::open_state(files.weights()).file);
-  EXPECT_EQ(detail::hash_of(again.weights()), detail::hash_of(listener.weights()));
+  EXPECT_EQ(core::hash_of(again.weights()), core::hash_of(listener.weights()));
 }
 
 TEST_F(ReleasedWeightsTest, OtherNetworksAreRefusedWithTheirNames) {

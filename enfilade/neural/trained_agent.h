@@ -18,7 +18,7 @@
 namespace enfilade::neural {
 
 /// How a whole split is walked.
-struct SplitWalk {
+struct SplitRollout {
   std::size_t batch_size = 100;        ///< episodes at once
   std::filesystem::path results = {};  ///< a results file to write; empty: none
   /// What the agent attended to and how it chose, episode by episode, to write; empty: none.
@@ -44,7 +44,7 @@ class TrainedAgent : public agents::Agent {
   virtual void enter(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) = 0;
   /// Walks all episodes, in their order: the trajectories of run_agent(), faster.
   /// \throws FileError for files that cannot be written
-  virtual std::vector<tasks::Trajectory> walk(const SplitWalk& options,
+  virtual std::vector<tasks::Trajectory> walk(const SplitRollout& options,
                                               const Progress& progress = {}) = 0;
 };
 

@@ -15,9 +15,9 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/sim/detail/test_reference.h"
 #include "enfilade/sim/simulator.h"
 #include "tests/support/graphs.h"
+#include "tests/support/reference_navigable.h"
 
 // GCC defines __SANITIZE_*__, clang tells through __has_feature.
 #if defined(__has_feature)
@@ -170,15 +170,15 @@ double half_width(const SimulatorConfig& config) {
 // The list of agent i is the oracle's, in values and order, to the bit.
 void expect_reference_list(const GraphSet& graphs, const SimulatorConfig& config,
                            const StateSpans& out, std::size_t i) {
-  const auto expected = detail::reference_navigable(
+  const auto expected = tests::reference_navigable(
       graphs.graph(out.scan[i]), out.viewpoint[i], out.heading[i], out.elevation[i],
       config.navigation == Navigation::kRestricted, half_width(config));
   ASSERT_EQ(out.navigable_count[i], expected.size());
   for (std::size_t k = 0; k < expected.size(); ++k) {
     const std::size_t at = i * config.max_navigable + k;
-    const detail::ReferenceNavigable got{out.navigable_viewpoint[at], out.navigable_rel_heading[at],
-                                         out.navigable_rel_elevation[at],
-                                         out.navigable_distance[at]};
+    const tests::ReferenceNavigable got{out.navigable_viewpoint[at], out.navigable_rel_heading[at],
+                                        out.navigable_rel_elevation[at],
+                                        out.navigable_distance[at]};
     ASSERT_EQ(got, expected[k]) << "entry " << k;
   }
 }

@@ -19,7 +19,7 @@
 #include "enfilade/agents/pilot.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/features/feature_set.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/neural/trained_agent.h"
 #include "python/src/bindings.h"
 #include "python/src/busy.h"
@@ -65,7 +65,7 @@ class LearntAgent {
     const nb::gil_scoped_release unlocked;
     require_episodes();
     pilot_.reset();
-    const neural::SplitWalk options{batch_size, results.value_or(""), attention.value_or("")};
+    const neural::SplitRollout options{batch_size, results.value_or(""), attention.value_or("")};
     return to_json(agent_->walk(options), *set_);
   }
 

@@ -29,7 +29,7 @@ json ids_of(const graph::NavGraph& graph, std::span<const ViewpointIndex> viewpo
   return ids;
 }
 
-json trajectory_of(const Walk& walk, const graph::NavGraph& graph) {
+json trajectory_of(const EpisodeRollout& walk, const graph::NavGraph& graph) {
   json list = json::array();
   for (const auto& step : walk.path) list.push_back(ids_of(graph, step));
   return list;
@@ -159,7 +159,7 @@ class EpisodeCheck {
         tensors_(folder.tensors(name_ + "_tensors.npz")),
         surroundings_(folder.data()),
         graphs_(folder.data().graphs()),
-        walker_(graphs_, surroundings_),
+        runner_(graphs_, surroundings_),
         tally_(tally) {}
 
   // \return the results, as they are submitted
@@ -175,15 +175,15 @@ class EpisodeCheck {
 
  private:
   void check_batch(std::size_t begin, std::size_t end, json& results) {
-    std::vector<WalkEpisode> batch;
+    std::vector<RolloutEpisode> batch;
     for (std::size_t k = begin; k < end; ++k) batch.push_back(duet_episode(records_[k], *graphs_));
-    WalkOptions options;
+    RolloutOptions options;
     options.expert = Expert::kSpl;
     std::vector<std::size_t> steps(batch.size());
-    const Rollout rollout = walker_.walk(network_, batch, options, [&](const StepOfAll& step) {
+    const Rollout rollout = runner_.run(network_, batch, options, [&](const StepOfAll& step) {
       for (std::size_t i = 0; i < step.rows.size(); ++i) {
         const StepRow& row = step.rows[i];
-        const WalkEpisode& episode = batch[row.episode];
+        const RolloutEpisode& episode = batch[row.episode];
         ++steps[row.episode];
         const json& recorded = records_[begin + row.episode]["steps"];
         if (step.step >= recorded.size()) continue;  // counted below
@@ -200,12 +200,12 @@ class EpisodeCheck {
       tally_.begin(name_ + "_episodes.jsonl.gz");
       const json& record = records_[begin + k];
       tally_.equal(batch[k].id + " steps", record["steps"].size(), steps[k]);
-      results.push_back(check_walk(record, batch[k], rollout.walks[k]));
+      results.push_back(check_walk(record, batch[k], rollout.episodes[k]));
       check_text(batch[k]);
     }
   }
 
-  json check_walk(const json& record, const WalkEpisode& episode, const Walk& walk) {
+  json check_walk(const json& record, const RolloutEpisode& episode, const EpisodeRollout& walk) {
     const graph::NavGraph& graph = graphs_->graph(episode.scan);
     json result{{"instr_id", episode.id}, {"trajectory", trajectory_of(walk, graph)}};
     tally_.equal(episode.id + " trajectory", record["trajectory"], result["trajectory"]);
@@ -224,7 +224,7 @@ class EpisodeCheck {
     return result;
   }
 
-  void check_text(const WalkEpisode& episode) {
+  void check_text(const RolloutEpisode& episode) {
     const std::string name = episode.id + ".txt_embeds";
     if (tensors_.find(name) == nullptr) return;
     tally_.begin(name_ + "_tensors.npz");
@@ -239,7 +239,7 @@ class EpisodeCheck {
   features::TensorFile tensors_;
   NamedSurroundings surroundings_;
   std::shared_ptr<const graph::GraphSet> graphs_;
-  Walker walker_;
+  RolloutRunner runner_;
   AgentsTally& tally_;
 };
 

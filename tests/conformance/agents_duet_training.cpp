@@ -5,7 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "enfilade/neural/duet/training.h"
+#include "enfilade/neural/core/optimizer.h"
+#include "enfilade/neural/duet/duet_learner.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/duet_episodes.h"
 
@@ -15,16 +16,17 @@ namespace {
 using namespace neural::duet;
 using nlohmann::json;
 
-WalkOptions options_of(const std::string& task, const std::string& variant, const json& feedback) {
-  WalkOptions options;
+RolloutOptions options_of(const std::string& task, const std::string& variant,
+                          const json& feedback) {
+  RolloutOptions options;
   options.draw_best = true;
   options.explore = 0;
   options.three_losses = variant == "three_losses";
   options.expert = variant == "ndtw_sample" ? Expert::kNdtw : Expert::kSpl;
-  options.feedback = feedback == "teacher"  ? WalkFeedback::kTeacher
-                     : feedback == "sample" ? WalkFeedback::kSample
-                     : feedback == "argmax" ? WalkFeedback::kGreedy
-                                            : WalkFeedback::kExplore;
+  options.feedback = feedback == "teacher"  ? RolloutFeedback::kTeacher
+                     : feedback == "sample" ? RolloutFeedback::kSample
+                     : feedback == "argmax" ? RolloutFeedback::kGreedy
+                                            : RolloutFeedback::kExplore;
   if (feedback == "teacher" && task == "r2r") options.expert = Expert::kReference;
   return options;
 }
@@ -46,7 +48,7 @@ bool is_noise_of_imitation(const std::string& name) {
 }
 
 void check_step(const json& record, const StepOfAll& step, bool teacher,
-                const std::vector<WalkEpisode>& batch, const graph::GraphSet& graphs,
+                const std::vector<RolloutEpisode>& batch, const graph::GraphSet& graphs,
                 const std::string& where, AgentsTally& tally) {
   for (const StepRow& row : step.rows) {
     const std::size_t k = row.episode;
@@ -99,15 +101,15 @@ class VariantCheck {
         network_(duet_network(folder, task_)),
         surroundings_(folder.data()),
         graphs_(folder.data().graphs()),
-        walker_(graphs_, surroundings_),
+        runner_(graphs_, surroundings_),
         tally_(tally) {}
 
   void check(const json& about, double rate) {
     // The published code's option for the decay is not connected, so its decay is PyTorch's own.
-    neural::detail::OptimizerConfig adam;
+    neural::core::OptimizerConfig adam;
     adam.rates.learning_rate = rate;
     adam.rates.weight_decay = 0.01;
-    neural::detail::Optimizer optimizer(adam);
+    neural::core::Optimizer optimizer(adam);
     for (const json& iteration : about["iterations"]) check_iteration(iteration, optimizer);
     for (const auto& [name, weight] : network_.weights()) {
       if (is_noise(name, variant_)) continue;
@@ -120,17 +122,18 @@ class VariantCheck {
   }
 
  private:
-  void check_iteration(const json& iteration, neural::detail::Optimizer& optimizer) {
+  void check_iteration(const json& iteration, neural::core::Optimizer& optimizer) {
     const json& rollouts = iteration["rollouts"];
-    std::vector<std::vector<WalkEpisode>> batches;
-    std::vector<TrainingWalk> walks;
+    std::vector<std::vector<RolloutEpisode>> batches;
+    std::vector<WeightedRollout> walks;
     for (const json& rollout : rollouts) batches.push_back(known_.batch(rollout["episodes"]));
     for (std::size_t i = 0; i < batches.size(); ++i) {
       walks.push_back({batches[i], options_of(task_, variant_, rollouts[i]["feedback"]),
                        rollouts[i]["weight"].get<double>()});
     }
     std::size_t which = 0, last = 0;
-    const TrainingStep step = accumulate(network_, walker_, walks, [&](const StepOfAll& walked) {
+    neural::core::clear_gradients(network_.weights());
+    const auto losses = rollout_for_loss(network_, runner_, walks, [&](const StepOfAll& walked) {
       if (walked.step < last) ++which;
       last = walked.step;
       const json& steps = rollouts[which]["steps"];
@@ -141,7 +144,8 @@ class VariantCheck {
                    batches[which], *graphs_, variant_, tally_);
       }
     });
-    tally_.near(variant_ + " loss", iteration["loss"].get<double>(), step.loss);
+    const double loss = losses.sum.defined() ? neural::core::follow_back(losses.sum) : 0;
+    tally_.near(variant_ + " loss", iteration["loss"].get<double>(), loss);
     if (iteration.contains("gradients") && iteration["gradients"].is_object()) {
       check_gradients(iteration["gradients"], network_, variant_, tally_);
     }
@@ -154,7 +158,7 @@ class VariantCheck {
   DuetNetwork network_;
   NamedSurroundings surroundings_;
   std::shared_ptr<const graph::GraphSet> graphs_;
-  Walker walker_;
+  RolloutRunner runner_;
   AgentsTally& tally_;
 };
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/core/torch_device.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/duet_episodes.h"
 
@@ -123,7 +123,7 @@ void check_duet_units(const AgentsFolder& folder, AgentsTally& tally) {
   for (const json& one : about["cases"]) {
     const features::TensorFile weights = folder.tensors(one["weights"].get<std::string>());
     const DuetNetwork network =
-        network_of(one, weights, arrays, neural::detail::open_agents_device(folder.device()));
+        network_of(one, weights, arrays, neural::core::open_agents_device(folder.device()));
     const UnitCase unit(arrays, one);
     const auto check = [&](const char* which, const at::Tensor& ours, const at::Tensor& mask) {
       unit.check(which, ours.to(at::kCPU), mask, tally);

@@ -9,9 +9,9 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/models/instruction_words.h"
+#include "enfilade/neural/panoramic/panoramic_episode.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
-#include "enfilade/neural/panoramic/panoramic_walk.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/envdrop_episodes.h"
 
@@ -181,7 +181,7 @@ class EpisodeCheck {
 
  private:
   void batch(const std::vector<std::string>& ids) {
-    std::vector<PanoramicWalk> walks = episodes_.walks(ids);
+    std::vector<PanoramicEpisode> walks = episodes_.walks(ids);
     roll_out(network_, episodes_.words(ids), walks, episodes_.images(), {},
              [&](const PanoramicStep& step) {
                for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -213,7 +213,7 @@ class EpisodeCheck {
   }
 
   void alone(const EnvdropEpisode& e) {
-    std::vector<PanoramicWalk> walks = episodes_.walks({e.id});
+    std::vector<PanoramicEpisode> walks = episodes_.walks({e.id});
     const json& recorded = e.recorded->at("alone");
     std::vector<std::string> viewpoints;
     roll_out(network_, episodes_.words({e.id}), walks, episodes_.images(), {},
@@ -232,7 +232,7 @@ class EpisodeCheck {
     const features::TensorFile tensors = folder_.tensors("envdrop_tensors.npz");
     for (const std::vector<std::string>& ids : batches_) {
       check_sentences(tensors, episodes_, ids, network_, tally_);
-      std::vector<PanoramicWalk> walks = episodes_.walks(ids);
+      std::vector<PanoramicEpisode> walks = episodes_.walks(ids);
       roll_out(network_, episodes_.words(ids), walks, episodes_.images(), {},
                [&](const PanoramicStep& step) {
                  for (std::size_t i = 0; i < ids.size(); ++i) {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/detail/optimizer.h"
+#include "enfilade/neural/core/optimizer.h"
 #include "tests/conformance/envdrop_episodes.h"
 
 namespace enfilade::tests {
@@ -66,8 +66,8 @@ class VariantCheck {
   }
 
  private:
-  static neural::detail::OptimizerConfig options_of(const json& settings) {
-    neural::detail::OptimizerConfig options;
+  static neural::core::OptimizerConfig options_of(const json& settings) {
+    neural::core::OptimizerConfig options;
     options.kind = models::Optimizer::kRmsProp;
     options.rates.learning_rate = settings.at("lr").get<double>();
     options.rates.beta2 = settings.at("alpha").get<double>();
@@ -89,7 +89,7 @@ class VariantCheck {
     loss.backward();
     for (const auto& [part, norm] : recorded.at("norms").items()) {
       tally_.near(fmt::format("{}.norm.{}", name, part), golden_number(norm),
-                  neural::detail::gradient_norm(network_.weights(), part + "."));
+                  neural::core::gradient_norm(network_.weights(), part + "."));
     }
     for (const auto& [array, gradient] : recorded.at("gradients").items()) {
       const at::Tensor ours = network_.weight(array).grad();
@@ -109,7 +109,7 @@ class VariantCheck {
     options.imitate = teacher;
     options.reinforce = !teacher;
     options.discount = settings_.at("gamma").get<double>();
-    std::vector<PanoramicWalk> walks = episodes_.walks(ids);
+    std::vector<PanoramicEpisode> walks = episodes_.walks(ids);
     std::vector<std::size_t> steps(ids.size(), 0);
     const RolloutLosses losses =
         roll_out(network_, episodes_.words(ids), walks, episodes_.images(), options,
@@ -134,7 +134,7 @@ class VariantCheck {
   }
 
   void check_rewards(const json& recorded, const RolloutLosses& losses,
-                     const std::vector<PanoramicWalk>& walks, const std::string& name) {
+                     const std::vector<PanoramicEpisode>& walks, const std::string& name) {
     tally_.equal(name + ".active", recorded.at("active"), losses.active);
     const json& active = recorded.at("active");
     for (std::size_t t = 0; t < std::min(active.size(), losses.steps); ++t) {
@@ -162,7 +162,7 @@ class VariantCheck {
   std::string name_;
   AgentsTally& tally_;
   PanoramicNetwork network_;
-  neural::detail::Optimizer optimizer_;
+  neural::core::Optimizer optimizer_;
 };
 
 }  // namespace

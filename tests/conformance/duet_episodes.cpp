@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "enfilade/core/gzip.h"
-#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/core/torch_device.h"
 #include "tests/conformance/synthetic.h"
 
 namespace enfilade::tests {
@@ -46,8 +46,8 @@ void NamedSurroundings::object(const graph::NavGraph& graph, ViewpointIndex view
   synthetic_object(graph.scan(), graph.id(viewpoint), objects(graph, viewpoint)[i].id, out);
 }
 
-WalkEpisode duet_episode(const json& record, const graph::GraphSet& graphs) {
-  WalkEpisode episode;
+RolloutEpisode duet_episode(const json& record, const graph::GraphSet& graphs) {
+  RolloutEpisode episode;
   episode.id = record["instr_id"].get<std::string>();
   episode.scan = graphs.at(record["scan"].get<std::string>());
   const graph::NavGraph& graph = graphs.graph(episode.scan);
@@ -65,7 +65,7 @@ TrainingEpisodes::TrainingEpisodes(const std::vector<json>& records, const datas
   const graph::GraphSet& graphs = *data.graphs();
   for (const json& record : records) {
     if (!record.contains("instr_id")) continue;
-    WalkEpisode episode = duet_episode(record, graphs);
+    RolloutEpisode episode = duet_episode(record, graphs);
     episodes_.emplace(episode.id, std::move(episode));
   }
   for (const char* split : {"train", "val_seen", "val_unseen"}) {
@@ -74,8 +74,8 @@ TrainingEpisodes::TrainingEpisodes(const std::vector<json>& records, const datas
   }
 }
 
-std::vector<WalkEpisode> TrainingEpisodes::batch(const json& ids) const {
-  std::vector<WalkEpisode> list;
+std::vector<RolloutEpisode> TrainingEpisodes::batch(const json& ids) const {
+  std::vector<RolloutEpisode> list;
   for (const json& id : ids) list.push_back(episodes_.at(id.get<std::string>()));
   return list;
 }
@@ -94,7 +94,7 @@ void TrainingEpisodes::add(const json& items, const graph::GraphSet& graphs) {
       record["gt_obj_id"] = object;
       record["token_ids"] = synthetic_words(item["instructions"][n].get<std::string>());
       record["start_view"] = agents::level_view(Radians(item["heading"].get<double>()));
-      WalkEpisode episode = duet_episode(record, graphs);
+      RolloutEpisode episode = duet_episode(record, graphs);
       episodes_.emplace(episode.id, std::move(episode));
     }
   }
@@ -104,7 +104,7 @@ DuetNetwork duet_network(const AgentsFolder& folder, const std::string& task) {
   const features::TensorFile weights = folder.tensors("duet_" + task + ".pt");
   DuetConfig config = infer_config(weights, 4);
   config.max_words = 100;
-  return DuetNetwork(config, weights, neural::detail::open_agents_device(folder.device()));
+  return DuetNetwork(config, weights, neural::core::open_agents_device(folder.device()));
 }
 
 }  // namespace enfilade::tests

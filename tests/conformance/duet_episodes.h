@@ -29,18 +29,19 @@ class NamedSurroundings : public neural::duet::Surroundings {
 };
 
 /// An episode of a recording, as it is walked.
-neural::duet::WalkEpisode duet_episode(const nlohmann::json& record, const graph::GraphSet& graphs);
+neural::duet::RolloutEpisode duet_episode(const nlohmann::json& record,
+                                          const graph::GraphSet& graphs);
 
 /// Training's episodes: those of the recording, and all of REVERIE's own files.
 class TrainingEpisodes {
  public:
   TrainingEpisodes(const std::vector<nlohmann::json>& records, const dataset::Dataset& data);
   /// \throws std::out_of_range for an unknown id
-  std::vector<neural::duet::WalkEpisode> batch(const nlohmann::json& ids) const;
+  std::vector<neural::duet::RolloutEpisode> batch(const nlohmann::json& ids) const;
 
  private:
   void add(const nlohmann::json& items, const graph::GraphSet& graphs);
-  std::map<std::string, neural::duet::WalkEpisode> episodes_;
+  std::map<std::string, neural::duet::RolloutEpisode> episodes_;
 };
 
 /// The network of `duet_<task>.pt`, which takes 100 words at most.

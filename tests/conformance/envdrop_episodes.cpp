@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/core/torch_device.h"
 #include "tests/conformance/synthetic.h"
 
 namespace enfilade::tests {
@@ -21,7 +21,7 @@ PanoramicNetwork network_of(const AgentsFolder& folder, const std::string& name,
   const features::TensorFile file = folder.tensors(name);
   PanoramicConfig config;
   config.subout = subout;
-  return {config_of(file, config), file, neural::detail::open_agents_device(folder.device())};
+  return {config_of(file, config), file, neural::core::open_agents_device(folder.device())};
 }
 
 EnvdropEpisodes::EnvdropEpisodes(const dataset::Dataset& data, const std::vector<json>& lines)
@@ -50,8 +50,8 @@ const graph::NavGraph& EnvdropEpisodes::graph_of(const EnvdropEpisode& episode) 
   return graphs_->graph(episode.start.location.scan);
 }
 
-std::vector<PanoramicWalk> EnvdropEpisodes::walks(const std::vector<std::string>& ids) {
-  std::vector<PanoramicWalk> walks;
+std::vector<PanoramicEpisode> EnvdropEpisodes::walks(const std::vector<std::string>& ids) {
+  std::vector<PanoramicEpisode> walks;
   for (const std::string& id : ids) walks.emplace_back(panoramas_, *graphs_, at(id).start);
   return walks;
 }

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/neural/panoramic/panoramic_episode.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
-#include "enfilade/neural/panoramic/panoramic_walk.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/tensor_numbers.h"
 
@@ -26,7 +26,7 @@ neural::panoramic::PanoramicNetwork network_of(const AgentsFolder& folder, const
 /// One of them.
 struct EnvdropEpisode {
   std::string id;
-  neural::panoramic::WalkStart start;
+  neural::panoramic::EpisodeStart start;
   std::vector<std::int64_t> words;
   const nlohmann::json* recorded = nullptr;
 };
@@ -45,7 +45,7 @@ class EnvdropEpisodes {
   const graph::NavGraph& graph_of(const EnvdropEpisode& episode) const;
   /// SYNTHETIC pictures.
   const neural::panoramic::ImageSource& images() const { return images_; }
-  std::vector<neural::panoramic::PanoramicWalk> walks(const std::vector<std::string>& ids);
+  std::vector<neural::panoramic::PanoramicEpisode> walks(const std::vector<std::string>& ids);
   neural::panoramic::WordBatch words(const std::vector<std::string>& ids) const;
 
  private:
@@ -80,7 +80,7 @@ class EnvdropRow {
 
   const neural::panoramic::PanoramicStep& step_;
   std::size_t row_;
-  const neural::panoramic::PanoramicWalk& walk_;
+  const neural::panoramic::PanoramicEpisode& walk_;
   const graph::NavGraph& graph_;
   std::string name_;
   AgentsTally& tally_;

@@ -54,9 +54,9 @@ const std::vector<ThirdParty>& third_parties() {
       {"Recast.h", {"enfilade/mesh/"}},
       {"Detour", {"enfilade/continuous/"}},
       {"epoxy/", {"enfilade/render/gl/"}},
-      {"ATen/", {"enfilade/neural/", "tests/conformance/", "bench/bench_duet"}},
+      {"ATen/", {"enfilade/neural/", "tests/conformance/", "tests/support/", "bench/"}},
       {"torch/", {"enfilade/neural/"}},
-      {"c10/", {"enfilade/neural/", "tests/conformance/"}},
+      {"c10/", {"enfilade/neural/", "tests/conformance/", "tests/support/", "bench/"}},
       {"hdf5.h", {"enfilade/features/"}},
       {"CLI/", {"apps/", "bench/", "tests/conformance/"}},
       {"benchmark/", {"bench/"}},
@@ -84,9 +84,11 @@ bool is_posix(std::string_view name) {
 
 /// The header of all names, for users' short programs: may include every folder, and none may it.
 constexpr std::string_view kAllNames = "enfilade/enfilade.h";
-constexpr std::string_view kConformance = "tests/conformance/";
-constexpr std::array<std::string_view, 2> kBenchesOfParts{"bench/bench_cuda.cpp",
-                                                          "bench/bench_duet.cpp"};
+/// Recordings are compared with the parts of a library too, and tests of a library share helpers.
+constexpr std::array<std::string_view, 2> kTestsOfParts{"tests/conformance/", "tests/support/"};
+constexpr std::array<std::string_view, 4> kBenchesOfParts{
+    "bench/bench_cuda.cpp", "bench/bench_duet.cpp", "bench/bench_neural.cpp",
+    "bench/products_test.cpp"};
 
 constexpr std::array<std::string_view, 6> kRoots{"enfilade", "apps",  "bench",
                                                  "compat",   "tests", "examples"};
@@ -207,8 +209,11 @@ class FileChecker {
 
   /// \pre `name` lies in a detail/ or in a room
   void check_private(std::string_view name, const Place& target) {
-    // Recordings are compared with the parts of a library too, and some parts are timed alone.
-    if (file_.path.starts_with(kConformance)) return;
+    if (std::ranges::any_of(kTestsOfParts,
+                            [&](auto part) { return file_.path.starts_with(part); })) {
+      return;
+    }
+    // Some parts are timed alone.
     if (std::ranges::find(kBenchesOfParts, file_.path) != kBenchesOfParts.end()) return;
     if (target != place_ && target.folder != "core") {
       report("detail", fmt::format("\"{}\" is private to its folder", name));
@@ -309,17 +314,19 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
        {{"plan", {}},
         {"looks", {"plan"}},
         {"furniture", {"looks"}},
-        {"speaking", {}},
+        {"instructions", {}},
         {"sets", {}},
-        {"benchmarks", {"speaking", "sets"}}}},
+        {"benchmarks", {"instructions", "sets"}}}},
       {"mesh", {{"light", {}}, {"readers", {}}}},
       {"models", {{"vocabularies", {}}}},
       {"neural",
-       {{"encoders", {}},
-        {"duet", {"encoders"}},
-        {"panoramic", {"encoders"}},
-        {"seq2seq", {}},
-        {"seq2seq_ce", {"panoramic"}}}},
+       {{"core", {}},
+        {"encoders", {"core"}},
+        {"seq2seq", {"core"}},
+        {"panoramic", {"core"}},
+        {"duet", {"core"}},
+        {"speaker", {"core", "panoramic"}},
+        {"continuous", {"core"}}}},
       {"render", {{"cpu", {}}, {"cuda", {"cpu"}}, {"gl", {"cpu"}}}},
       {"report", {{"parts", {}}}},
       {"service", transitive_closure(

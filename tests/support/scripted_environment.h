@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/environment.h"
+#include "enfilade/neural/seq2seq/environment.h"
 
 namespace enfilade::tests {
 
@@ -22,7 +22,7 @@ struct Script {
 
 /// Shows the same to every rollout, whatever the actions, so that a loss is a smooth function of
 /// the weights; keeps the actions. begin() again before each rollout.
-class ScriptedEnvironment final : public neural::Environment {
+class ScriptedEnvironment final : public neural::seq2seq::Environment {
  public:
   explicit ScriptedEnvironment(const Script& script, std::uint64_t seed = 1) : script_(script) {
     const std::size_t rows = script.steps * script.episodes;
@@ -30,9 +30,9 @@ class ScriptedEnvironment final : public neural::Environment {
     for (std::size_t i = 0; i < rows; ++i) {
       const std::size_t step = i / script.episodes, episode = i % script.episodes;
       open_.push_back(rng.uniform() < 0.75 ? 1 : 0);
-      auto label = static_cast<std::int32_t>(rng.below(neural::kSixActions));
+      auto label = static_cast<std::int32_t>(rng.below(neural::seq2seq::kSixActions));
       if (label == kForward && open_.back() == 0) label = 0;
-      labels_.push_back(script.ends && step > episode ? neural::kIgnoreLabel : label);
+      labels_.push_back(script.ends && step > episode ? neural::seq2seq::kIgnoreLabel : label);
       for (std::size_t k = 0; k < script.dimensions; ++k) {
         features_.push_back(static_cast<float>(rng.uniform() * 2 - 0.5));
       }
@@ -50,7 +50,7 @@ class ScriptedEnvironment final : public neural::Environment {
   std::size_t size() const override { return script_.episodes; }
   std::size_t dimensions() const override { return script_.dimensions; }
   bool has_teacher() const override { return script_.has_teacher; }
-  void observe(const neural::EnvironmentView& out) override {
+  void observe(const neural::seq2seq::EnvironmentView& out) override {
     const std::size_t n = script_.episodes, begin = step_ * n, width = script_.dimensions;
     std::ranges::copy(std::span(features_).subspan(begin * width, n * width), out.features.begin());
     std::ranges::copy(std::span(open_).subspan(begin, n), out.forward_open.begin());
@@ -72,7 +72,7 @@ class ScriptedEnvironment final : public neural::Environment {
   std::vector<std::int32_t> actions;                           ///< (steps so far, n)
 
  private:
-  static constexpr auto kForward = static_cast<std::int32_t>(neural::SixAction::kForward);
+  static constexpr auto kForward = static_cast<std::int32_t>(neural::seq2seq::SixAction::kForward);
 
   Script script_;
   std::size_t step_ = 0;

@@ -13,7 +13,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/features/feature_set.h"
-#include "enfilade/neural/trainer.h"
+#include "enfilade/neural/train.h"
 #include "tests/support/feature_files.h"
 #include "tests/support/small_homes.h"
 #include "tests/support/temporary_folder.h"

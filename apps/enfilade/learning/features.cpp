@@ -11,7 +11,7 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/neural/compute_features.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/scan/panorama_set.h"
 
 namespace enfilade::apps {

@@ -14,7 +14,7 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/mpcat40.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/neural/probe.h"
 
 namespace enfilade::apps {

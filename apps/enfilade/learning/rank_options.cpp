@@ -9,7 +9,6 @@
 #include "apps/enfilade/version.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/neural/network.h"
 
 namespace enfilade::apps {
 

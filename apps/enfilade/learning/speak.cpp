@@ -10,7 +10,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/neural/speaker.h"
 #include "enfilade/tasks/path_sampling.h"
 

@@ -17,9 +17,9 @@
 #include "apps/enfilade/learning/training_options.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/neural/continuous_agent.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/neural/ranks.h"
-#include "enfilade/neural/trainer.h"
+#include "enfilade/neural/train.h"
 
 namespace enfilade::apps {
 namespace train_verb {
@@ -196,7 +196,9 @@ void train(const Options& options, const std::optional<neural::RankPlace>& place
   models::TrainConfig config = config_of(options);
   if (!config.parts) config.parts = parts_of(options, ranks, place.has_value());
   const neural::TrainingData data = load_data(options, config);
-  if (data.continuous) fix_updates(config, data.continuous->training.episodes.size());
+  if (const neural::ContinuousData* const continuous = data.continuous()) {
+    fix_updates(config, continuous->training.episodes.size());
+  }
   Reporter reporter(fs::path(options.output).filename().string(), options.output);
   std::optional<fs::path> from;
   if (!options.from.empty()) from = options.from;

@@ -6,7 +6,7 @@
 #include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/learning/learn.h"
 #include "enfilade/neural/continuous_agent.h"
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/neural/trained_agent.h"
 
 namespace enfilade::apps {

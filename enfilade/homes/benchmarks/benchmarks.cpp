@@ -310,16 +310,16 @@ bool Benchmarks::wants(std::string_view task) const {
 
 void Benchmarks::add_home(const BuiltHome& built, const graph::NavGraph& graph,
                           std::span<PathAnnotation> paths) {
-  const speaking::Sights sights(built.home, *built.tracer, graph, 8192, options_.threads);
-  const speaking::SpokenHome home{built.home, graph, sights};
+  const instructions::Sights sights(built.home, *built.tracer, graph, 8192, options_.threads);
+  const instructions::SpokenHome home{built.home, graph, sights};
   for (PathAnnotation& path : paths) {
     std::vector<ViewpointIndex> viewpoints;
     for (const std::string& id : path.path) viewpoints.push_back(graph.find(id).value());
     Said& said = said_[path.path_id];
-    for (const speaking::Speaker speaker : speaking::kSpeakers) {
+    for (const instructions::Speaker speaker : instructions::kSpeakers) {
       Rng rng(options_.seed, static_cast<std::uint64_t>(path.path_id),
               static_cast<std::uint64_t>(speaker));
-      speaking::Spoken spoken =
+      instructions::Spoken spoken =
           describe_in_parts(home, viewpoints, path.heading.value, speaker, rng.next());
       path.instructions.push_back(std::move(spoken.text));
       said.parts.push_back(std::move(spoken.parts));

@@ -13,8 +13,8 @@
 #include "enfilade/homes/benchmarks/guides.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
+#include "enfilade/homes/instructions/speaker.h"
 #include "enfilade/homes/sets/written_files.h"
-#include "enfilade/homes/speaking/speaker.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/objects.h"
 
@@ -42,7 +42,7 @@ class Benchmarks {
  private:
   /// What is said of one path of Room-to-Room.
   struct Said {
-    std::vector<std::vector<speaking::SpokenPart>> parts;  // of each instruction
+    std::vector<std::vector<instructions::SpokenPart>> parts;  // of each instruction
     GuidedPath guided;
     std::vector<tasks::PathAnnotation> requests, dialogue, descriptions, again;
   };

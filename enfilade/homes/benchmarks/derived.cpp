@@ -31,11 +31,11 @@ tasks::PathAnnotation there_and_back(tasks::PathAnnotation path) {
 }
 
 tasks::PathAnnotation in_pieces(tasks::PathAnnotation path,
-                                const std::vector<std::vector<speaking::SpokenPart>>& spoken) {
+                                const std::vector<std::vector<instructions::SpokenPart>>& spoken) {
   path.details.clear();
-  for (const std::vector<speaking::SpokenPart>& instruction : spoken) {
+  for (const std::vector<instructions::SpokenPart>& instruction : spoken) {
     tasks::InstructionDetails& details = path.details.emplace_back();
-    for (const speaking::SpokenPart& part : instruction) {
+    for (const instructions::SpokenPart& part : instruction) {
       details.parts.push_back({tasks::tokenize(part.text), std::pair(part.first, part.last)});
     }
   }

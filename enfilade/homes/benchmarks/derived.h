@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "enfilade/homes/speaking/speaker.h"
+#include "enfilade/homes/instructions/speaker.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::homes::benchmarks {
@@ -16,6 +16,6 @@ tasks::PathAnnotation there_and_back(tasks::PathAnnotation path);
 /// Fine-grained R2R: the pieces of each instruction and of the path.
 /// \param spoken  of each instruction \pre as many as instructions
 tasks::PathAnnotation in_pieces(tasks::PathAnnotation path,
-                                const std::vector<std::vector<speaking::SpokenPart>>& spoken);
+                                const std::vector<std::vector<instructions::SpokenPart>>& spoken);
 
 }  // namespace enfilade::homes::benchmarks

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "enfilade/homes/speaking/phrases.h"
+#include "enfilade/homes/instructions/phrases.h"
 
 namespace enfilade::homes::benchmarks {
 namespace {
@@ -91,8 +91,8 @@ class Describer {
     return entry.instructions.size() == kDescriptions;
   }
 
-  std::string said(std::string_view pattern, const speaking::Slots& slots) {
-    return speaking::sentence(speaking::expand(pattern, slots, rng_)) + " ";
+  std::string said(std::string_view pattern, const instructions::Slots& slots) {
+    return instructions::sentence(instructions::expand(pattern, slots, rng_)) + " ";
   }
 
   std::string name_of(const std::string& words) {
@@ -124,9 +124,9 @@ class Describer {
     std::optional<std::string> name;
     for (const std::size_t other : room) {
       const double gap = gap_between(things[thing], things[other]);
-      if (other == thing || gap >= least || speaking::weight_of(site_.home(), other) < 0.4)
+      if (other == thing || gap >= least || instructions::weight_of(site_.home(), other) < 0.4)
         continue;
-      auto words = site_.naming().thing_among(other, room, speaking::Detail::kPlain, rng_);
+      auto words = site_.naming().thing_among(other, room, instructions::Detail::kPlain, rng_);
       if (!words) continue;
       least = gap;
       name = std::move(words);

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "enfilade/homes/speaking/phrases.h"
+#include "enfilade/homes/instructions/phrases.h"
 
 namespace enfilade::homes::benchmarks {
 namespace {
@@ -51,7 +51,7 @@ class Game {
     room_ = *room;
     std::vector<std::size_t> things;
     for (const std::size_t thing : site_.things_in(std::vector{room_})) {
-      if (speaking::weight_of(site_.home(), thing) >= 1) things.push_back(thing);
+      if (instructions::weight_of(site_.home(), thing) >= 1) things.push_back(thing);
     }
     if (things.empty() || in_goal_room(at_) || site_.naming().is_stairs(room_)) return false;
     target_ = site_.home().things[things[rng_.below(things.size())]].noun;
@@ -87,8 +87,8 @@ class Game {
     return {shown.begin(), shown.end() - (early ? 1 : 0)};
   }
 
-  std::string say(std::string_view pattern, const speaking::Slots& slots) {
-    std::string text = speaking::expand(pattern, slots, rng_);
+  std::string say(std::string_view pattern, const instructions::Slots& slots) {
+    std::string text = instructions::expand(pattern, slots, rng_);
     text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
     return text;
   }
@@ -115,14 +115,14 @@ class Game {
       question = say("[where do I go|which way|where to now]?", {});
     }
     const auto speaker =
-        rng_.below(2) == 0 ? speaking::Speaker::kTerse : speaking::Speaker::kLandmarks;
+        rng_.below(2) == 0 ? instructions::Speaker::kTerse : instructions::Speaker::kLandmarks;
     std::string answer =
-        before + speaking::describe(site_.spoken(), shown, heading_, speaker, rng_.next());
+        before + instructions::describe(site_.spoken(), shown, heading_, speaker, rng_.next());
     if (in_goal_room(shown.back())) answer += " " + say("the $thing is in there.", thing());
     turns_.push_back({"navigator", std::move(question), steps_});
     turns_.push_back({"oracle", std::move(answer), steps_});
   }
-  speaking::Slots thing() const { return {{"thing", target_}}; }
+  instructions::Slots thing() const { return {{"thing", target_}}; }
 
   // "Is it in the kitchen?"
   std::string ask_for_room(std::string& before) {

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <utility>
 
-#include "enfilade/homes/speaking/phrases.h"
+#include "enfilade/homes/instructions/phrases.h"
 #include "enfilade/tasks/metrics.h"
 
 namespace enfilade::homes::benchmarks {
@@ -81,20 +81,20 @@ tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& pa
   tasks::InstructionDetails& details = guide.details.emplace_back();
   details.id = fmt::format("{}_{}", path.path_id, 10 * path.path_id + static_cast<long>(k) + 1);
   details.language = kLanguages.at(k);
-  const speaking::Spoken spoken = speaking::describe_in_parts(
-      site.spoken(), viewpoints, path.heading.value, speaking::Speaker::kGuide, rng.next());
+  const instructions::Spoken spoken = instructions::describe_in_parts(
+      site.spoken(), viewpoints, path.heading.value, instructions::Speaker::kGuide, rng.next());
   Clock clock(rng);
   std::string text;
   const auto room = site.room(viewpoints.front());
   if (room && !site.naming().is_stairs(*room)) {
-    text = speaking::sentence(
-        speaking::expand("[okay,|alright,|so,|now,|] you are [standing|] in the $room",
-                         {{"room", site.naming().room(*room, rng)}}, rng));
+    text = instructions::sentence(
+        instructions::expand("[okay,|alright,|so,|now,|] you are [standing|] in the $room",
+                             {{"room", site.naming().room(*room, rng)}}, rng));
     clock.say(text, details.words);
     text += " ";
   }
   Camera camera(site, viewpoints, path.heading.value);
-  for (const speaking::SpokenPart& part : spoken.parts) {
+  for (const instructions::SpokenPart& part : spoken.parts) {
     camera.stand(part.first, clock.now());
     clock.say(part.text, details.words);
     for (std::size_t place = part.first; place < part.last; ++place) {

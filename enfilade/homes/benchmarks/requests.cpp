@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 
-#include "enfilade/homes/speaking/phrases.h"
+#include "enfilade/homes/instructions/phrases.h"
 #include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::benchmarks {
@@ -72,9 +72,9 @@ std::vector<std::string> requests_for(const Site& site, std::size_t thing, Rng& 
     const RoomWords room = site.room_words(site.home().things[thing].room, rng);
     const auto words = site.thing_words(thing, room.fits, rng);
     if (!words) continue;
-    const std::string verb = speaking::expand(verbs_for(category), {}, rng);
-    const std::string text = speaking::sentence(
-        speaking::expand(kPattern, {{"room", room.text}, {"verb", verb}, {"thing", *words}}, rng));
+    const std::string verb = instructions::expand(verbs_for(category), {}, rng);
+    const std::string text = instructions::sentence(instructions::expand(
+        kPattern, {{"room", room.text}, {"verb", verb}, {"thing", *words}}, rng));
     if (std::ranges::count(requests, text) == 0) requests.push_back(text);
   }
   if (requests.size() < kRequests) requests.clear();

@@ -15,7 +15,7 @@ namespace {
 // Rays around the horizon: boxes are exact to 6 pixels in the middle of a view. With more, sets
 // without pictures would take more than twice the time that they take without boxes.
 constexpr std::uint32_t kRays = 240;
-// Below this share of interest (speaking::weight_of) nobody asks for a thing.
+// Below this share of interest (instructions::weight_of) nobody asks for a thing.
 constexpr double kLeastWeight = 0.4;
 
 // "on the second floor": floors are counted from the first.
@@ -34,7 +34,7 @@ std::string floor_words(const Plan& plan, unsigned storey, Rng& rng) {
 
 }  // namespace
 
-Site::Site(const BuiltHome& built, const graph::NavGraph& graph, const speaking::Sights& sights,
+Site::Site(const BuiltHome& built, const graph::NavGraph& graph, const instructions::Sights& sights,
            int threads)
     : spoken_{built.home, graph, sights},
       naming_(spoken_),
@@ -80,7 +80,7 @@ std::vector<std::size_t> Site::things_at(ViewpointIndex v) const {
   for (const capture::ObjectInView& seen : around(v)) {
     const auto thing = thing_of_[seen.object];
     if (!thing || !here || home().things[*thing].room != *here) continue;
-    if (speaking::weight_of(home(), *thing) >= kLeastWeight) things.push_back(*thing);
+    if (instructions::weight_of(home(), *thing) >= kLeastWeight) things.push_back(*thing);
   }
   return things;
 }
@@ -120,7 +120,7 @@ std::vector<std::size_t> Site::things_in(std::span<const std::size_t> rooms) con
 
 std::optional<std::string> Site::thing_words(std::size_t thing, std::span<const std::size_t> rooms,
                                              Rng& rng) const {
-  return naming_.thing_among(thing, things_in(rooms), speaking::Detail::kPlain, rng);
+  return naming_.thing_among(thing, things_in(rooms), instructions::Detail::kPlain, rng);
 }
 
 std::vector<ViewpointIndex> Site::look_up(const std::vector<std::string>& ids) const {

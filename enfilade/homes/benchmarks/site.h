@@ -10,8 +10,8 @@
 
 #include "enfilade/capture/object_boxes.h"
 #include "enfilade/homes/built_home.h"
-#include "enfilade/homes/speaking/naming.h"
-#include "enfilade/homes/speaking/speaker.h"
+#include "enfilade/homes/instructions/naming.h"
+#include "enfilade/homes/instructions/speaker.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::homes::benchmarks {
@@ -27,13 +27,13 @@ class Site {
  public:
   /// Looks for the objects around each viewpoint, on `threads`. \pre graph's viewpoints are in the
   /// home
-  Site(const BuiltHome& built, const graph::NavGraph& graph, const speaking::Sights& sights,
+  Site(const BuiltHome& built, const graph::NavGraph& graph, const instructions::Sights& sights,
        int threads);
 
   const Home& home() const noexcept { return spoken_.home; }
   const graph::NavGraph& graph() const noexcept { return spoken_.graph; }
-  const speaking::SpokenHome& spoken() const noexcept { return spoken_; }
-  const speaking::Naming& naming() const noexcept { return naming_; }
+  const instructions::SpokenHome& spoken() const noexcept { return spoken_; }
+  const instructions::Naming& naming() const noexcept { return naming_; }
 
   /// The objects around a viewpoint, at most 3 m away, that views show.
   std::span<const capture::ObjectInView> around(ViewpointIndex v) const { return around_[v.at()]; }
@@ -62,8 +62,8 @@ class Site {
   double heading(ViewpointIndex from, ViewpointIndex to) const;
 
  private:
-  speaking::SpokenHome spoken_;
-  speaking::Naming naming_;
+  instructions::SpokenHome spoken_;
+  instructions::Naming naming_;
   std::vector<std::vector<capture::ObjectInView>> around_;  // by viewpoint
   std::vector<std::vector<ViewpointIndex>> in_room_;        // by room
   std::vector<std::optional<std::size_t>> thing_of_;        // by object

@@ -22,18 +22,18 @@
 #include "enfilade/homes/benchmarks/requests.h"
 #include "enfilade/homes/benchmarks/site.h"
 #include "enfilade/homes/built_home.h"
-#include "enfilade/homes/speaking/testing/instruction_checker.h"
-#include "enfilade/homes/speaking/testing/instruction_reader.h"
 #include "enfilade/tasks/tokenizer.h"
+#include "tests/support/instructions/instruction_checker.h"
+#include "tests/support/instructions/instruction_reader.h"
 
 namespace enfilade::homes::benchmarks {
 namespace EN_UNIT {
 
-using speaking::testing::Claim;
-using speaking::testing::Named;
-using speaking::testing::read_instruction;
-using speaking::testing::read_names;
-using speaking::testing::split_words;
+using instructions::testing::Claim;
+using instructions::testing::Named;
+using instructions::testing::read_instruction;
+using instructions::testing::read_names;
+using instructions::testing::split_words;
 using ::testing::IsEmpty;
 
 constexpr std::size_t kPaths = 14;
@@ -82,10 +82,10 @@ struct Place {
 
   BuiltHome built;
   graph::NavGraph graph;
-  speaking::Sights sights;
+  instructions::Sights sights;
   Site site;
-  speaking::testing::InstructionChecker checker;
-  speaking::testing::Surfaces surfaces;
+  instructions::testing::InstructionChecker checker;
+  instructions::testing::Surfaces surfaces;
   std::vector<tasks::PathAnnotation> paths;
 };
 
@@ -440,8 +440,8 @@ TEST(Pieces, CoverThePathAndTheText) {
   for (const auto& place : places()) {
     for (const tasks::PathAnnotation& path : place->paths) {
       const auto steps = place->site.look_up(path.path);
-      for (const speaking::Speaker speaker : speaking::kSpeakers) {
-        const speaking::Spoken spoken =
+      for (const instructions::Speaker speaker : instructions::kSpeakers) {
+        const instructions::Spoken spoken =
             describe_in_parts(place->site.spoken(), steps, path.heading.value, speaker, kSeed);
         EXPECT_EQ(spoken.text,
                   describe(place->site.spoken(), steps, path.heading.value, speaker, kSeed));
@@ -461,7 +461,7 @@ TEST(Pieces, CoverThePathAndTheText) {
         }
         EXPECT_EQ(at, steps.size() - 1);
         EXPECT_EQ(all, tasks::tokenize(spoken.text));
-        for (const speaking::SpokenPart& part : spoken.parts) {
+        for (const instructions::SpokenPart& part : spoken.parts) {
           moves += part.last > part.first ? 1 : 0;
           const auto reading = read_instruction(place->home(), part.text);
           for (const Claim& claim : reading.claims) {

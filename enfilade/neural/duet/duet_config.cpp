@@ -16,7 +16,7 @@ class Specs {
  public:
   explicit Specs(const DuetConfig& config) : c_(config) {}
 
-  std::vector<detail::ArraySpec> list() {
+  std::vector<core::ArraySpec> list() {
     text();
     panorama();
     branch("vln_bert.local_encoder", "vp_pos_embeddings", 2 * kPosition);
@@ -110,7 +110,7 @@ class Specs {
   }
 
   const DuetConfig& c_;
-  std::vector<detail::ArraySpec> specs_;
+  std::vector<core::ArraySpec> specs_;
 };
 
 // Looks up shapes by published names, with or without the wrapper's prefix.
@@ -183,6 +183,6 @@ DuetConfig infer_config(const features::TensorFile& file, std::int64_t heads) {
   return c;
 }
 
-std::vector<detail::ArraySpec> arrays_of(const DuetConfig& config) { return Specs(config).list(); }
+std::vector<core::ArraySpec> arrays_of(const DuetConfig& config) { return Specs(config).list(); }
 
 }  // namespace enfilade::neural::duet

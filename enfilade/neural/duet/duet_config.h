@@ -5,7 +5,7 @@
 
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/models/duet_config.h"
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/weights.h"
 
 namespace enfilade::neural::duet {
 
@@ -24,6 +24,6 @@ inline constexpr std::int64_t kPosition = 7;
 DuetConfig infer_config(const features::TensorFile& file, std::int64_t heads = 0);
 
 /// The arrays of a network by their published names ("vln_bert.embeddings.LayerNorm.weight").
-std::vector<detail::ArraySpec> arrays_of(const DuetConfig& config);
+std::vector<core::ArraySpec> arrays_of(const DuetConfig& config);
 
 }  // namespace enfilade::neural::duet

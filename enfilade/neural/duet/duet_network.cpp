@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "enfilade/neural/encoders/random_weights.h"
+#include "enfilade/neural/core/random_weights.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -34,12 +34,12 @@ bool is_norm(std::string_view name) {
   return false;
 }
 
-at::Tensor initial(const detail::ArraySpec& spec, Rng& rng) {
+at::Tensor initial(const core::ArraySpec& spec, Rng& rng) {
   const std::string_view name = spec.name;
   if (name.ends_with("bias")) return at::zeros(spec.shape, at::kFloat);
   if (is_norm(name)) return at::ones(spec.shape, at::kFloat);
   if (name.ends_with("in_proj_weight")) return uniform(spec.shape, rng);
-  at::Tensor values = encoders::normal(spec.shape, kDeviation, rng);
+  at::Tensor values = core::normal(spec.shape, kDeviation, rng);
   if (name.ends_with("word_embeddings.weight")) values[0].zero_();  // padding
   return values;
 }
@@ -55,9 +55,9 @@ at::Tensor mask_of(const at::Tensor& lengths, std::int64_t longest) {
   return at::arange(longest, lengths.options()).unsqueeze(0).lt(lengths.unsqueeze(1));
 }
 
-detail::Weights random_weights(std::span<const detail::ArraySpec> specs, Rng rng) {
-  detail::Weights weights;
-  for (const detail::ArraySpec& spec : specs) weights.emplace(spec.name, initial(spec, rng));
+core::Weights random_weights(std::span<const core::ArraySpec> specs, Rng rng) {
+  core::Weights weights;
+  for (const core::ArraySpec& spec : specs) weights.emplace(spec.name, initial(spec, rng));
   return weights;
 }
 
@@ -85,20 +85,20 @@ DuetNetwork::DuetNetwork(const DuetConfig& config, std::uint64_t seed, c10::Devi
     : config_(config), device_(device) {
   validate(config);
   weights_ = random_weights(arrays_of(config), Rng(seed));
-  detail::make_trainable(weights_, device);
+  core::make_trainable(weights_, device);
 }
 
 DuetNetwork::DuetNetwork(const DuetConfig& config, const features::TensorFile& file,
                          c10::Device device)
     : config_(config), device_(device) {
   validate(config);
-  weights_ = detail::read_weights(file, arrays_of(config), ignored);
-  detail::make_trainable(weights_, device);
+  weights_ = core::read_weights(file, arrays_of(config), ignored);
+  core::make_trainable(weights_, device);
 }
 
 void DuetNetwork::save(const std::filesystem::path& file) const {
-  const detail::Weights values = detail::on_cpu(weights_);
-  features::write_safetensors(file, detail::as_arrays(values), {{"format", "pt"}});
+  const core::Weights values = core::on_cpu(weights_);
+  features::write_safetensors(file, core::as_arrays(values), {{"format", "pt"}});
 }
 
 Tokens DuetNetwork::encode_text(const at::Tensor& given_ids, const at::Tensor& lengths,

@@ -9,7 +9,7 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/duet/duet_config.h"
 #include "enfilade/neural/duet/layers.h"
 
@@ -86,7 +86,7 @@ class DuetNetwork {
               c10::Device device = c10::kCPU);
 
   const DuetConfig& config() const noexcept { return config_; }
-  const detail::Weights& weights() const noexcept { return weights_; }
+  const core::Weights& weights() const noexcept { return weights_; }
   c10::Device device() const noexcept { return device_; }
   void save(const std::filesystem::path& file) const;  ///< safetensors. \throws FileError
 
@@ -115,12 +115,12 @@ class DuetNetwork {
   void fuse(const Layers& layers, const NavigationInput& input, NavigationOutput& out) const;
 
   DuetConfig config_;
-  detail::Weights weights_;
+  core::Weights weights_;
   c10::Device device_;
 };
 
 /// Random weights on the CPU, as the constructor of DuetNetwork begins with them.
-detail::Weights random_weights(std::span<const detail::ArraySpec> specs, Rng rng);
+core::Weights random_weights(std::span<const core::ArraySpec> specs, Rng rng);
 
 /// (n, longest) bool: the first lengths[i] of row i.
 at::Tensor mask_of(const at::Tensor& lengths, std::int64_t longest);

@@ -16,10 +16,10 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/duet/small_duet.h"
-#include "enfilade/neural/duet/training.h"
-#include "enfilade/neural/encoders/random_weights.h"
+#include "enfilade/neural/core/optimizer.h"
+#include "enfilade/neural/core/random_weights.h"
 #include "tests/support/refusal.h"
+#include "tests/support/small_duet.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::duet {
@@ -156,14 +156,14 @@ void add_gradients(const DuetNetwork& network) {
 
 TEST(DuetTrainingTest, AnUpdateIsAdamWs) {
   const DuetNetwork network(tiny_duet(), 1);
-  detail::OptimizerConfig config;
+  core::OptimizerConfig config;
   config.rates.learning_rate = 1e-3;
   config.rates.weight_decay = 0.01;
   const at::Tensor& weight = network.weights().at("vln_bert.global_sap_head.net.0.weight");
   const at::Tensor before = weight.detach().clone();
   add_gradients(network);
   const at::Tensor gradient = weight.grad().clone();
-  EXPECT_LT(detail::Optimizer(config).update(network.weights()), config.clip)
+  EXPECT_LT(core::Optimizer(config).update(network.weights()), config.clip)
       << "so nothing is scaled down";
   // Of the first update the moments' quotient is g / (|g| + epsilon).
   const at::Tensor expected =
@@ -177,17 +177,17 @@ TEST(DuetTrainingTest, GoesOnFromAFileAsIfNothingHadHappened) {
        {models::Optimizer::kAdam, models::Optimizer::kAdamW, models::Optimizer::kRmsProp}) {
     const TemporaryFolder folder("duet");
     const DuetNetwork network(tiny_duet(), 1);
-    detail::OptimizerConfig config;
+    core::OptimizerConfig config;
     config.kind = kind;
     config.warm_up = 3;
     config.end = 9;
-    detail::Optimizer optimizer(config);
+    core::Optimizer optimizer(config);
     add_gradients(network);
     optimizer.update(network.weights());
     features::write_safetensors(folder.path() / "state.safetensors",
-                                detail::as_arrays(optimizer.state(network.weights())));
+                                core::as_arrays(optimizer.state(network.weights())));
     const DuetNetwork other(tiny_duet(), 2);
-    detail::Optimizer resumed(config);
+    core::Optimizer resumed(config);
     resumed.load(other.weights(), features::TensorFile::open(folder.path() / "state.safetensors"));
     EXPECT_EQ(resumed.updates(), 1U);
     EXPECT_EQ(resumed.rate(), optimizer.rate());
@@ -202,12 +202,12 @@ TEST(DuetTrainingTest, GoesOnFromAFileAsIfNothingHadHappened) {
 }
 
 TEST(OptimizerTest, TheRateRisesThenFallsToNothing) {
-  detail::OptimizerConfig config;
+  core::OptimizerConfig config;
   config.warm_up = 2;
   config.end = 6;
   config.rates.learning_rate = 8;
-  detail::Weights weights{{"w", at::zeros({1}).set_requires_grad(true)}};
-  detail::Optimizer optimizer(config);
+  core::Weights weights{{"w", at::zeros({1}).set_requires_grad(true)}};
+  core::Optimizer optimizer(config);
   std::vector<double> rates;
   for (int i = 0; i < 7; ++i) {
     rates.push_back(optimizer.rate());

@@ -9,7 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/geometry/angle.h"
-#include "enfilade/neural/detail/split_walk.h"
+#include "enfilade/neural/core/split_rollout.h"
 #include "enfilade/neural/duet/recording.h"
 
 namespace enfilade::neural::duet {
@@ -30,7 +30,7 @@ void check(const features::ObjectSet* objects, std::int64_t wanted) {
 // The views of a feature set, and the objects of a set.
 class ViewSurroundings : public Surroundings {
  public:
-  ViewSurroundings(const tasks::EpisodeSet& episodes, const ViewFeatures* features,
+  ViewSurroundings(const tasks::EpisodeSet& episodes, const core::ViewFeatures* features,
                    std::shared_ptr<const features::ObjectSet> objects)
       : graphs_(*episodes.graphs), features_(features), objects_(std::move(objects)) {}
 
@@ -39,7 +39,7 @@ class ViewSurroundings : public Surroundings {
     if (features_ == nullptr) return;
     const std::size_t n = features_->dimensions();
     const ScanIndex scan = graphs_.at(graph.scan());
-    for (std::uint32_t view = 0; view < ViewFeatures::kViews; ++view) {
+    for (std::uint32_t view = 0; view < core::ViewFeatures::kViews; ++view) {
       features_->copy(scan, viewpoint, view, out.subspan(view * n, n));
     }
   }
@@ -56,7 +56,7 @@ class ViewSurroundings : public Surroundings {
 
  private:
   const graph::GraphSet& graphs_;
-  const ViewFeatures* features_;
+  const core::ViewFeatures* features_;
   std::shared_ptr<const features::ObjectSet> objects_;
 };
 
@@ -65,7 +65,7 @@ Radians direction(const graph::NavGraph& graph, ViewpointIndex from, ViewpointIn
   return wrap_heading(Radians(std::atan2(double{b.x} - double{a.x}, double{b.y} - double{a.y})));
 }
 
-tasks::Trajectory trajectory_of(const Walk& walk, const graph::NavGraph& graph,
+tasks::Trajectory trajectory_of(const EpisodeRollout& walk, const graph::NavGraph& graph,
                                 std::uint32_t start_view, std::size_t episode) {
   tasks::Trajectory trajectory;
   trajectory.episode = episode;
@@ -93,13 +93,13 @@ DuetSplit::DuetSplit(const tasks::EpisodeSet& episodes, const models::Instructio
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const tasks::Episode& episode = episodes.episodes[i];
     const tasks::ReferencePath& path = episodes.path_of(episode);
-    WalkEpisode walk{episode.instruction_id,
-                     path.scan,
-                     path.viewpoints.front(),
-                     agents::level_view(path.heading),
-                     std::move(ids[i]),
-                     {},
-                     {}};
+    RolloutEpisode walk{episode.instruction_id,
+                        path.scan,
+                        path.viewpoints.front(),
+                        agents::level_view(path.heading),
+                        std::move(ids[i]),
+                        {},
+                        {}};
     if (!goal_hidden(path)) walk.reference = path.viewpoints;
     if (const auto* object = std::get_if<tasks::SeenObject>(&path.goal))
       walk.object = std::to_string(object->id);
@@ -110,34 +110,35 @@ DuetSplit::DuetSplit(const tasks::EpisodeSet& episodes, const models::Instructio
   if (config.duet.object != 0) check(objects.get(), config.duet.object);
   surroundings_ = std::make_unique<ViewSurroundings>(episodes, features_ ? &*features_ : nullptr,
                                                      std::move(objects));
-  walker_ = std::make_unique<Walker>(episodes.graphs, *surroundings_);
+  runner_ = std::make_unique<RolloutRunner>(episodes.graphs, *surroundings_);
 }
 
-std::vector<WalkEpisode> DuetSplit::batch(std::span<const std::size_t> episodes) const {
-  std::vector<WalkEpisode> batch;
+std::vector<RolloutEpisode> DuetSplit::batch(std::span<const std::size_t> episodes) const {
+  std::vector<RolloutEpisode> batch;
   batch.reserve(episodes.size());
   for (const std::size_t index : episodes) batch.push_back(walks_[index]);
   return batch;
 }
 
-std::vector<tasks::Trajectory> walk_episodes(const DuetNetwork& network, DuetSplit& split,
-                                             std::span<const std::size_t> episodes,
-                                             const StepWatcher& watcher) {
+std::vector<tasks::Trajectory> rollout_episodes(const DuetNetwork& network, DuetSplit& split,
+                                                std::span<const std::size_t> episodes,
+                                                const StepWatcher& watcher) {
   const c10::NoGradGuard no_gradients;
-  const std::vector<WalkEpisode> batch = split.batch(episodes);
-  const Rollout rollout = split.walker().walk(network, batch, {}, watcher);
+  const std::vector<RolloutEpisode> batch = split.batch(episodes);
+  const Rollout rollout = split.runner().run(network, batch, {}, watcher);
   std::vector<tasks::Trajectory> trajectories;
   for (std::size_t i = 0; i < batch.size(); ++i) {
-    trajectories.push_back(trajectory_of(rollout.walks[i],
+    trajectories.push_back(trajectory_of(rollout.episodes[i],
                                          split.episodes().graphs->graph(batch[i].scan),
                                          batch[i].start_view, episodes[i]));
   }
   return trajectories;
 }
 
-std::vector<tasks::Trajectory> walk_and_write(const DuetNetwork& network, DuetSplit& split,
-                                              const SplitWalk& options, const Progress& progress) {
-  return detail::walk_and_write<DuetRecording>(network, split, options, progress);
+std::vector<tasks::Trajectory> rollout_and_write(const DuetNetwork& network, DuetSplit& split,
+                                                 const SplitRollout& options,
+                                                 const Progress& progress) {
+  return core::rollout_and_write<DuetRecording>(network, split, options, progress);
 }
 
 }  // namespace enfilade::neural::duet

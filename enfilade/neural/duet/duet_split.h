@@ -12,9 +12,9 @@
 #include "enfilade/features/object_set.h"
 #include "enfilade/models/instruction_words.h"
 #include "enfilade/models/train_config.h"
+#include "enfilade/neural/core/view_features.h"
 #include "enfilade/neural/duet/rollout.h"
 #include "enfilade/neural/trained_agent.h"
-#include "enfilade/neural/view_features.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::neural::duet {
@@ -34,30 +34,30 @@ class DuetSplit {
 
   const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
   /// The episodes with these indices, to be walked.
-  std::vector<WalkEpisode> batch(std::span<const std::size_t> episodes) const;
-  const WalkEpisode& episode(std::size_t index) const { return walks_[index]; }
-  Walker& walker() noexcept { return *walker_; }
+  std::vector<RolloutEpisode> batch(std::span<const std::size_t> episodes) const;
+  const RolloutEpisode& episode(std::size_t index) const { return walks_[index]; }
+  RolloutRunner& runner() noexcept { return *runner_; }
   const models::InstructionWords& words() const noexcept { return words_; }
 
  private:
   const tasks::EpisodeSet& episodes_;
   const models::InstructionWords& words_;
-  std::vector<WalkEpisode> walks_;  // by episode
-  std::optional<ViewFeatures> features_;
+  std::vector<RolloutEpisode> walks_;  // by episode
+  std::optional<core::ViewFeatures> features_;
   std::unique_ptr<Surroundings> surroundings_;
-  std::unique_ptr<Walker> walker_;
+  std::unique_ptr<RolloutRunner> runner_;
 };
 
 /// Walks these episodes, each with the likeliest choices. \return their trajectories, in their
 /// order: an entry a viewpoint, with the direction in which it was come to
-std::vector<tasks::Trajectory> walk_episodes(const DuetNetwork& network, DuetSplit& split,
-                                             std::span<const std::size_t> episodes,
-                                             const StepWatcher& watcher = {});
+std::vector<tasks::Trajectory> rollout_episodes(const DuetNetwork& network, DuetSplit& split,
+                                                std::span<const std::size_t> episodes,
+                                                const StepWatcher& watcher = {});
 
 /// Walks all episodes of a split, and writes the files that `options` names. \return a trajectory
 /// per episode, in order \throws FileError
-std::vector<tasks::Trajectory> walk_and_write(const DuetNetwork& network, DuetSplit& split,
-                                              const SplitWalk& options,
-                                              const Progress& progress = {});
+std::vector<tasks::Trajectory> rollout_and_write(const DuetNetwork& network, DuetSplit& split,
+                                                 const SplitRollout& options,
+                                                 const Progress& progress = {});
 
 }  // namespace enfilade::neural::duet

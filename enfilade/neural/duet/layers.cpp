@@ -3,7 +3,7 @@
 #include <ATen/ATen.h>
 
 #include "enfilade/core/check.h"
-#include "enfilade/neural/detail/transformer_ops.h"
+#include "enfilade/neural/core/transformer_ops.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -30,11 +30,11 @@ at::Tensor Layers::drop(const at::Tensor& values) const {
 }
 
 at::Tensor Layers::linear(const at::Tensor& x, const std::string& name) const {
-  return detail::linear(x, weight(name + ".weight"), weight(name + ".bias"));
+  return core::linear(x, weight(name + ".weight"), weight(name + ".bias"));
 }
 
 at::Tensor Layers::norm(const at::Tensor& x, const std::string& name, double eps) const {
-  return detail::sum_norm(x, {}, {}, weight(name + ".weight"), weight(name + ".bias"), eps);
+  return core::sum_norm(x, {}, {}, weight(name + ".weight"), weight(name + ".bias"), eps);
 }
 
 at::Tensor Layers::mask(at::IntArrayRef sizes) const {
@@ -44,18 +44,18 @@ at::Tensor Layers::mask(at::IntArrayRef sizes) const {
 at::Tensor Layers::sum_norm(const at::Tensor& y, const at::Tensor& x,
                             const std::string& name) const {
   const at::Tensor &scale = weight(name + ".weight"), &bias = weight(name + ".bias");
-  if (!y.device().is_cpu()) return detail::sum_norm(drop(y), x, {}, scale, bias, kBertEpsilon);
-  return detail::sum_norm(y, x, mask(y.sizes()), scale, bias, kBertEpsilon);
+  if (!y.device().is_cpu()) return core::sum_norm(drop(y), x, {}, scale, bias, kBertEpsilon);
+  return core::sum_norm(y, x, mask(y.sizes()), scale, bias, kBertEpsilon);
 }
 
 at::Tensor Layers::attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                           const at::Tensor& bias) const {
   if (!query.device().is_cpu()) {
     const double rate = dropout_ == nullptr ? 0 : dropout_->rate();
-    return detail::attend_on_card(query, key, value, bias, rate, heads_);
+    return core::attend_on_card(query, key, value, bias, rate, heads_);
   }
   const at::Tensor kept = mask({query.size(0), heads_, query.size(1), key.size(1)});
-  return detail::attend(query, key, value, bias, kept, heads_);
+  return core::attend(query, key, value, bias, kept, heads_);
 }
 
 at::Tensor Layers::attention(const at::Tensor& x, const at::Tensor& to, const at::Tensor& bias,
@@ -75,20 +75,20 @@ at::Tensor Layers::attention(const at::Tensor& x, const Attended& to, const at::
 
 at::Tensor Layers::feed_forward(const at::Tensor& x, const std::string& inner,
                                 const std::string& output) const {
-  const at::Tensor wide = detail::gelu(linear(x, inner + ".dense"));
+  const at::Tensor wide = core::gelu(linear(x, inner + ".dense"));
   return sum_norm(linear(wide, output + ".dense"), x, output + ".LayerNorm");
 }
 
 at::Tensor Layers::pre_norm_layer(const at::Tensor& x, const at::Tensor& bias,
                                   const std::string& name) const {
   const at::Tensor before = norm(x, name + ".norm1", kTorchEpsilon);
-  const auto parts = detail::linear(before, weight(name + ".self_attn.in_proj_weight"),
-                                    weight(name + ".self_attn.in_proj_bias"))
+  const auto parts = core::linear(before, weight(name + ".self_attn.in_proj_weight"),
+                                  weight(name + ".self_attn.in_proj_bias"))
                          .chunk(3, -1);
   const at::Tensor seen = attend(parts[0], parts[1], parts[2], bias);
   const at::Tensor y = x + drop(linear(seen, name + ".self_attn.out_proj"));
   const at::Tensor wide =
-      detail::gelu(linear(norm(y, name + ".norm2", kTorchEpsilon), name + ".linear1"));
+      core::gelu(linear(norm(y, name + ".norm2", kTorchEpsilon), name + ".linear1"));
   return y + drop(linear(drop(wide), name + ".linear2"));
 }
 

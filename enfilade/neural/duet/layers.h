@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "enfilade/neural/detail/dropout.h"
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/dropout.h"
+#include "enfilade/neural/core/weights.h"
 
 namespace enfilade::neural::duet {
 
@@ -23,7 +23,7 @@ class Dropout {
   double rate() const noexcept { return rate_; }
 
  private:
-  detail::Dropout drop_;
+  core::Dropout drop_;
   double rate_;
 };
 
@@ -43,7 +43,7 @@ struct Attended {
 /// The layers of one network. `dropout` may be null: then there is none.
 class Layers {
  public:
-  Layers(const detail::Weights& weights, std::int64_t heads, Dropout* dropout)
+  Layers(const core::Weights& weights, std::int64_t heads, Dropout* dropout)
       : weights_(weights), heads_(heads), dropout_(dropout) {}
 
   const at::Tensor& weight(const std::string& name) const;
@@ -77,7 +77,7 @@ class Layers {
   // Factors of dropout; undefined: none.
   at::Tensor mask(at::IntArrayRef sizes) const;
 
-  const detail::Weights& weights_;
+  const core::Weights& weights_;
   std::int64_t heads_;
   Dropout* dropout_;
 };

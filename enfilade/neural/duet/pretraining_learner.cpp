@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/detail/batches.h"
-#include "enfilade/neural/detail/split_learner.h"
+#include "enfilade/neural/core/batches.h"
+#include "enfilade/neural/core/split_learner.h"
 #include "enfilade/neural/duet/duet_split.h"
 #include "enfilade/neural/duet/pretraining_tasks.h"
 
@@ -21,7 +21,7 @@ namespace {
 // Names of random streams beside those of batches, which are iterations.
 constexpr std::uint64_t kTaskStream = ~std::uint64_t{0}, kDropoutStream = kTaskStream - 1;
 
-class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetSplit> {
+class PretrainingLearner : public core::SplitLearner<PretrainingNetwork, DuetSplit> {
  public:
   PretrainingLearner(const models::TrainConfig& config, models::InstructionWords words,
                      c10::Device device)
@@ -33,11 +33,11 @@ class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetS
     network() = PretrainingNetwork(network().config(), weights, config().seed, network().device());
   }
 
-  detail::Update update(std::uint64_t iteration) override {
+  core::Update update(std::uint64_t iteration) override {
     const std::uint64_t seed = config().seed;
     const PretrainingTask task = tasks_[Rng(seed, kTaskStream, iteration).below(tasks_.size())];
     double data_seconds = 0;
-    const double loss = learn(iteration, [&](const detail::BatchPart& part) {
+    const double loss = learn(iteration, [&](const core::BatchPart& part) {
       const auto begin = std::chrono::steady_clock::now();
       PretrainingDraws draws;
       draws.seed = seed;
@@ -53,17 +53,17 @@ class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetS
     return {loss, data_seconds};
   }
 
-  detail::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
-                             const models::ModelFiles& files) override {
-    return detail::Walked{
+  core::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
+                           const models::ModelFiles& files) override {
+    return core::ValidationRollout{
         validation_loss(split),
-        walk_and_write(network().agent(), validation(split), walk_of(split, files))};
+        rollout_and_write(network().agent(), validation(split), rollout_of(split, files))};
   }
 
  private:
-  PretrainingBatch batch_of(DuetSplit& split, const std::vector<WalkEpisode>& episodes,
+  PretrainingBatch batch_of(DuetSplit& split, const std::vector<RolloutEpisode>& episodes,
                             PretrainingTask task, const PretrainingDraws& draws) {
-    return pretraining_batch(split.walker(), network().config(), words(), episodes, task, draws);
+    return pretraining_batch(split.runner(), network().config(), words(), episodes, task, draws);
   }
 
   // Without dropout; the gaps are the same after each iteration.
@@ -89,12 +89,12 @@ class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetS
     };
     double sum = 0;
     std::size_t first = 0;
-    for (const std::string& packed : detail::share_batches(
+    for (const std::string& packed : core::share_batches(
              ranks(), total, config().batch_size,
-             [&](std::span<const std::size_t> which) { return detail::packed(loss_of(which)); })) {
+             [&](std::span<const std::size_t> which) { return core::packed(loss_of(which)); })) {
       const std::size_t count = std::min(config().batch_size, total - first);
       first += count;
-      const auto loss = detail::unpacked<std::optional<double>>(packed);
+      const auto loss = core::unpacked<std::optional<double>>(packed);
       if (!loss) continue;
       sum += *loss * static_cast<double>(count);
       guessed += count;
@@ -107,9 +107,9 @@ class PretrainingLearner : public detail::SplitLearner<PretrainingNetwork, DuetS
 
 }  // namespace
 
-std::unique_ptr<detail::Learner> make_pretraining_learner(const models::TrainConfig& config,
-                                                          models::InstructionWords words,
-                                                          c10::Device device) {
+std::unique_ptr<core::Learner> make_pretraining_learner(const models::TrainConfig& config,
+                                                        models::InstructionWords words,
+                                                        c10::Device device) {
   return std::make_unique<PretrainingLearner>(config, std::move(words), device);
 }
 

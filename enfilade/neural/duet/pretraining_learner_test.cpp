@@ -13,8 +13,8 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/neural/train.h"
 #include "enfilade/neural/trained_agent.h"
-#include "enfilade/neural/trainer.h"
 #include "tests/support/small_training.h"
 
 namespace enfilade::neural {

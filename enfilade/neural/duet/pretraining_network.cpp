@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
-#include "enfilade/neural/detail/transformer_ops.h"
+#include "enfilade/neural/core/transformer_ops.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -24,7 +24,7 @@ class HeadSpecs {
  public:
   explicit HeadSpecs(const DuetConfig& config) : c_(config) {}
 
-  std::vector<detail::ArraySpec> list() {
+  std::vector<core::ArraySpec> list() {
     for (const char* branch : kBranches) {
       for (std::int64_t i = 0; i < c_.cross_layers; ++i) layer(language_layer(branch, i));
     }
@@ -63,7 +63,7 @@ class HeadSpecs {
   }
 
   const DuetConfig& c_;
-  std::vector<detail::ArraySpec> specs_;
+  std::vector<core::ArraySpec> specs_;
 };
 
 bool no_head(std::string_view name) {
@@ -71,17 +71,17 @@ bool no_head(std::string_view name) {
          !name.starts_with("image_classifier.");
 }
 
-detail::Weights heads_of(const DuetConfig& config, const features::TensorFile& file,
-                         std::uint64_t seed) {
-  const std::vector<detail::ArraySpec> specs = pretraining_arrays_of(config);
+core::Weights heads_of(const DuetConfig& config, const features::TensorFile& file,
+                       std::uint64_t seed) {
+  const std::vector<core::ArraySpec> specs = pretraining_arrays_of(config);
   const bool any = std::ranges::any_of(
-      specs, [&](const detail::ArraySpec& spec) { return file.find(spec.name) != nullptr; });
+      specs, [&](const core::ArraySpec& spec) { return file.find(spec.name) != nullptr; });
   if (!any) return random_weights(specs, Rng(seed, 1));
-  return detail::read_weights(file, specs, no_head);
+  return core::read_weights(file, specs, no_head);
 }
 
-detail::Weights together(const DuetNetwork& network, detail::Weights heads) {
-  detail::make_trainable(heads, network.device());
+core::Weights together(const DuetNetwork& network, core::Weights heads) {
+  core::make_trainable(heads, network.device());
   heads.insert(network.weights().begin(), network.weights().end());
   return heads;
 }
@@ -92,7 +92,7 @@ at::Tensor rows_of(const at::Tensor& values, const at::Tensor& which) {
 
 }  // namespace
 
-std::vector<detail::ArraySpec> pretraining_arrays_of(const DuetConfig& config) {
+std::vector<core::ArraySpec> pretraining_arrays_of(const DuetConfig& config) {
   return HeadSpecs(config).list();
 }
 
@@ -105,9 +105,9 @@ PretrainingNetwork::PretrainingNetwork(const DuetConfig& config, const features:
                                        std::uint64_t seed, c10::Device device)
     : agent_(config, file, device), weights_(together(agent_, heads_of(config, file, seed))) {}
 
-std::vector<detail::ArraySpec> PretrainingNetwork::arrays() const {
-  std::vector<detail::ArraySpec> all = arrays_of(config());
-  for (detail::ArraySpec& spec : pretraining_arrays_of(config())) all.push_back(std::move(spec));
+std::vector<core::ArraySpec> PretrainingNetwork::arrays() const {
+  std::vector<core::ArraySpec> all = arrays_of(config());
+  for (core::ArraySpec& spec : pretraining_arrays_of(config())) all.push_back(std::move(spec));
   return all;
 }
 
@@ -136,7 +136,7 @@ at::Tensor PretrainingNetwork::guess_words(const Tokens& text, const NavigationI
       text_side(layers, text, agent_.embed_tokens(input), input.token_mask, "local_encoder");
   const std::string head = "mlm_head.predictions";
   const at::Tensor inner =
-      detail::gelu(layers.linear(rows_of(both, masked), head + ".transform.dense"));
+      core::gelu(layers.linear(rows_of(both, masked), head + ".transform.dense"));
   return at::linear(layers.norm(inner, head + ".transform.LayerNorm"),
                     layers.weight("vln_bert.embeddings.word_embeddings.weight"),
                     layers.weight(head + ".bias"));
@@ -147,7 +147,7 @@ at::Tensor PretrainingNetwork::guess_views(const NavigationOutput& output,
   EN_CHECK(config().image > 0);
   const Layers layers(weights_, config().heads, nullptr);
   const std::string head = "image_classifier.net";
-  const at::Tensor inner = detail::gelu(layers.linear(rows_of(output.tokens, masked), head + ".0"));
+  const at::Tensor inner = core::gelu(layers.linear(rows_of(output.tokens, masked), head + ".0"));
   return layers.linear(layers.norm(inner, head + ".2"), head + ".3");
 }
 

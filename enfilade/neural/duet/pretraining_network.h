@@ -12,7 +12,7 @@ namespace enfilade::neural::duet {
 /// The arrays that pretraining adds to those of the network, by their published names: the language
 /// side of the cross-modal layers, and the heads for masked words ("mlm_head") and masked views
 /// ("image_classifier"). The last map of the words' head is the table of word embeddings.
-std::vector<detail::ArraySpec> pretraining_arrays_of(const DuetConfig& config);
+std::vector<core::ArraySpec> pretraining_arrays_of(const DuetConfig& config);
 
 /// The network, and what guesses masked words and views with it (Chen et al. 2022, section 3.4).
 /// One thread at a time.
@@ -30,8 +30,8 @@ class PretrainingNetwork {
   c10::Device device() const noexcept { return agent_.device(); }
   /// Of network and heads; handles to the same memory. The network of a file with all of them can
   /// be read as a DuetNetwork.
-  const detail::Weights& weights() const noexcept { return weights_; }
-  std::vector<detail::ArraySpec> arrays() const;  ///< names and shapes of weights()
+  const core::Weights& weights() const noexcept { return weights_; }
+  std::vector<core::ArraySpec> arrays() const;  ///< names and shapes of weights()
 
   /// Scores of all words at masked places. The text attends to the map and to the viewpoint, as
   /// they are before their own layers; the two are added.
@@ -47,7 +47,7 @@ class PretrainingNetwork {
                        const at::Tensor& mask, const char* branch) const;
 
   DuetNetwork agent_;
-  detail::Weights weights_;
+  core::Weights weights_;
 };
 
 }  // namespace enfilade::neural::duet

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/duet/small_duet.h"
 #include "tests/support/refusal.h"
+#include "tests/support/small_duet.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::neural::duet {
@@ -29,8 +29,8 @@ at::Tensor guessed_words(const PretrainingNetwork& network, const Batch& batch,
   return network.guess_words(text, batch.seen(network.agent()), integers(masked));
 }
 
-void save(const detail::Weights& weights, const std::filesystem::path& file) {
-  features::write_safetensors(file, detail::as_arrays(weights));
+void save(const core::Weights& weights, const std::filesystem::path& file) {
+  features::write_safetensors(file, core::as_arrays(weights));
 }
 
 double apart(const at::Tensor& a, const at::Tensor& b) {
@@ -39,7 +39,7 @@ double apart(const at::Tensor& a, const at::Tensor& b) {
 
 TEST(PretrainingNetworkTest, HasThePublishedNames) {
   std::set<std::string> names;
-  for (const detail::ArraySpec& spec : pretraining_arrays_of(DuetConfig())) {
+  for (const core::ArraySpec& spec : pretraining_arrays_of(DuetConfig())) {
     names.insert(spec.name);
   }
   EXPECT_EQ(names.size(), 8U * 16U + 5U + 6U);
@@ -123,7 +123,7 @@ TEST(PretrainingNetworkTest, AnAgentsFileGetsNewHeadsAndHalfAHeadIsRefused) {
   for (const auto& [name, values] : network.weights()) {
     EXPECT_TRUE(at::equal(values, again.weights().at(name))) << name;
   }
-  detail::Weights some = network.weights();
+  core::Weights some = network.weights();
   some.erase("mlm_head.predictions.bias");
   save(some, folder.path() / "some.safetensors");
   const auto broken = features::TensorFile::open(folder.path() / "some.safetensors");

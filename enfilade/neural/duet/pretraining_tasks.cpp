@@ -13,8 +13,8 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/neural/duet/episode_state.h"
 #include "enfilade/neural/duet/labels.h"
-#include "enfilade/neural/duet/walk_state.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -27,7 +27,7 @@ using Ids = std::vector<std::int64_t>;
 at::Tensor tensor_of(const Ids& values) { return at::tensor(values, at::kLong); }
 
 // A path on which each step leads to a neighbour. Other benchmarks than R2R leave viewpoints out.
-std::vector<ViewpointIndex> walkable(const graph::NavGraph& graph, const WalkEpisode& episode) {
+std::vector<ViewpointIndex> walkable(const graph::NavGraph& graph, const RolloutEpisode& episode) {
   std::vector<ViewpointIndex> path{episode.reference.front()};
   for (const ViewpointIndex next : std::span(episode.reference).subspan(1)) {
     const ViewpointIndex here = path.back();
@@ -49,10 +49,10 @@ std::vector<ViewpointIndex> walkable(const graph::NavGraph& graph, const WalkEpi
 // A batch in the making.
 class Builder {
  public:
-  Builder(Walker& walker, const DuetConfig& config, const models::InstructionWords& words,
-          std::span<const WalkEpisode> episodes, PretrainingTask task,
+  Builder(RolloutRunner& runner, const DuetConfig& config, const models::InstructionWords& words,
+          std::span<const RolloutEpisode> episodes, PretrainingTask task,
           const PretrainingDraws& draws)
-      : walker_(walker), config_(config), words_(words), episodes_(episodes), draws_(draws) {
+      : runner_(runner), config_(config), words_(words), episodes_(episodes), draws_(draws) {
     batch_.task = task;
     states_.reserve(episodes.size());
   }
@@ -65,8 +65,8 @@ class Builder {
     std::tie(batch_.ids, batch_.lengths) = words_of(episodes_, config_);
     batch_.panoramas = panorama_of(stands_, config_);
     longest_ = batch_.panoramas.locations.size(1);
-    std::vector<WalkState*> states;
-    for (WalkState& state : states_) {
+    std::vector<EpisodeState*> states;
+    for (EpisodeState& state : states_) {
       states.push_back(&state);
       nodes_.emplace_back(state.map.rows().begin(), state.map.rows().end());
     }
@@ -91,16 +91,16 @@ class Builder {
   }
 
   void walk(std::size_t i) {
-    const WalkEpisode& episode = episodes_[i];
+    const RolloutEpisode& episode = episodes_[i];
     EN_CHECK(!episode.reference.empty());
-    const graph::NavGraph& graph = walker_.graph(episode.scan);
+    const graph::NavGraph& graph = runner_.graph(episode.scan);
     const std::vector<ViewpointIndex> path = walkable(graph, episode);
     const std::size_t walked = visits(path.size(), random_[i]);
-    WalkState& state = states_.emplace_back(episode, i, graph);
+    EpisodeState& state = states_.emplace_back(episode, i, graph);
     first_.push_back(stands_.size());
     for (std::size_t t = 0; t < walked; ++t) {
-      if (t > 0) state.go(*state.map.find(path[t]), walker_, config_);
-      state.look(walker_.place(config_, {episode.scan, state.pose.viewpoint}), t);
+      if (t > 0) state.go(*state.map.find(path[t]), runner_, config_);
+      state.look(runner_.place(config_, {episode.scan, state.pose.viewpoint}), t);
       stands_.push_back({state.place, state.pose});
     }
     next_.push_back(walked < path.size() ? std::optional(path[walked]) : std::nullopt);
@@ -133,12 +133,12 @@ class Builder {
 
   // A visited node is the mean of what was seen there last, an open one that of its views.
   void write_node(std::size_t i, TopologicalMap::Node node, float* shares) const {
-    const WalkState& state = states_[i];
+    const EpisodeState& state = states_[i];
     const ViewpointIndex viewpoint = state.map.viewpoint(node);
     if (state.map.visited(node)) {
       std::size_t s = end(i) - 1;
       while (stands_[s].pose.viewpoint != viewpoint) --s;
-      const Walker::Place& place = *stands_[s].place;
+      const RolloutRunner::Place& place = *stands_[s].place;
       const std::size_t tokens = place.panorama->token_views.size() + place.objects.size();
       std::fill_n(shares + (s - first_[i]) * static_cast<std::size_t>(longest_), tokens,
                   1 / static_cast<float>(tokens));
@@ -162,7 +162,7 @@ class Builder {
       tokens.push_back(nodes.back());
       if (next_[i]) label(i, *next_[i], nodes.back(), tokens.back());
       objects.push_back(kNoLabel);
-      const Walker::Place& place = *states_[i].place;
+      const RolloutRunner::Place& place = *states_[i].place;
       const auto found =
           std::ranges::find(place.objects, episodes_[i].object, &features::ObjectView::id);
       if (episodes_[i].object.empty() || found == place.objects.end()) continue;
@@ -176,7 +176,7 @@ class Builder {
 
   // A path that comes back to a viewpoint has no node to go to there: visited ones are closed.
   void label(std::size_t i, ViewpointIndex next, std::int64_t& node, std::int64_t& token) const {
-    const WalkState& state = states_[i];
+    const EpisodeState& state = states_[i];
     const TopologicalMap::Node goes_to = *state.map.find(next);
     if (!state.map.visited(goes_to)) {
       node = std::ranges::find(nodes_[i], goes_to) - nodes_[i].begin() + 1;
@@ -263,14 +263,14 @@ class Builder {
     batch_.views = at::tensor(numbers).view({-1, columns});
   }
 
-  Walker& walker_;
+  RolloutRunner& runner_;
   const DuetConfig& config_;
   const models::InstructionWords& words_;
-  std::span<const WalkEpisode> episodes_;
+  std::span<const RolloutEpisode> episodes_;
   PretrainingDraws draws_;
   PretrainingBatch batch_;
-  std::vector<Rng> random_;        // by episode
-  std::vector<WalkState> states_;  // likewise
+  std::vector<Rng> random_;           // by episode
+  std::vector<EpisodeState> states_;  // likewise
   std::vector<std::vector<TopologicalMap::Node>> nodes_;
   std::vector<std::optional<ViewpointIndex>> next_;  // of its path; none at its end
   std::vector<std::size_t> first_;                   // its first stand
@@ -314,11 +314,11 @@ std::vector<PretrainingTask> pretraining_tasks(const DuetConfig& config,
   return tasks;
 }
 
-PretrainingBatch pretraining_batch(Walker& walker, const DuetConfig& config,
+PretrainingBatch pretraining_batch(RolloutRunner& runner, const DuetConfig& config,
                                    const models::InstructionWords& words,
-                                   std::span<const WalkEpisode> episodes, PretrainingTask task,
+                                   std::span<const RolloutEpisode> episodes, PretrainingTask task,
                                    const PretrainingDraws& draws) {
-  return Builder(walker, config, words, episodes, task, draws).build();
+  return Builder(runner, config, words, episodes, task, draws).build();
 }
 
 NavigationInput navigation_of(const DuetNetwork& network, const PretrainingBatch& batch,

@@ -55,9 +55,9 @@ struct PretrainingDraws {
 
 /// Walks the episodes for a task. The same draws give the same batch.
 /// \pre no reference is empty \throws ArgumentError for a vocabulary without a mask (kWords)
-PretrainingBatch pretraining_batch(Walker& walker, const DuetConfig& config,
+PretrainingBatch pretraining_batch(RolloutRunner& runner, const DuetConfig& config,
                                    const models::InstructionWords& words,
-                                   std::span<const WalkEpisode> episodes, PretrainingTask task,
+                                   std::span<const RolloutEpisode> episodes, PretrainingTask task,
                                    const PretrainingDraws& draws);
 
 /// The input of the branches: `batch.navigation` with what the network sees.

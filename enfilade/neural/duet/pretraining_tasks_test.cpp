@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/detail/optimizer.h"
-#include "enfilade/neural/duet/small_duet.h"
+#include "enfilade/neural/core/optimizer.h"
 #include "tests/support/graphs.h"
+#include "tests/support/small_duet.h"
 
 namespace enfilade::neural::duet {
 namespace EN_UNIT {
@@ -66,9 +66,10 @@ class Lattice : public Surroundings {
   }
 };
 
-WalkEpisode episode(const std::string& id, const std::vector<std::size_t>& path,
-                    std::vector<std::int64_t> words) {
-  WalkEpisode episode{id, ScanIndex(0), ViewpointIndex(path.front()), 14, std::move(words), {}, {}};
+RolloutEpisode episode(const std::string& id, const std::vector<std::size_t>& path,
+                       std::vector<std::int64_t> words) {
+  RolloutEpisode episode{id, ScanIndex(0), ViewpointIndex(path.front()), 14, std::move(words), {},
+                         {}};
   for (const std::size_t viewpoint : path) episode.reference.emplace_back(viewpoint);
   return episode;
 }
@@ -97,14 +98,14 @@ class PretrainingTasksTest : public ::testing::Test {
     PretrainingDraws draws;
     draws.stream = stream;
     draws.whole_path = whole_path;
-    return pretraining_batch(walker_, config_, words_, episodes_, task, draws);
+    return pretraining_batch(runner_, config_, words_, episodes_, task, draws);
   }
 
   DuetConfig config_ = still();
   models::InstructionWords words_ = vocabulary();
   Lattice lattice_;
-  Walker walker_{Lattice::graphs(), lattice_};
-  std::vector<WalkEpisode> episodes_{
+  RolloutRunner runner_{Lattice::graphs(), lattice_};
+  std::vector<RolloutEpisode> episodes_{
       episode("a", {0, 1, 2, 6, 10, 11}, {18, 3, 4, 5, 6, 7, 8, 9, 10, 2}),
       episode("b", {8, 4, 5, 6}, {18, 11, 12, 13, 14, 2})};
 };
@@ -117,13 +118,14 @@ struct Led {
   StepRow step;
 };
 
-std::map<std::pair<std::size_t, std::size_t>, Led> led(Walker& walker, const DuetNetwork& network,
-                                                       std::span<const WalkEpisode> episodes) {
+std::map<std::pair<std::size_t, std::size_t>, Led> led(RolloutRunner& runner,
+                                                       const DuetNetwork& network,
+                                                       std::span<const RolloutEpisode> episodes) {
   std::map<std::pair<std::size_t, std::size_t>, Led> all;
-  WalkOptions options;
-  options.feedback = WalkFeedback::kTeacher;
+  RolloutOptions options;
+  options.feedback = RolloutFeedback::kTeacher;
   options.expert = Expert::kReference;
-  walker.walk(network, episodes, options, [&](const StepOfAll& step) {
+  runner.run(network, episodes, options, [&](const StepOfAll& step) {
     for (std::size_t i = 0; i < step.rows.size(); ++i) {
       all[{step.rows[i].episode, step.step}] = {*step.input, step.output->fused_logits,
                                                 step.output->object_logits,
@@ -152,13 +154,13 @@ TEST_F(PretrainingTasksTest, ATeachersWalkAsOneBatchIsThatOfItsSteps) {
   for (const std::int64_t limit : {1, 3, 15}) {
     config_.max_actions = limit;
     const DuetNetwork network(config_, 1);
-    WalkOptions options;
-    options.feedback = WalkFeedback::kTeacher;
+    RolloutOptions options;
+    options.feedback = RolloutFeedback::kTeacher;
     options.expert = Expert::kReference;
     options.three_losses = true;
     const auto walk = [&](const StepWatcher& watcher) {
-      detail::clear_gradients(network.weights());
-      Rollout rollout = walker_.walk(network, episodes_, options, watcher);
+      core::clear_gradients(network.weights());
+      Rollout rollout = runner_.run(network, episodes_, options, watcher);
       rollout.loss.backward();
       std::map<std::string, at::Tensor> gradients;
       for (const auto& [name, weight] : network.weights()) {
@@ -176,7 +178,7 @@ TEST_F(PretrainingTasksTest, ATeachersWalkAsOneBatchIsThatOfItsSteps) {
       EXPECT_LE((gradients.at(name) - gradient).abs().max().item<double>(), 1e-4) << name;
     }
     for (std::size_t i = 0; i < episodes_.size(); ++i) {
-      const Walk &one = at_once.walks[i], &other = by_steps.walks[i];
+      const EpisodeRollout &one = at_once.episodes[i], &other = by_steps.episodes[i];
       EXPECT_EQ(one.path, other.path);
       EXPECT_EQ(one.stop, other.stop);
       EXPECT_EQ(one.object, other.object);
@@ -197,10 +199,9 @@ TEST_F(PretrainingTasksTest, AnAgentMayStayWhereItStops) {
     own_config.stays_where_it_stops = true;
     const DuetNetwork best(config_, seed), own(own_config, seed);
     const c10::NoGradGuard no_gradients;
-    const Rollout back = walker_.walk(best, episodes_, {}),
-                  stays = walker_.walk(own, episodes_, {});
+    const Rollout back = runner_.run(best, episodes_, {}), stays = runner_.run(own, episodes_, {});
     for (std::size_t i = 0; i < episodes_.size(); ++i) {
-      const Walk &one = back.walks[i], &other = stays.walks[i];
+      const EpisodeRollout &one = back.episodes[i], &other = stays.episodes[i];
       EXPECT_EQ(one.path.back().back(), one.stop);
       EXPECT_EQ(other.path.back().back(), other.stop);
       EXPECT_EQ(one.stop_probabilities, other.stop_probabilities);
@@ -216,7 +217,7 @@ TEST_F(PretrainingTasksTest, AnAgentMayStayWhereItStops) {
 TEST_F(PretrainingTasksTest, AllStepsAtOnceAreThoseOfAWalkBehindTheTeacher) {
   const DuetNetwork network(config_, 1);
   const c10::NoGradGuard no_gradients;
-  const auto steps = led(walker_, network, episodes_);
+  const auto steps = led(runner_, network, episodes_);
   std::set<std::pair<std::size_t, std::size_t>> seen;
   for (std::uint64_t stream = 0; stream < 40; ++stream) {
     const PretrainingBatch all = batch(PretrainingTask::kAction, stream);
@@ -362,7 +363,7 @@ TEST_F(PretrainingTasksTest, NothingToGuessIsNoLoss) {
   const PretrainingNetwork network(config_, 1);
   episodes_[1].object.clear();
   EXPECT_FALSE(pretraining_loss(network, batch(PretrainingTask::kObject)).defined());
-  for (WalkEpisode& one : episodes_) one.words = {18, 2};
+  for (RolloutEpisode& one : episodes_) one.words = {18, 2};
   EXPECT_FALSE(pretraining_loss(network, batch(PretrainingTask::kWords)).defined());
 }
 
@@ -378,10 +379,10 @@ TEST_F(PretrainingTasksTest, EachTaskIsLearned) {
     const PretrainingNetwork network(config_, 1);
     std::vector<PretrainingBatch> batches;
     for (std::uint64_t stream = 0; stream < 8; ++stream) batches.push_back(batch(task, stream));
-    detail::OptimizerConfig config;
+    core::OptimizerConfig config;
     // At 0.02 some first values never leave the mean of all views; at 0.005 five of five do.
     config.rates.learning_rate = 0.005;
-    detail::Optimizer optimizer(config);
+    core::Optimizer optimizer(config);
     const double before = mean_loss(network, batches);
     for (int update = 0; update < 160; ++update) {
       pretraining_loss(network, batches[static_cast<std::size_t>(update) % 8]).backward();

@@ -10,7 +10,7 @@
 
 namespace enfilade::neural::duet {
 
-/// Records the steps of walk_episodes(). One thread at a time.
+/// Records the steps of rollout_episodes(). One thread at a time.
 class DuetRecording {
  public:
   /// Of all episodes of a split.

@@ -9,7 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/duet/walk_state.h"
+#include "enfilade/neural/duet/episode_state.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -34,16 +34,17 @@ at::Tensor on_cpu(const at::Tensor& values) {
 // One rollout.
 class Run {
  public:
-  Run(Walker& walker, const graph::GraphSet& graphs, const DuetNetwork& network,
-      std::span<const WalkEpisode> episodes, const WalkOptions& options, const StepWatcher& watcher)
-      : walker_(walker),
+  Run(RolloutRunner& runner, const graph::GraphSet& graphs, const DuetNetwork& network,
+      std::span<const RolloutEpisode> episodes, const RolloutOptions& options,
+      const StepWatcher& watcher)
+      : runner_(runner),
         network_(network),
         config_(network.config()),
         options_(options),
         watcher_(watcher) {
-    for (const WalkEpisode& episode : episodes) {
+    for (const RolloutEpisode& episode : episodes) {
       states_.push_back(
-          std::make_unique<WalkState>(episode, states_.size(), graphs.graph(episode.scan)));
+          std::make_unique<EpisodeState>(episode, states_.size(), graphs.graph(episode.scan)));
       look(*states_.back(), 0);
     }
     if (options.dropout) {
@@ -54,10 +55,10 @@ class Run {
     text_ = network_.prepare(network_.encode_text(ids, lengths, dropout()));
   }
 
-  Rollout walk() {
+  Rollout run() {
     Rollout result;
     // A watcher is told of one step after the other.
-    if (options_.feedback == WalkFeedback::kTeacher && options_.expert == Expert::kReference &&
+    if (options_.feedback == RolloutFeedback::kTeacher && options_.expert == Expert::kReference &&
         !watcher_) {
       follow(result);
     } else {
@@ -66,7 +67,7 @@ class Run {
         ++result.steps;
       }
     }
-    for (const auto& state : states_) result.walks.push_back(std::move(state->walk));
+    for (const auto& state : states_) result.episodes.push_back(std::move(state->walk));
     result.environment_seconds = std::chrono::duration<double>(spent_).count();
     return result;
   }
@@ -86,14 +87,14 @@ class Run {
 
   Dropout* dropout() { return dropout_ ? &*dropout_ : nullptr; }
 
-  void look(WalkState& state, std::size_t t) {
-    state.look(walker_.place(config_, {state.episode->scan, state.pose.viewpoint}), t);
+  void look(EpisodeState& state, std::size_t t) {
+    state.look(runner_.place(config_, {state.episode->scan, state.pose.viewpoint}), t);
   }
 
   PreparedText text_of_active() const {
     if (active_.size() == states_.size()) return text_;
     std::vector<std::int64_t> which;
-    for (const WalkState* state : active_) {
+    for (const EpisodeState* state : active_) {
       which.push_back(static_cast<std::int64_t>(state->number));
     }
     return text_.rows(at::tensor(which, at::kLong).to(network_.device()));
@@ -114,7 +115,7 @@ class Run {
     if (device.is_cpu() || config_.image == 0) {
       input = panorama_of(active_, config_).on(device);
     } else {
-      input = panorama_of(active_, config_, walker_.views_on(device, config_)).on(device);
+      input = panorama_of(active_, config_, runner_.views_on(device, config_)).on(device);
     }
     if (dropout_) {
       input.views = (*dropout_)(input.views, config_.feature_dropout);
@@ -144,7 +145,7 @@ class Run {
     return seen;
   }
 
-  static Nodes nodes_of(const WalkState& state) {
+  static Nodes nodes_of(const EpisodeState& state) {
     return {state.map.rows().begin(), state.map.rows().end()};
   }
 
@@ -152,7 +153,7 @@ class Run {
     const Tokens seen = see();
     const Clock::time_point begin = Clock::now();
     std::vector<Nodes> nodes;
-    for (const WalkState* state : active_) nodes.push_back(nodes_of(*state));
+    for (const EpisodeState* state : active_) nodes.push_back(nodes_of(*state));
     const NavigationInput input = navigation_of(active_, nodes, seen, pool_, config_);
     spent_ += Clock::now() - begin;
     const NavigationOutput output = network_.navigate(text_of_active(), input, dropout());
@@ -184,13 +185,13 @@ class Run {
   void follow(Rollout& result) {
     const Clock::time_point begin = Clock::now();
     const std::int64_t stride = longest_panorama() + 1;
-    std::vector<std::unique_ptr<WalkState>> stands;  // the states as they were at each step
+    std::vector<std::unique_ptr<EpisodeState>> stands;  // the states as they were at each step
     std::vector<Nodes> nodes;
     std::vector<StepRow> rows;
     for (std::size_t t = 0; t < most_steps() && find_active(); ++t) {
-      for (WalkState* state : active_) {
+      for (EpisodeState* state : active_) {
         state->embed(std::ssize(stands) * stride, std::ssize(stands) * stride + 1);
-        const WalkState& stand = *stands.emplace_back(std::make_unique<WalkState>(*state));
+        const EpisodeState& stand = *stands.emplace_back(std::make_unique<EpisodeState>(*state));
         nodes.push_back(nodes_of(stand));
         StepRow& row = rows.emplace_back();
         begin_row(stand, nodes.back(), row);
@@ -225,14 +226,15 @@ class Run {
     std::size_t longest = 0;
     for (const auto& state : states_) {
       for (const ViewpointIndex viewpoint : state->episode->reference) {
-        const Walker::Place& place = walker_.place(config_, {state->episode->scan, viewpoint});
+        const RolloutRunner::Place& place =
+            runner_.place(config_, {state->episode->scan, viewpoint});
         longest = std::max(longest, place.panorama->token_views.size() + place.objects.size());
       }
     }
     return static_cast<std::int64_t>(longest);
   }
 
-  static void begin_row(const WalkState& state, const std::vector<TopologicalMap::Node>& nodes,
+  static void begin_row(const EpisodeState& state, const std::vector<TopologicalMap::Node>& nodes,
                         StepRow& row) {
     row.episode = state.number;
     row.pose = state.pose;
@@ -261,7 +263,7 @@ class Run {
     }
   }
 
-  static std::int64_t expert_label(const WalkState& state, agents::ExpertRule rule) {
+  static std::int64_t expert_label(const EpisodeState& state, agents::ExpertRule rule) {
     const std::vector<ViewpointIndex> walked = state.walked();
     const auto goes_to =
         agents::map_expert({*state.graph, state.map, walked, state.episode->reference}, rule);
@@ -269,7 +271,7 @@ class Run {
   }
 
   // 0 for the one where the agent stands.
-  static std::int64_t row_of_viewpoint(const WalkState& state, ViewpointIndex viewpoint) {
+  static std::int64_t row_of_viewpoint(const EpisodeState& state, ViewpointIndex viewpoint) {
     if (viewpoint == state.pose.viewpoint) return 0;
     const auto node = state.map.find(viewpoint);
     if (!node) {
@@ -280,7 +282,7 @@ class Run {
     return std::ranges::find(rows, *node) - rows.begin() + 1;
   }
 
-  void label(const WalkState& state, std::size_t t, StepRow& row) const {
+  void label(const EpisodeState& state, std::size_t t, StepRow& row) const {
     std::vector<ViewpointIndex> neighbours;
     const std::span<const ViewpointIndex> reference = state.episode->reference;
     switch (*options_.expert) {
@@ -338,16 +340,17 @@ class Run {
   void choose(std::size_t t, std::vector<StepRow>& rows) const {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto r = static_cast<std::int64_t>(i);
-      const WalkState& state = *active_[i];
+      const EpisodeState& state = *active_[i];
       const auto best = static_cast<std::int64_t>(first_of_the_greatest(row_of(logits_, r)));
       Rng rng(options_.seed, options_.stream,
               stream_of(state.episode->id.data(), state.episode->id.size()) + 2 * t);
       rows[i].choice = best;
-      if (options_.feedback == WalkFeedback::kTeacher) {
+      if (options_.feedback == RolloutFeedback::kTeacher) {
         rows[i].choice = rows[i].label;
-      } else if (options_.feedback == WalkFeedback::kSample && !options_.draw_best) {
+      } else if (options_.feedback == RolloutFeedback::kSample && !options_.draw_best) {
         rows[i].choice = drawn(row_of(probabilities_, r), rng.uniform());
-      } else if (options_.feedback == WalkFeedback::kExplore && rng.uniform() < options_.explore) {
+      } else if (options_.feedback == RolloutFeedback::kExplore &&
+                 rng.uniform() < options_.explore) {
         const std::uint64_t row = rng.below(state.map.open() + 1);  // open nodes come last
         rows[i].choice =
             row == 0 ? 0 : static_cast<std::int64_t>(rows[i].nodes.size() - state.map.open() + row);
@@ -368,9 +371,9 @@ class Run {
   }
 
   // Where it goes, and whether it ends here.
-  void decide(const WalkState& state, bool last, StepRow& row) const {
-    const bool training =
-        options_.feedback == WalkFeedback::kTeacher || options_.feedback == WalkFeedback::kSample;
+  void decide(const EpisodeState& state, bool last, StepRow& row) const {
+    const bool training = options_.feedback == RolloutFeedback::kTeacher ||
+                          options_.feedback == RolloutFeedback::kSample;
     const bool on_goal = !state.episode->reference.empty() &&
                          state.pose.viewpoint == state.episode->reference.back();
     const bool stops = training ? on_goal : row.choice == 0;
@@ -381,27 +384,27 @@ class Run {
     }
   }
 
-  void finish(WalkState& state, const StepRow& row) const {
+  void finish(EpisodeState& state, const StepRow& row) const {
     const bool own = row.choice == 0 && config_.stays_where_it_stops;
     state.finish(own ? agents::FinalStop::kUnlessOwn : agents::FinalStop::kAlways);
   }
 
-  void move(WalkState& state, std::size_t t, const StepRow& row) {
+  void move(EpisodeState& state, std::size_t t, const StepRow& row) {
     if (!row.goes_to) {
       state.ended = true;
       return;
     }
-    state.go(*state.map.find(*row.goes_to), walker_, config_);
+    state.go(*state.map.find(*row.goes_to), runner_, config_);
     look(state, t + 1);
   }
 
-  Walker& walker_;
+  RolloutRunner& runner_;
   const DuetNetwork& network_;
   const DuetConfig& config_;
-  const WalkOptions& options_;
+  const RolloutOptions& options_;
   const StepWatcher& watcher_;
-  std::vector<std::unique_ptr<WalkState>> states_;
-  std::vector<WalkState*> active_;
+  std::vector<std::unique_ptr<EpisodeState>> states_;
+  std::vector<EpisodeState*> active_;
   std::optional<Dropout> dropout_;
   PreparedText text_;
   at::Tensor pool_;                    // all means and tokens of panoramas so far: (rows, hidden)
@@ -417,12 +420,14 @@ std::vector<features::ObjectView> Surroundings::objects(const graph::NavGraph&, 
 
 void Surroundings::object(const graph::NavGraph&, ViewpointIndex, std::size_t, std::span<float>) {}
 
-Walker::Walker(std::shared_ptr<const graph::GraphSet> graphs, Surroundings& surroundings)
+RolloutRunner::RolloutRunner(std::shared_ptr<const graph::GraphSet> graphs,
+                             Surroundings& surroundings)
     : graphs_(std::move(graphs)), surroundings_(surroundings), panoramas_(graphs_) {}
 
-Walker::~Walker() = default;
+RolloutRunner::~RolloutRunner() = default;
 
-const Walker::Place& Walker::place(const DuetConfig& config, graph::Location location) {
+const RolloutRunner::Place& RolloutRunner::place(const DuetConfig& config,
+                                                 graph::Location location) {
   auto& known = places_[{location.scan.value, location.viewpoint.value}];
   if (known) return *known;
   auto place = std::make_unique<Place>();
@@ -447,7 +452,7 @@ const Walker::Place& Walker::place(const DuetConfig& config, graph::Location loc
   return *known;
 }
 
-detail::ResidentViews& Walker::views_on(c10::Device device, const DuetConfig& config) {
+core::ResidentViews& RolloutRunner::views_on(c10::Device device, const DuetConfig& config) {
   if (!resident_) {
     resident_.emplace(config.image, device, [this](graph::Location at, std::span<float> out) {
       surroundings_.views(graphs_->graph(at.scan), at.viewpoint, out);
@@ -456,9 +461,9 @@ detail::ResidentViews& Walker::views_on(c10::Device device, const DuetConfig& co
   return *resident_;
 }
 
-Rollout Walker::walk(const DuetNetwork& network, std::span<const WalkEpisode> episodes,
-                     const WalkOptions& options, const StepWatcher& watcher) {
-  return Run(*this, *graphs_, network, episodes, options, watcher).walk();
+Rollout RolloutRunner::run(const DuetNetwork& network, std::span<const RolloutEpisode> episodes,
+                           const RolloutOptions& options, const StepWatcher& watcher) {
+  return Run(*this, *graphs_, network, episodes, options, watcher).run();
 }
 
 }  // namespace enfilade::neural::duet

@@ -19,7 +19,7 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/features/object_set.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/neural/detail/resident_views.h"
+#include "enfilade/neural/core/resident_views.h"
 #include "enfilade/neural/duet/duet_network.h"
 #include "enfilade/neural/duet/labels.h"
 #include "enfilade/sim/candidates.h"
@@ -53,7 +53,7 @@ class Surroundings {
 };
 
 /// What is walked.
-struct WalkEpisode {
+struct RolloutEpisode {
   std::string id;
   ScanIndex scan;
   ViewpointIndex start;
@@ -64,7 +64,7 @@ struct WalkEpisode {
 };
 
 /// Who chooses, and when an episode ends.
-enum class WalkFeedback : std::uint8_t {
+enum class RolloutFeedback : std::uint8_t {
   kTeacher,  ///< the labels lead; ends on the goal
   kSample,   ///< drawn from the probabilities; ends on the goal, or silently at a drawn stop
   kGreedy,   ///< the most likely; ends at stop
@@ -77,8 +77,8 @@ enum class Expert : std::uint8_t {
   kNdtw,       ///< agents::ExpertRule::kNdtw
 };
 
-struct WalkOptions {
-  WalkFeedback feedback = WalkFeedback::kGreedy;
+struct RolloutOptions {
+  RolloutFeedback feedback = RolloutFeedback::kGreedy;
   std::optional<Expert> expert;  ///< none: no labels, no loss
   bool three_losses = false;  ///< map and viewpoint have losses of their own beside the common one
   bool draw_best = false;     ///< kSample takes the most likely instead of drawing
@@ -112,7 +112,7 @@ struct StepOfAll {
 using StepWatcher = std::function<void(const StepOfAll&)>;
 
 /// What became of an episode.
-struct Walk {
+struct EpisodeRollout {
   /// [[start], [a], [b, c], ...]: an entry a decision, with the viewpoints passed through.
   std::vector<std::vector<ViewpointIndex>> path;
   std::vector<std::pair<ViewpointIndex, double>> stop_probabilities;  ///< in order of visiting
@@ -121,7 +121,7 @@ struct Walk {
 };
 
 struct Rollout {
-  std::vector<Walk> walks;
+  std::vector<EpisodeRollout> episodes;
   at::Tensor loss;  ///< the sum over steps and episodes; not defined without an expert
   std::size_t steps = 0;
   double environment_seconds = 0;  ///< of looking, maps, labels and moving: all but the network
@@ -129,19 +129,19 @@ struct Rollout {
 
 /// Walks episodes of networks whose features have the same sizes. Keeps what it knows of viewpoints
 /// between calls. One thread at a time.
-class Walker {
+class RolloutRunner {
  public:
-  Walker(std::shared_ptr<const graph::GraphSet> graphs, Surroundings& surroundings);
-  ~Walker();
-  Walker(const Walker&) = delete;
-  Walker& operator=(const Walker&) = delete;
+  RolloutRunner(std::shared_ptr<const graph::GraphSet> graphs, Surroundings& surroundings);
+  ~RolloutRunner();
+  RolloutRunner(const RolloutRunner&) = delete;
+  RolloutRunner& operator=(const RolloutRunner&) = delete;
 
   /// Autograd follows it, unless a guard is set.
   /// \throws ArgumentError for kReference off the annotated path, or without a reference
-  Rollout walk(const DuetNetwork& network, std::span<const WalkEpisode> episodes,
-               const WalkOptions& options, const StepWatcher& watcher = {});
+  Rollout run(const DuetNetwork& network, std::span<const RolloutEpisode> episodes,
+              const RolloutOptions& options, const StepWatcher& watcher = {});
 
-  /// What it knows of a viewpoint; valid as long as the walker.
+  /// What it knows of a viewpoint; valid as long as the runner.
   struct Place {
     const agents::Panorama* panorama = nullptr;
     at::Tensor views;                           ///< (36, image)
@@ -151,14 +151,14 @@ class Walker {
   const Place& place(const DuetConfig& config, graph::Location location);
   const graph::NavGraph& graph(ScanIndex scan) const { return graphs_->graph(scan); }
   /// The views of places, on a device that is not the CPU; the first one asked for.
-  detail::ResidentViews& views_on(c10::Device device, const DuetConfig& config);
+  core::ResidentViews& views_on(c10::Device device, const DuetConfig& config);
 
  private:
   std::shared_ptr<const graph::GraphSet> graphs_;
   Surroundings& surroundings_;
   agents::PanoramaCache panoramas_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::unique_ptr<Place>> places_;
-  std::optional<detail::ResidentViews> resident_;
+  std::optional<core::ResidentViews> resident_;
 };
 
 }  // namespace enfilade::neural::duet

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/encoders/make_encoders.h"
 #include "enfilade/neural/encoders/transformer_encoder.h"
 
@@ -52,8 +52,8 @@ TransformerNames clip_names() {
   return names;
 }
 
-std::vector<detail::ArraySpec> clip_arrays(const TransformerSizes& sizes) {
-  std::vector<detail::ArraySpec> arrays = transformer_arrays(clip_names(), sizes);
+std::vector<core::ArraySpec> clip_arrays(const TransformerSizes& sizes) {
+  std::vector<core::ArraySpec> arrays = transformer_arrays(clip_names(), sizes);
   arrays.push_back({kOutput, {sizes.width, kOutputs}});
   return arrays;
 }
@@ -90,7 +90,7 @@ std::string transformers_name(std::string name) {
 }
 
 // Queries, keys and values are three arrays there.
-std::vector<detail::ArraySpec> parts_of(const detail::ArraySpec& array) {
+std::vector<core::ArraySpec> parts_of(const core::ArraySpec& array) {
   const std::string name = transformers_name(array.name);
   constexpr std::string_view kJoined = "in_proj_";
   const std::size_t at = name.find(kJoined);
@@ -100,7 +100,7 @@ std::vector<detail::ArraySpec> parts_of(const detail::ArraySpec& array) {
     return {{name, shape}};
   }
   shape[0] /= 3;
-  std::vector<detail::ArraySpec> parts;
+  std::vector<core::ArraySpec> parts;
   for (const char part : {'q', 'k', 'v'}) {
     parts.push_back(
         {fmt::format("{}{}_proj.{}", name.substr(0, at), part, name.substr(at + kJoined.size())),
@@ -110,16 +110,15 @@ std::vector<detail::ArraySpec> parts_of(const detail::ArraySpec& array) {
 }
 
 // The same weights by OpenAI's names.
-detail::Weights read_transformers(const TensorFile& file,
-                                  std::span<const detail::ArraySpec> wanted) {
-  std::vector<detail::ArraySpec> all;
-  for (const detail::ArraySpec& array : wanted)
+core::Weights read_transformers(const TensorFile& file, std::span<const core::ArraySpec> wanted) {
+  std::vector<core::ArraySpec> all;
+  for (const core::ArraySpec& array : wanted)
     std::ranges::copy(parts_of(array), std::back_inserter(all));
-  const detail::Weights found = detail::read_weights(file, all, is_of_text_in_transformers);
-  detail::Weights weights;
-  for (const detail::ArraySpec& array : wanted) {
+  const core::Weights found = core::read_weights(file, all, is_of_text_in_transformers);
+  core::Weights weights;
+  for (const core::ArraySpec& array : wanted) {
     std::vector<at::Tensor> parts;
-    for (const detail::ArraySpec& part : parts_of(array)) parts.push_back(found.at(part.name));
+    for (const core::ArraySpec& part : parts_of(array)) parts.push_back(found.at(part.name));
     at::Tensor joined = parts.size() == 1 ? parts[0] : at::cat(parts);
     if (array.name == kOutput) joined = joined.t().contiguous();
     weights[array.name] = joined;
@@ -127,28 +126,28 @@ detail::Weights read_transformers(const TensorFile& file,
   return weights;
 }
 
-detail::Weights read_clip(const std::filesystem::path& path,
-                          std::span<const detail::ArraySpec> wanted) {
+core::Weights read_clip(const std::filesystem::path& path,
+                        std::span<const core::ArraySpec> wanted) {
   const TensorFile file = TensorFile::open(path);
   const bool transformers = std::ranges::any_of(
       file.arrays(), [](const auto& array) { return array.name.starts_with("vision_model."); });
   return transformers ? read_transformers(file, wanted)
-                      : detail::read_weights(file, wanted, is_of_text);
+                      : core::read_weights(file, wanted, is_of_text);
 }
 
 }  // namespace
 
 std::unique_ptr<ImageEncoder> make_clip(const EncoderConfig& config) {
-  const c10::Device device = detail::open_device(config.device);
+  const c10::Device device = core::open_device(config.device);
   TransformerParts parts;
   parts.sizes = sizes_of(config.name);
-  const std::vector<detail::ArraySpec> wanted = clip_arrays(parts.sizes);
-  const detail::Weights weights = config.weights.empty() ? random_transformer(wanted, config.seed)
-                                                         : read_clip(config.weights, wanted);
+  const std::vector<core::ArraySpec> wanted = clip_arrays(parts.sizes);
+  const core::Weights weights = config.weights.empty() ? random_transformer(wanted, config.seed)
+                                                       : read_clip(config.weights, wanted);
   parts.arrays = arrays_of(clip_names(), parts.sizes, weights);
   parts.preparation = {"clip", kClipShorter, kClip};
   parts.output = {weights.at(kOutput).t(), {}};
-  parts.hash = detail::hash_of(weights);
+  parts.hash = core::hash_of(weights);
   return make_transformer_encoder(std::move(parts), device);
 }
 

@@ -5,7 +5,7 @@
 
 namespace enfilade::neural::encoders {
 
-/// detail::Weights and settings of a convolution.
+/// core::Weights and settings of a convolution.
 struct Convolution {
   at::Tensor weight;  ///< (out, in, k, k)
   at::Tensor bias;    ///< (out)

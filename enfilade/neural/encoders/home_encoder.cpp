@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/core/random_weights.h"
+#include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/encoders/encoder_input.h"
 #include "enfilade/neural/encoders/home_network.h"
 #include "enfilade/neural/encoders/make_encoders.h"
-#include "enfilade/neural/encoders/random_weights.h"
 
 namespace enfilade::neural::encoders {
 namespace {
@@ -19,8 +19,8 @@ HomeFile random_network(std::uint64_t seed) {
   home.words.rooms = "abcdefghij";
   for (std::int64_t i = 0; i < 36; ++i) home.words.classes.push_back(i);
   Rng rng(seed);
-  for (const detail::ArraySpec& array : home_arrays(home.words)) {
-    home.weights[array.name] = array.shape.size() > 1               ? he_normal(array.shape, rng)
+  for (const core::ArraySpec& array : home_arrays(home.words)) {
+    home.weights[array.name] = array.shape.size() > 1 ? core::he_normal(array.shape, rng)
                                : array.name == "features.deviation" ? at::ones(array.shape)
                                                                     : at::zeros(array.shape);
   }
@@ -33,7 +33,7 @@ class HomeEncoder final : public ImageEncoder {
       : network_(file.weights, device),
         mean_(file.weights.at("features.mean").to(device)),
         deviation_(file.weights.at("features.deviation").to(device)),
-        hash_(detail::hash_of(file.weights)),
+        hash_(core::hash_of(file.weights)),
         input_(device) {}
 
   std::size_t dimensions() const override { return static_cast<std::size_t>(mean_.numel()); }
@@ -72,7 +72,7 @@ class HomeEncoder final : public ImageEncoder {
 }  // namespace
 
 std::unique_ptr<ImageEncoder> make_home_encoder(const EncoderConfig& config) {
-  const c10::Device device = detail::open_device(config.device);
+  const c10::Device device = core::open_device(config.device);
   return std::make_unique<HomeEncoder>(
       config.weights.empty() ? random_network(config.seed) : read_home_network(config.weights),
       device);

@@ -17,8 +17,8 @@ namespace {
 constexpr const char *kFormatKey = "format", *kFormat = "enfilade-home-encoder-1";
 constexpr const char *kClassesKey = "classes", *kRoomsKey = "rooms";
 
-Convolution prepared(const detail::Weights& weights, const std::string& name,
-                     const HomeLayer& layer, c10::Device device) {
+Convolution prepared(const core::Weights& weights, const std::string& name, const HomeLayer& layer,
+                     c10::Device device) {
   Convolution c;
   c.weight = weights.at(name + ".weight");
   c.bias = weights.at(name + ".bias");
@@ -63,9 +63,9 @@ at::Tensor describe(const HomeOutputs& outputs) {
   return at::cat({shares.flatten(1), distances.flatten(1), outputs.rooms.softmax(1)}, 1);
 }
 
-std::vector<detail::ArraySpec> home_arrays(const HomeWords& words) {
+std::vector<core::ArraySpec> home_arrays(const HomeWords& words) {
   const auto classes = std::ssize(words.classes), rooms = std::ssize(words.rooms);
-  std::vector<detail::ArraySpec> arrays;
+  std::vector<core::ArraySpec> arrays;
   const auto add = [&](const std::string& name, std::vector<std::int64_t> shape) {
     const std::int64_t out = shape[0];
     arrays.push_back({name + ".weight", std::move(shape)});
@@ -84,7 +84,7 @@ std::vector<detail::ArraySpec> home_arrays(const HomeWords& words) {
   return arrays;
 }
 
-HomeNetwork::HomeNetwork(const detail::Weights& weights, c10::Device device) : device_(device) {
+HomeNetwork::HomeNetwork(const core::Weights& weights, c10::Device device) : device_(device) {
   for (std::size_t i = 0; i < kHomeLayers.size(); ++i) {
     trunk_.push_back(prepared(weights, trunk_name(i), kHomeLayers.at(i), device));
   }
@@ -105,9 +105,9 @@ HomeOutputs HomeNetwork::run(const at::Tensor& pictures) const {
           at::linear(x.mean({2, 3}), rooms_weight_, rooms_bias_)};
 }
 
-void write_home_network(const std::filesystem::path& file, const detail::Weights& weights,
+void write_home_network(const std::filesystem::path& file, const core::Weights& weights,
                         const HomeWords& words) {
-  features::write_safetensors(file, detail::as_arrays(weights),
+  features::write_safetensors(file, core::as_arrays(weights),
                               {{kFormatKey, kFormat},
                                {kClassesKey, fmt::format("{}", fmt::join(words.classes, " "))},
                                {kRoomsKey, words.rooms}});
@@ -132,7 +132,7 @@ HomeFile read_home_network(const std::filesystem::path& file) {
     fault(file, kClassesKey, "at least one class and one room are expected");
   }
   home.weights =
-      detail::read_weights(arrays, home_arrays(home.words), [](std::string_view) { return false; });
+      core::read_weights(arrays, home_arrays(home.words), [](std::string_view) { return false; });
   return home;
 }
 

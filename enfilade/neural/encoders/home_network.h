@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/encoders/convolution.h"
 
 namespace enfilade::neural::encoders {
@@ -60,12 +60,12 @@ at::Tensor pool_thirds(const at::Tensor& cells);
 at::Tensor describe(const HomeOutputs& outputs);
 
 /// Names and shapes of the arrays of a file.
-std::vector<detail::ArraySpec> home_arrays(const HomeWords& words);
+std::vector<core::ArraySpec> home_arrays(const HomeWords& words);
 
 /// The network after its training. Runs on one device.
 class HomeNetwork {
  public:
-  HomeNetwork(const detail::Weights& weights, c10::Device device);
+  HomeNetwork(const core::Weights& weights, c10::Device device);
   /// \param pictures (n, 3, kHomeHeight, kHomeWidth), of any device
   HomeOutputs run(const at::Tensor& pictures) const;
 
@@ -77,11 +77,11 @@ class HomeNetwork {
 };
 
 /// Writes a file: weights and, as metadata, words.
-void write_home_network(const std::filesystem::path& file, const detail::Weights& weights,
+void write_home_network(const std::filesystem::path& file, const core::Weights& weights,
                         const HomeWords& words);
 /// The content of such a file.
 struct HomeFile {
-  detail::Weights weights;
+  core::Weights weights;
   HomeWords words;
 };
 /// \throws FileError; InvalidInput for another file, or if arrays are missing

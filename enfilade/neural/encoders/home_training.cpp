@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "enfilade/neural/encoders/random_weights.h"
+#include "enfilade/neural/core/random_weights.h"
 
 namespace enfilade::neural::encoders {
 namespace {
@@ -76,8 +76,8 @@ HomeTraining::HomeTraining(const HomeWords& words, const LabelledPictures& pictu
   for (const HomeLayer& l : kHomeLayers) {
     TrunkLayer layer;
     // Channels last in memory, as in the input: a seventh faster than channels first.
-    layer.weight = parameter(
-        he_normal({l.out, l.in, l.size, l.size}, rng_).contiguous(at::MemoryFormat::ChannelsLast));
+    layer.weight = parameter(core::he_normal({l.out, l.in, l.size, l.size}, rng_)
+                                 .contiguous(at::MemoryFormat::ChannelsLast));
     layer.scale = parameter(at::ones({l.out}));
     layer.shift = parameter(at::zeros({l.out}));
     layer.mean = at::zeros({l.out}).to(device);
@@ -103,7 +103,7 @@ at::Tensor HomeTraining::parameter(at::Tensor values) {
 
 HomeTraining::Head HomeTraining::make_head(const std::vector<std::int64_t>& shape) {
   constexpr double kSmall = 0.01;  // at first all answers are about equally likely
-  return {parameter(normal(shape, kSmall, rng_)), parameter(at::zeros({shape[0]}))};
+  return {parameter(core::normal(shape, kSmall, rng_)), parameter(at::zeros({shape[0]}))};
 }
 
 HomeOutputs HomeTraining::run(at::Tensor x) {
@@ -183,9 +183,9 @@ void HomeTraining::adam(double learning_rate) {
   }
 }
 
-detail::Weights HomeTraining::folded() const {
+core::Weights HomeTraining::folded() const {
   const c10::NoGradGuard no_gradients;
-  detail::Weights weights;
+  core::Weights weights;
   const auto keep = [&weights](const std::string& name, const Head& values) {
     weights[name + ".weight"] = values.weight.detach().cpu().contiguous().clone();
     weights[name + ".bias"] = values.bias.detach().cpu().contiguous().clone();

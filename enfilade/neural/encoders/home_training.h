@@ -34,7 +34,7 @@ class HomeTraining {
 
   /// The current weights, the normalisations folded into the convolutions. The caller adds the
   /// arrays "features.*".
-  detail::Weights folded() const;
+  core::Weights folded() const;
   std::size_t parameters() const;  ///< how many numbers are trained
 
  private:

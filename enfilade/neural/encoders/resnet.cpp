@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "enfilade/core/check.h"
-#include "enfilade/neural/detail/torch_device.h"
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/random_weights.h"
+#include "enfilade/neural/core/torch_device.h"
+#include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/encoders/convolution.h"
 #include "enfilade/neural/encoders/encoder_input.h"
 #include "enfilade/neural/encoders/make_encoders.h"
-#include "enfilade/neural/encoders/random_weights.h"
 
 namespace enfilade::neural::encoders {
 namespace {
@@ -102,8 +102,8 @@ Plan plan_network(const Architecture& a) {
 constexpr std::array<const char*, 4> kNormArrays{".weight", ".bias", ".running_mean",
                                                  ".running_var"};
 
-std::vector<detail::ArraySpec> arrays_of(Plan& plan) {
-  std::vector<detail::ArraySpec> arrays;
+std::vector<core::ArraySpec> arrays_of(Plan& plan) {
+  std::vector<core::ArraySpec> arrays;
   for (const Layer* l : plan.layers()) {
     arrays.push_back({l->convolution + ".weight", {l->out, l->in, l->size, l->size}});
     for (const char* array : kNormArrays) arrays.push_back({l->norm + array, {l->out}});
@@ -118,12 +118,12 @@ bool is_unused(std::string_view name) {
 
 // Normalisations are the identity, except the last of each block, which halves: otherwise values
 // would double from block to block.
-detail::Weights random_weights(Plan& plan, std::uint64_t seed) {
-  detail::Weights weights;
+core::Weights random_weights(Plan& plan, std::uint64_t seed) {
+  core::Weights weights;
   Rng rng(seed);
-  for (const detail::ArraySpec& array : arrays_of(plan)) {
+  for (const core::ArraySpec& array : arrays_of(plan)) {
     const bool zeros = array.name.ends_with(".running_mean") || array.name.ends_with(".bias");
-    weights[array.name] = array.shape.size() > 1 ? he_normal(array.shape, rng)
+    weights[array.name] = array.shape.size() > 1 ? core::he_normal(array.shape, rng)
                           : zeros                ? at::zeros(array.shape)
                                                  : at::ones(array.shape);
   }
@@ -138,14 +138,14 @@ class ResNet final : public ImageEncoder {
  public:
   explicit ResNet(const EncoderConfig& config)
       : preprocessing_(config.preprocessing),
-        device_(detail::open_device(config.device)),
+        device_(core::open_device(config.device)),
         plan_(plan_network(architecture(config.name))),
         input_(device_) {
-    const detail::Weights weights =
+    const core::Weights weights =
         config.weights.empty() ? random_weights(plan_, config.seed)
-                               : detail::read_weights(features::TensorFile::open(config.weights),
-                                                      arrays_of(plan_), is_unused);
-    hash_ = detail::hash_of(weights);
+                               : core::read_weights(features::TensorFile::open(config.weights),
+                                                    arrays_of(plan_), is_unused);
+    hash_ = core::hash_of(weights);
     const c10::InferenceMode no_gradients;
     for (Layer* layer : plan_.layers()) layer->loaded = make(*layer, weights);
   }
@@ -176,7 +176,7 @@ class ResNet final : public ImageEncoder {
   }
 
  private:
-  Convolution make(const Layer& layer, const detail::Weights& weights) const {
+  Convolution make(const Layer& layer, const core::Weights& weights) const {
     const auto norm = [&](const char* array) { return weights.at(layer.norm + array); };
     Convolution c;
     c.weight = weights.at(layer.convolution + ".weight");

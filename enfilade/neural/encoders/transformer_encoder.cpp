@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "enfilade/neural/core/random_weights.h"
 #include "enfilade/neural/encoders/encoder_input.h"
 #include "enfilade/neural/encoders/picture_resize.h"
-#include "enfilade/neural/encoders/random_weights.h"
 
 namespace enfilade::neural::encoders {
 namespace {
@@ -92,11 +92,11 @@ std::string block_name(const TransformerNames& names, std::int64_t block) {
 
 }  // namespace
 
-std::vector<detail::ArraySpec> transformer_arrays(const TransformerNames& names,
-                                                  const TransformerSizes& sizes) {
+std::vector<core::ArraySpec> transformer_arrays(const TransformerNames& names,
+                                                const TransformerSizes& sizes) {
   const std::int64_t width = sizes.width, hidden = sizes.hidden;
-  std::vector<detail::ArraySpec> arrays{{names.class_token, {width}},
-                                        {names.positions, {sizes.tokens(), width}}};
+  std::vector<core::ArraySpec> arrays{{names.class_token, {width}},
+                                      {names.positions, {sizes.tokens(), width}}};
   if (names.leading_ones) {
     arrays[0].shape = {1, 1, width};
     arrays[1].shape = {1, sizes.tokens(), width};
@@ -124,7 +124,7 @@ std::vector<detail::ArraySpec> transformer_arrays(const TransformerNames& names,
 }
 
 TransformerArrays arrays_of(const TransformerNames& names, const TransformerSizes& sizes,
-                            const detail::Weights& weights) {
+                            const core::Weights& weights) {
   const auto linear = [&](const std::string& name) {
     return Linear{weights.at(name + ".weight"), weights.at(name + ".bias")};
   };
@@ -152,16 +152,16 @@ std::unique_ptr<ImageEncoder> make_transformer_encoder(TransformerParts parts, c
   return std::make_unique<TransformerEncoder>(std::move(parts), device);
 }
 
-detail::Weights random_transformer(std::span<const detail::ArraySpec> arrays, std::uint64_t seed) {
+core::Weights random_transformer(std::span<const core::ArraySpec> arrays, std::uint64_t seed) {
   constexpr double kDeviation = 0.02;
-  detail::Weights weights;
+  core::Weights weights;
   Rng rng(seed);
-  for (const detail::ArraySpec& array : arrays) {
+  for (const core::ArraySpec& array : arrays) {
     const bool bias = array.name.ends_with("bias");
     const bool norm = array.shape.size() == 1 && array.name.ends_with(".weight");
     weights[array.name] = bias   ? at::zeros(array.shape)
                           : norm ? at::ones(array.shape)
-                                 : normal(array.shape, kDeviation, rng);
+                                 : core::normal(array.shape, kDeviation, rng);
   }
   return weights;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/encoder.h"
 #include "enfilade/neural/encoders/vision_transformer.h"
 
@@ -28,11 +28,11 @@ struct TransformerNames {
   bool leading_ones = true;  ///< token and positions have shapes (1, 1, width), (1, n, width)
 };
 /// The arrays of a network by these names, with their shapes in files.
-std::vector<detail::ArraySpec> transformer_arrays(const TransformerNames& names,
-                                                  const TransformerSizes& sizes);
+std::vector<core::ArraySpec> transformer_arrays(const TransformerNames& names,
+                                                const TransformerSizes& sizes);
 /// The same arrays of `weights`, by their places in the network. \pre all are there
 TransformerArrays arrays_of(const TransformerNames& names, const TransformerSizes& sizes,
-                            const detail::Weights& weights);
+                            const core::Weights& weights);
 
 /// Everything that an encoder has beside its device.
 struct TransformerParts {
@@ -49,6 +49,6 @@ std::unique_ptr<ImageEncoder> make_transformer_encoder(TransformerParts parts, c
 
 /// Arrays of these names and shapes with random values: normal with a deviation of 0.02, as the
 /// networks begin their training; normalisations are the identity and biases 0.
-detail::Weights random_transformer(std::span<const detail::ArraySpec> arrays, std::uint64_t seed);
+core::Weights random_transformer(std::span<const core::ArraySpec> arrays, std::uint64_t seed);
 
 }  // namespace enfilade::neural::encoders

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/encoders/random_weights.h"
+#include "enfilade/neural/core/random_weights.h"
 
 namespace enfilade::neural::encoders {
 namespace EN_UNIT {
@@ -115,16 +115,16 @@ Row twin(const TransformerSizes& s, const TransformerArrays& arrays, const at::T
 TransformerArrays random_arrays(const TransformerSizes& s, bool before) {
   Rng rng(7);
   const auto linear = [&](std::int64_t out, std::int64_t in) {
-    return Linear{normal({out, in}, 0.4, rng), normal({out}, 0.3, rng)};
+    return Linear{core::normal({out, in}, 0.4, rng), core::normal({out}, 0.3, rng)};
   };
   const auto norm = [&] {
-    return LayerNorm{normal({s.width}, 0.3, rng) + 1, normal({s.width}, 0.3, rng)};
+    return LayerNorm{core::normal({s.width}, 0.3, rng) + 1, core::normal({s.width}, 0.3, rng)};
   };
   TransformerArrays arrays;
   arrays.patches = linear(s.width, 3 * s.patch * s.patch);
   if (before) arrays.patches.bias = at::Tensor();  // as in CLIP
-  arrays.class_token = normal({s.width}, 1, rng);
-  arrays.positions = normal({s.tokens(), s.width}, 0.5, rng);
+  arrays.class_token = core::normal({s.width}, 1, rng);
+  arrays.positions = core::normal({s.tokens(), s.width}, 0.5, rng);
   if (before) arrays.before = norm();
   for (std::int64_t i = 0; i < s.layers; ++i) {
     arrays.blocks.push_back({norm(), linear(3 * s.width, s.width), linear(s.width, s.width), norm(),
@@ -142,7 +142,7 @@ TEST_P(Twin, IsTheNetwork) {
   const TransformerArrays arrays = random_arrays(s, GetParam());
   const VisionTransformer network(s, arrays, c10::Device("cpu"));
   Rng rng(11);
-  const at::Tensor pictures = normal({3, 3, s.picture, s.picture}, 1, rng);
+  const at::Tensor pictures = core::normal({3, 3, s.picture, s.picture}, 1, rng);
   const c10::InferenceMode no_gradients;
   const at::Tensor found = network.run(pictures);
   ASSERT_EQ(found.sizes(), (std::vector<std::int64_t>{3, s.width}));

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/neural/detail/torch_device.h"
+#include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/encoders/make_encoders.h"
 #include "enfilade/neural/encoders/transformer_encoder.h"
 
@@ -40,24 +40,23 @@ bool has_no_surplus(std::string_view /*name*/) { return false; }
 }  // namespace
 
 std::unique_ptr<ImageEncoder> make_vit(const EncoderConfig& config) {
-  const c10::Device device = detail::open_device(config.device);
-  std::vector<detail::ArraySpec> wanted = transformer_arrays(vit_names(), kVitB16);
+  const c10::Device device = core::open_device(config.device);
+  std::vector<core::ArraySpec> wanted = transformer_arrays(vit_names(), kVitB16);
   if (config.logits) {
     wanted.push_back({"head.weight", {kClasses, kVitB16.width}});
     wanted.push_back({"head.bias", {kClasses}});
   }
-  const detail::Weights weights =
-      config.weights.empty()
-          ? random_transformer(wanted, config.seed)
-          : detail::read_weights(features::TensorFile::open(config.weights), wanted,
-                                 config.logits ? has_no_surplus : is_head);
+  const core::Weights weights =
+      config.weights.empty() ? random_transformer(wanted, config.seed)
+                             : core::read_weights(features::TensorFile::open(config.weights),
+                                                  wanted, config.logits ? has_no_surplus : is_head);
   TransformerParts parts;
   parts.sizes = kVitB16;
   parts.arrays = arrays_of(vit_names(), kVitB16, weights);
   parts.preparation = {"vit", kVitShorter, kHalves};
   parts.beside = config.logits;
   if (config.logits) parts.output = {weights.at("head.weight"), weights.at("head.bias")};
-  parts.hash = detail::hash_of(weights);
+  parts.hash = core::hash_of(weights);
   return make_transformer_encoder(std::move(parts), device);
 }
 

@@ -3,19 +3,19 @@
 #include <string>
 #include <string_view>
 
-#include "enfilade/neural/panoramic/lstm_parts.h"
+#include "enfilade/neural/core/lstm_parts.h"
 
 namespace enfilade::neural::panoramic {
 namespace {
 
-void add_linear(std::vector<detail::ArraySpec>& specs, const std::string& name, std::int64_t output,
+void add_linear(std::vector<core::ArraySpec>& specs, const std::string& name, std::int64_t output,
                 std::int64_t input) {
   specs.push_back({name + ".weight", {output, input}});
   specs.push_back({name + ".bias", {output}});
 }
 
 // Attention of `hidden` to vectors of `context` numbers; it has no bias.
-void add_attention(std::vector<detail::ArraySpec>& specs, const std::string& name,
+void add_attention(std::vector<core::ArraySpec>& specs, const std::string& name,
                    std::int64_t hidden, std::int64_t context) {
   specs.push_back({name + ".linear_in.weight", {context, hidden}});
   specs.push_back({name + ".linear_out.weight", {hidden, hidden + context}});
@@ -25,17 +25,17 @@ std::int64_t as_int(std::size_t size) { return static_cast<std::int64_t>(size); 
 
 }  // namespace
 
-std::vector<detail::ArraySpec> array_specs(const PanoramicConfig& config) {
+std::vector<core::ArraySpec> array_specs(const PanoramicConfig& config) {
   const std::int64_t hidden = as_int(config.hidden), words = as_int(config.word_embedding);
   const std::int64_t action = as_int(config.action_embedding), feature = as_int(config.feature());
   const std::int64_t direction = config.bidirectional ? hidden / 2 : hidden;
-  std::vector<detail::ArraySpec> specs{
+  std::vector<core::ArraySpec> specs{
       {"encoder.embedding.weight", {as_int(config.vocabulary), words}}};
-  add_lstm(specs, "encoder.lstm.", "_l0", words, direction);
-  if (config.bidirectional) add_lstm(specs, "encoder.lstm.", "_l0_reverse", words, direction);
+  core::add_lstm(specs, "encoder.lstm.", "_l0", words, direction);
+  if (config.bidirectional) core::add_lstm(specs, "encoder.lstm.", "_l0_reverse", words, direction);
   add_linear(specs, "encoder.encoder2decoder", hidden, hidden);
   add_linear(specs, "decoder.embedding.0", action, as_int(config.angle));
-  add_lstm(specs, "decoder.lstm.", "", action + feature, hidden);
+  core::add_lstm(specs, "decoder.lstm.", "", action + feature, hidden);
   add_attention(specs, "decoder.feat_att_layer", hidden, feature);
   add_attention(specs, "decoder.attention_layer", hidden, hidden);
   add_attention(specs, "decoder.candidate_att_layer", hidden, feature);
@@ -47,7 +47,7 @@ std::vector<detail::ArraySpec> array_specs(const PanoramicConfig& config) {
 PanoramicConfig config_of(const features::TensorFile& file, const PanoramicConfig& defaults) {
   PanoramicConfig config = defaults;
   constexpr std::string_view kViews = "decoder.feat_att_layer.linear_in.weight";
-  MatrixSides sides(file, "EnvDrop's listener");
+  core::MatrixSides sides(file, "EnvDrop's listener");
   config.vocabulary = sides.side("encoder.embedding.weight", 0);
   config.word_embedding = sides.side("encoder.embedding.weight", 1);
   config.action_embedding = sides.side("decoder.embedding.0.weight", 0);

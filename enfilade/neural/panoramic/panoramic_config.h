@@ -4,7 +4,7 @@
 
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/models/panoramic_config.h"
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/weights.h"
 
 namespace enfilade::neural::panoramic {
 
@@ -12,7 +12,7 @@ using models::PanoramicConfig;
 using models::Subout;
 
 /// The arrays of encoder, decoder and critic, by the names of the published code.
-std::vector<detail::ArraySpec> array_specs(const PanoramicConfig& config);
+std::vector<core::ArraySpec> array_specs(const PanoramicConfig& config);
 
 /// The sizes that a file of weights has, from the shapes of its arrays; dropout and
 /// `subout` are those of `defaults`, as no shape tells them.

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/detail/batches.h"
-#include "enfilade/neural/detail/split_learner.h"
+#include "enfilade/neural/core/batches.h"
+#include "enfilade/neural/core/split_learner.h"
 #include "enfilade/neural/panoramic/panoramic_split.h"
 
 namespace enfilade::neural::panoramic {
@@ -22,7 +22,7 @@ using models::SampledLoss;
 // Streams of random numbers of one part of a batch, so that no two draw the same.
 enum Draws : std::uint64_t { kTeacherDropout, kOwnDropout, kOwnChoices, kStreams };
 
-class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, PanoramicSplit> {
+class PanoramicLearner : public core::SplitLearner<PanoramicNetwork, PanoramicSplit> {
  public:
   PanoramicLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
                    c10::Device device)
@@ -30,21 +30,22 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
                      PanoramicNetwork(panoramic_sizes(config), config.seed, device),
                      {"encoder.", "decoder."}) {}
 
-  detail::Update update(std::uint64_t iteration) override {
+  core::Update update(std::uint64_t iteration) override {
     double data_seconds = 0;
-    const double loss = learn(
-        iteration, [&](const detail::BatchPart& part) { return loss_of(part, data_seconds); });
+    const double loss =
+        learn(iteration, [&](const core::BatchPart& part) { return loss_of(part, data_seconds); });
     return {loss, data_seconds};
   }
 
-  detail::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
-                             const models::ModelFiles& files) override {
-    return detail::Walked{validation_loss(split),
-                          walk_and_write(network(), validation(split), walk_of(split, files))};
+  core::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
+                           const models::ModelFiles& files) override {
+    return core::ValidationRollout{
+        validation_loss(split),
+        rollout_and_write(network(), validation(split), rollout_of(split, files))};
   }
 
  private:
-  at::Tensor loss_of(const detail::BatchPart& part, double& data_seconds) {
+  at::Tensor loss_of(const core::BatchPart& part, double& data_seconds) {
     at::Tensor loss;
     const auto add = [&](PanoramicRolloutOptions options, Draws dropout, double weight) {
       options.resident = training().resident(network().device());
@@ -78,7 +79,7 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
     PanoramicRolloutOptions options = behind_teacher();
     options.resident = prepared.resident(network().device());
     const std::size_t total = prepared.episodes().episodes.size();
-    const double sum = detail::sum_of_batches(
+    const double sum = core::sum_of_batches(
         ranks(), total, config().batch_size, [&](std::span<const std::size_t> episodes) {
           PanoramicSplit::Batch walks = prepared.begin(episodes);
           return roll_out(network(), walks.words, walks.walks, prepared.images(), options)
@@ -110,9 +111,9 @@ class PanoramicLearner : public detail::SplitLearner<PanoramicNetwork, Panoramic
 
 }  // namespace
 
-std::unique_ptr<detail::Learner> make_panoramic_learner(const models::TrainConfig& config,
-                                                        const tasks::Vocabulary& vocabulary,
-                                                        c10::Device device) {
+std::unique_ptr<core::Learner> make_panoramic_learner(const models::TrainConfig& config,
+                                                      const tasks::Vocabulary& vocabulary,
+                                                      c10::Device device) {
   return std::make_unique<PanoramicLearner>(config, vocabulary, device);
 }
 

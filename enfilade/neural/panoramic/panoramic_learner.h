@@ -3,7 +3,7 @@
 #include <c10/core/Device.h>
 #include <memory>
 
-#include "enfilade/neural/detail/learner.h"
+#include "enfilade/neural/core/learner.h"
 
 namespace enfilade::neural::panoramic {
 
@@ -11,8 +11,8 @@ namespace enfilade::neural::panoramic {
 /// episodes: as TrainConfig::feedback, teacher_weight and sampled_loss say. EnvDrop's is an own
 /// walk with rewards and a fifth of the teacher's loss. \param config outlives it \throws as
 /// PanoramicNetwork
-std::unique_ptr<detail::Learner> make_panoramic_learner(const models::TrainConfig& config,
-                                                        const tasks::Vocabulary& vocabulary,
-                                                        c10::Device device);
+std::unique_ptr<core::Learner> make_panoramic_learner(const models::TrainConfig& config,
+                                                      const tasks::Vocabulary& vocabulary,
+                                                      c10::Device device);
 
 }  // namespace enfilade::neural::panoramic

@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/detail/transformer_ops.h"
-#include "enfilade/neural/panoramic/lstm_parts.h"
+#include "enfilade/neural/core/lstm_parts.h"
+#include "enfilade/neural/core/transformer_ops.h"
 
 namespace enfilade::neural::panoramic {
 namespace {
@@ -21,7 +21,7 @@ bool is_embedding(std::string_view name) { return name == "encoder.embedding.wei
 
 // The bound of the uniform distribution that PyTorch's modules draw from: of LSTMs by their hidden
 // size, of linear layers by their inputs.
-double bound_of(const PanoramicConfig& config, const detail::ArraySpec& spec) {
+double bound_of(const PanoramicConfig& config, const core::ArraySpec& spec) {
   std::int64_t size = static_cast<std::int64_t>(config.hidden);
   if (spec.name.starts_with("encoder.lstm.") && config.bidirectional) size /= 2;
   if (spec.name.find(".lstm.") == std::string::npos) {
@@ -64,24 +64,23 @@ PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, std::uint64_t 
                                    c10::Device device)
     : config_(config), device_(device) {
   validate(config);
-  for (const detail::ArraySpec& spec : array_specs(config)) {
-    weights_.emplace(spec.name,
-                     first_values(spec, is_embedding(spec.name), bound_of(config, spec), seed));
+  for (const core::ArraySpec& spec : array_specs(config)) {
+    weights_.emplace(
+        spec.name, core::first_values(spec, is_embedding(spec.name), bound_of(config, spec), seed));
   }
-  detail::make_trainable(weights_, device);
+  core::make_trainable(weights_, device);
 }
 
 PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, const features::TensorFile& file,
                                    c10::Device device)
     : config_(config), device_(device) {
   validate(config);
-  weights_ =
-      detail::read_weights(file, array_specs(config), [](std::string_view) { return false; });
-  detail::make_trainable(weights_, device);
+  weights_ = core::read_weights(file, array_specs(config), [](std::string_view) { return false; });
+  core::make_trainable(weights_, device);
 }
 
 const at::Tensor& PanoramicNetwork::weight(std::string_view name) const {
-  return weight_of(weights_, name);
+  return core::weight_of(weights_, name);
 }
 
 void PanoramicNetwork::set_dropout(std::optional<std::uint64_t> seed) {
@@ -95,11 +94,11 @@ at::Tensor PanoramicNetwork::drop(const at::Tensor& x, double rate) {
 
 at::Tensor PanoramicNetwork::drop_images(const at::Tensor& features, FeaturesDropped dropped) {
   if (!dropout_ || dropped == FeaturesDropped::kBefore) return features;
-  return drop_pictures(features, config_.image, config_.feature_dropout, *dropout_);
+  return core::drop_pictures(features, config_.image, config_.feature_dropout, *dropout_);
 }
 
 at::Tensor PanoramicNetwork::linear(const at::Tensor& x, const std::string& name) const {
-  return detail::linear(x, weight(name + ".weight"), weight(name + ".bias"));
+  return core::linear(x, weight(name + ".weight"), weight(name + ".bias"));
 }
 
 Encoding PanoramicNetwork::encode(const WordBatch& words) {
@@ -109,7 +108,7 @@ Encoding PanoramicNetwork::encode(const WordBatch& words) {
   const at::Tensor embedded = drop(
       at::embedding(weight("encoder.embedding.weight"), words.ids.to(device_), 0), config_.dropout);
   const auto [context, hidden, cells] =
-      read_rows(weights_, "encoder.lstm", config_.bidirectional, embedded, lengths);
+      core::read_rows(weights_, "encoder.lstm", config_.bidirectional, embedded, lengths);
   const auto joined = [&](const at::Tensor& state) {
     return config_.bidirectional ? at::cat({state[1], state[0]}, 1) : state[0];
   };
@@ -124,7 +123,7 @@ Encoding PanoramicNetwork::encode(const WordBatch& words) {
   encoding.start = at::tanh(linear(from, "encoder.encoder2decoder"));
   encoding.cell = joined(cells);
   encoding.context = drop(context, config_.dropout);
-  encoding.words = detail::Memory(encoding.context, ends);
+  encoding.words = core::Memory(encoding.context, ends);
   return encoding;
 }
 
@@ -134,26 +133,26 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
   const at::Tensor own =
       drop(at::tanh(linear(input.action.to(device_), "decoder.embedding.0")), config_.dropout);
   const at::Tensor views = drop_images(input.views.to(device_), input.dropped);
-  const at::Tensor query = detail::linear(drop(state.tilde, config_.dropout),
-                                          weight("decoder.feat_att_layer.linear_in.weight"));
-  const detail::Memory panorama(
+  const at::Tensor query = core::linear(drop(state.tilde, config_.dropout),
+                                        weight("decoder.feat_att_layer.linear_in.weight"));
+  const core::Memory panorama(
       views, at::full({views.size(0)}, views.size(1), views.options().dtype(at::kLong)));
   std::tie(out.attended_view, out.view_attention) = panorama.attend(query);
   // The hidden state of the LSTM is the one after attention: the published code never uses the
   // other.
   std::tie(out.hidden, out.next.cell) =
-      detail::lstm_step(at::cat({own, out.attended_view}, 1), state.tilde, state.cell,
-                        {weight("decoder.lstm.weight_ih"), weight("decoder.lstm.weight_hh"),
-                         weight("decoder.lstm.bias_ih"), weight("decoder.lstm.bias_hh")});
+      core::lstm_step(at::cat({own, out.attended_view}, 1), state.tilde, state.cell,
+                      {weight("decoder.lstm.weight_ih"), weight("decoder.lstm.weight_hh"),
+                       weight("decoder.lstm.bias_ih"), weight("decoder.lstm.bias_hh")});
   const at::Tensor dropped = drop(out.hidden, config_.dropout);
   const at::Tensor asked =
-      detail::linear(dropped, weight("decoder.attention_layer.linear_in.weight"));
+      core::linear(dropped, weight("decoder.attention_layer.linear_in.weight"));
   const auto [read, shares] = encoding.words.attend(asked);
   out.word_attention = shares;
-  out.next.tilde = at::tanh(detail::linear(at::cat({read, dropped}, 1),
-                                           weight("decoder.attention_layer.linear_out.weight")));
-  const at::Tensor choice = detail::linear(drop(out.next.tilde, config_.dropout),
-                                           weight("decoder.candidate_att_layer.linear_in.weight"));
+  out.next.tilde = at::tanh(core::linear(at::cat({read, dropped}, 1),
+                                         weight("decoder.attention_layer.linear_out.weight")));
+  const at::Tensor choice = core::linear(drop(out.next.tilde, config_.dropout),
+                                         weight("decoder.candidate_att_layer.linear_in.weight"));
   out.logits = scores(drop_images(input.candidates.to(device_), input.dropped), choice)
                    .masked_fill(input.closed.to(device_), kNone);
   return out;

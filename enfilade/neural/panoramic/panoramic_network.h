@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/detail/dropout.h"
-#include "enfilade/neural/detail/recurrent_ops.h"
-#include "enfilade/neural/detail/weights.h"
+#include "enfilade/neural/core/dropout.h"
+#include "enfilade/neural/core/recurrent_ops.h"
+#include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/panoramic/panoramic_config.h"
 
 namespace enfilade::neural::panoramic {
@@ -22,11 +22,11 @@ struct WordBatch {
 
 /// What the encoder makes of them.
 struct Encoding {
-  at::Tensor context;    ///< (n, longest, hidden): forward, then backward; zeros at padding
-  at::Tensor mask;       ///< (n, longest) bool: true at padding
-  detail::Memory words;  ///< the context, to attend to
-  at::Tensor start;      ///< (n, hidden) the decoder's first state
-  at::Tensor cell;       ///< (n, hidden) its first cell state: backward, then forward
+  at::Tensor context;  ///< (n, longest, hidden): forward, then backward; zeros at padding
+  at::Tensor mask;     ///< (n, longest) bool: true at padding
+  core::Memory words;  ///< the context, to attend to
+  at::Tensor start;    ///< (n, hidden) the decoder's first state
+  at::Tensor cell;     ///< (n, hidden) its first cell state: backward, then forward
 };
 
 /// Who has taken away a part of the pictures' numbers.
@@ -80,7 +80,7 @@ class PanoramicNetwork {
 
   const PanoramicConfig& config() const noexcept { return config_; }
   /// By the published names. Handles to the network's own memory.
-  const detail::Weights& weights() const noexcept { return weights_; }
+  const core::Weights& weights() const noexcept { return weights_; }
   c10::Device device() const noexcept { return device_; }
   /// \throws LookupError for an unknown name
   const at::Tensor& weight(std::string_view name) const;
@@ -101,9 +101,9 @@ class PanoramicNetwork {
   at::Tensor linear(const at::Tensor& x, const std::string& name) const;
 
   PanoramicConfig config_;
-  detail::Weights weights_;
+  core::Weights weights_;
   c10::Device device_;
-  std::optional<detail::Dropout> dropout_;
+  std::optional<core::Dropout> dropout_;
 };
 
 }  // namespace enfilade::neural::panoramic

@@ -175,7 +175,7 @@ TEST(PanoramicNetwork, FilesTellTheirSizesOrWhatIsWrong) {
   const tests::TemporaryFolder folder("panoramic");
   const auto file = folder.path() / "weights.safetensors";
   const PanoramicNetwork network(small(Subout::kMax, false), 4);
-  auto arrays = detail::as_arrays(network.weights());
+  auto arrays = core::as_arrays(network.weights());
   features::write_safetensors(file, arrays);
   const auto read = features::TensorFile::open(file);
   PanoramicConfig config = config_of(read, {});

@@ -29,7 +29,7 @@ struct Kept {
 
 class Rollout {
  public:
-  Rollout(PanoramicNetwork& network, std::span<PanoramicWalk> walks, const ImageSource& images,
+  Rollout(PanoramicNetwork& network, std::span<PanoramicEpisode> walks, const ImageSource& images,
           const PanoramicRolloutOptions& options)
       : network_(network), walks_(walks), images_(images), options_(options) {
     for (std::size_t i = 0; i < walks.size(); ++i) {
@@ -83,12 +83,12 @@ class Rollout {
   }
 
   bool going() const {
-    return std::ranges::any_of(walks_, [](const PanoramicWalk& walk) { return !walk.ended(); });
+    return std::ranges::any_of(walks_, [](const PanoramicEpisode& walk) { return !walk.ended(); });
   }
 
   at::Tensor active() const {
     std::vector<double> active;
-    for (const PanoramicWalk& walk : walks_) active.push_back(walk.ended() ? 0 : 1);
+    for (const PanoramicEpisode& walk : walks_) active.push_back(walk.ended() ? 0 : 1);
     return row_tensor(active);
   }
 
@@ -152,7 +152,7 @@ class Rollout {
     std::vector<double> rewards(walks_.size(), 0);
     std::vector<std::uint8_t> acted(walks_.size(), 0);
     for (std::size_t i = 0; i < walks_.size(); ++i) {
-      PanoramicWalk& walk = walks_[i];
+      PanoramicEpisode& walk = walks_[i];
       if (walk.ended()) continue;
       acted[i] = 1;
       const float before = options_.reinforce ? static_cast<float>(walk.distance()) : 0;
@@ -213,7 +213,7 @@ class Rollout {
   }
 
   PanoramicNetwork& network_;
-  std::span<PanoramicWalk> walks_;
+  std::span<PanoramicEpisode> walks_;
   const ImageSource& images_;
   const PanoramicRolloutOptions& options_;
   std::vector<Rng> rngs_;
@@ -237,14 +237,14 @@ WordBatch batch_words(std::span<const std::vector<std::int64_t>> sentences) {
 }
 
 RolloutLosses roll_out(PanoramicNetwork& network, const WordBatch& words,
-                       std::span<PanoramicWalk> walks, const ImageSource& images,
+                       std::span<PanoramicEpisode> walks, const ImageSource& images,
                        const PanoramicRolloutOptions& options, const PanoramicObserver& observer) {
   if (words.lengths.size() != walks.size()) {
     throw ArgumentError(
         fmt::format("words: {} sentences for {} walks", words.lengths.size(), walks.size()));
   }
   const bool goals = options.imitate || options.reinforce || options.feedback == Feedback::kTeacher;
-  if (goals && !std::ranges::all_of(walks, &PanoramicWalk::has_goal)) {
+  if (goals && !std::ranges::all_of(walks, &PanoramicEpisode::has_goal)) {
     throw ArgumentError("walks: one has no goal, which a teacher or a reward needs");
   }
   return Rollout(network, walks, images, options).run(words, observer);

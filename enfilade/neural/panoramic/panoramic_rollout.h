@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "enfilade/models/train_config.h"
+#include "enfilade/neural/panoramic/panoramic_episode.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
-#include "enfilade/neural/panoramic/panoramic_walk.h"
 
 namespace enfilade::neural::panoramic {
 
@@ -37,7 +37,7 @@ struct PanoramicRolloutOptions {
   FeaturesDropped dropped = FeaturesDropped::kByNetwork;
   /// The pictures in place of `images`, on the network's device; null: `images`, sent there at each
   /// step.
-  detail::ResidentViews* resident = nullptr;
+  core::ResidentViews* resident = nullptr;
 };
 
 /// One step, for an observer; valid during the call, before anybody moves.
@@ -45,7 +45,7 @@ struct PanoramicStep {
   std::size_t step = 0;
   const StepInput& input;
   const StepOutput& output;
-  std::span<const PanoramicWalk> walks;
+  std::span<const PanoramicEpisode> walks;
   std::span<const std::size_t> choices;  ///< (n); of ended walks meaningless
 };
 /// Called at each step of a rollout.
@@ -68,7 +68,7 @@ struct RolloutLosses {
 /// \pre rows of `words` and `walks` belong together
 /// \throws ArgumentError for other sizes, or a teacher or reward without goals
 RolloutLosses roll_out(PanoramicNetwork& network, const WordBatch& words,
-                       std::span<PanoramicWalk> walks, const ImageSource& images,
+                       std::span<PanoramicEpisode> walks, const ImageSource& images,
                        const PanoramicRolloutOptions& options,
                        const PanoramicObserver& observer = {});
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/detail/optimizer.h"
+#include "enfilade/neural/core/optimizer.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::neural::panoramic {
@@ -41,7 +41,7 @@ class PanoramicRolloutTest : public ::testing::Test {
     graphs.emplace_back(graph::testing::connectivity("made", points, edges));
     return graph::GraphSet::of(std::move(graphs));
   }
-  PanoramicWalk walk(std::size_t from, std::optional<std::size_t> to, double heading = 0) {
+  PanoramicEpisode walk(std::size_t from, std::optional<std::size_t> to, double heading = 0) {
     std::optional<ViewpointIndex> goal;
     if (to) goal = ViewpointIndex(*to);
     return {panoramas_, *graphs_, {{ScanIndex(0), ViewpointIndex(from)}, Radians(heading), goal}};
@@ -58,7 +58,7 @@ class PanoramicRolloutTest : public ::testing::Test {
 };
 
 TEST_F(PanoramicRolloutTest, TurnsRightOnlyAndKeepsItsView) {
-  PanoramicWalk walks = walk(0, 4, kPi / 6);
+  PanoramicEpisode walks = walk(0, 4, kPi / 6);
   ASSERT_EQ(walks.stop(), 2U);
   EXPECT_EQ(walks.teacher(), walks.candidates()[0].viewpoint == ViewpointIndex(1) ? 0U : 1U);
   walks.choose(walks.teacher());
@@ -73,7 +73,7 @@ TEST_F(PanoramicRolloutTest, TurnsRightOnlyAndKeepsItsView) {
 }
 
 TEST_F(PanoramicRolloutTest, LookSeesHeadingsFromTheAgentsView) {
-  const std::vector<PanoramicWalk> walks{walk(0, 4, kPi / 2), walk(2, 4)};
+  const std::vector<PanoramicEpisode> walks{walk(0, 4, kPi / 2), walk(2, 4)};
   const StepInput input = look(walks, small(), pictures);
   EXPECT_NEAR(input.action[0][0].item<double>(), 1, 1e-6);
   EXPECT_NEAR(input.action[0][1].item<double>(), 0, 1e-6);
@@ -89,13 +89,13 @@ TEST_F(PanoramicRolloutTest, LookSeesHeadingsFromTheAgentsView) {
 
 // Made by lookups on the pictures' device, as cards do it.
 TEST_F(PanoramicRolloutTest, LookOfResidentPicturesIsTheSame) {
-  const std::vector<PanoramicWalk> walks{walk(0, 4, kPi / 2), walk(2, 4), walk(5, 3, 1),
-                                         walk(0, 1)};
+  const std::vector<PanoramicEpisode> walks{walk(0, 4, kPi / 2), walk(2, 4), walk(5, 3, 1),
+                                            walk(0, 1)};
   const auto columns = static_cast<std::int64_t>(small().image);
   std::size_t sent = 0;
-  detail::ResidentViews resident(columns, at::kCPU, [&](graph::Location at, std::span<float> out) {
+  core::ResidentViews resident(columns, at::kCPU, [&](graph::Location at, std::span<float> out) {
     ++sent;
-    for (std::uint32_t view = 0; view < detail::ResidentViews::kViews; ++view) {
+    for (std::uint32_t view = 0; view < core::ResidentViews::kViews; ++view) {
       pictures(at, view, out.subspan(view * small().image, small().image));
     }
   });
@@ -111,7 +111,7 @@ TEST_F(PanoramicRolloutTest, LookOfResidentPicturesIsTheSame) {
 
 TEST(ResidentViewsTest, KeepsWhatItHasWhenItGrows) {
   constexpr std::size_t kPlaces = 200;  // more than the first table has rows for
-  detail::ResidentViews resident(2, at::kCPU, [](graph::Location at, std::span<float> out) {
+  core::ResidentViews resident(2, at::kCPU, [](graph::Location at, std::span<float> out) {
     for (std::size_t i = 0; i < out.size(); ++i) {
       out[i] = static_cast<float>(1000 * at.viewpoint.at() + i);
     }
@@ -121,7 +121,7 @@ TEST(ResidentViewsTest, KeepsWhatItHasWhenItGrows) {
     rows.push_back(resident.first_row({ScanIndex(0), ViewpointIndex(place)}) + 35);
     if (place % 30 == 0) (void)resident.gather({rows.back()});
   }
-  rows.push_back(detail::ResidentViews::kNothing);
+  rows.push_back(core::ResidentViews::kNothing);
   const at::Tensor found = resident.gather(rows);
   for (std::size_t place = 0; place < kPlaces; ++place) {
     const auto row = static_cast<std::int64_t>(place);
@@ -132,7 +132,7 @@ TEST(ResidentViewsTest, KeepsWhatItHasWhenItGrows) {
 
 TEST_F(PanoramicRolloutTest, TeacherLeadsToTheGoalAndStops) {
   PanoramicNetwork network(small(), 1);
-  std::vector<PanoramicWalk> walks{walk(5, 3), walk(1, 1)};
+  std::vector<PanoramicEpisode> walks{walk(5, 3), walk(1, 1)};
   PanoramicRolloutOptions options;
   options.feedback = models::Feedback::kTeacher;
   options.imitate = true;
@@ -157,7 +157,7 @@ TEST_F(PanoramicRolloutTest, TeacherLeadsToTheGoalAndStops) {
 // Rewards, returns and the loss, by hand, of a walk that is stopped by the limit.
 TEST_F(PanoramicRolloutTest, ReturnsDiscountRewardsAndTheLastValue) {
   PanoramicNetwork network(small(), 1);
-  std::vector<PanoramicWalk> walks{walk(5, 4)};
+  std::vector<PanoramicEpisode> walks{walk(5, 4)};
   PanoramicRolloutOptions options;
   options.feedback = models::Feedback::kTeacher;
   options.reinforce = true;
@@ -186,7 +186,7 @@ TEST_F(PanoramicRolloutTest, ReturnsDiscountRewardsAndTheLastValue) {
 
 TEST_F(PanoramicRolloutTest, AStopIsRewardedWithinThreeMetresOnly) {
   PanoramicNetwork network(small(), 1);
-  std::vector<PanoramicWalk> walks{walk(4, 4), walk(2, 3)};
+  std::vector<PanoramicEpisode> walks{walk(4, 4), walk(2, 3)};
   PanoramicRolloutOptions options;
   options.feedback = models::Feedback::kTeacher;
   options.reinforce = true;
@@ -200,7 +200,7 @@ TEST_F(PanoramicRolloutTest, GradientsAreThoseOfFiniteDifferences) {
   PanoramicNetwork network(small(), 7);
   const std::vector<std::vector<std::int64_t>> sentences{{4, 5, 6, 2}, {7, 2}};
   const auto loss = [&] {
-    std::vector<PanoramicWalk> walks{walk(5, 4), walk(1, 0)};
+    std::vector<PanoramicEpisode> walks{walk(5, 4), walk(1, 0)};
     PanoramicRolloutOptions options;
     options.feedback = models::Feedback::kTeacher;
     options.imitate = true;
@@ -230,7 +230,7 @@ TEST_F(PanoramicRolloutTest, DrawsFollowTheSeed) {
   const c10::NoGradGuard guard;
   const std::vector<std::vector<std::int64_t>> sentences{{4, 2}};
   const auto walked = [&](std::uint64_t seed) {
-    std::vector<PanoramicWalk> walks{walk(2, 4)};
+    std::vector<PanoramicEpisode> walks{walk(2, 4)};
     PanoramicRolloutOptions options;
     options.feedback = models::Feedback::kSample;
     options.seed = seed;
@@ -251,11 +251,11 @@ TEST_F(PanoramicRolloutTest, ALearnerLearnsToStop) {
   PanoramicNetwork network(small(), 1);
   models::TrainConfig fast = recipe(models::AgentKind::kPanoramic);
   fast.adam.learning_rate = 1e-2;
-  detail::Optimizer optimizer(detail::optimizer_of(fast, {"encoder.", "decoder."}));
+  core::Optimizer optimizer(core::optimizer_of(fast, {"encoder.", "decoder."}));
   const std::vector<std::vector<std::int64_t>> sentences{{4, 5, 2}, {7, 2}};
   double first = 0, last = 0;
   for (int i = 0; i < 40; ++i) {
-    std::vector<PanoramicWalk> walks{walk(5, 4), walk(3, 0)};
+    std::vector<PanoramicEpisode> walks{walk(5, 4), walk(3, 0)};
     PanoramicRolloutOptions options;
     options.feedback = models::Feedback::kTeacher;
     options.imitate = true;
@@ -275,11 +275,11 @@ TEST_F(PanoramicRolloutTest, ALearnerLearnsToStop) {
 TEST_F(PanoramicRolloutTest, MissingGoalsAndOtherSizesAreTheCallersMistake) {
   PanoramicNetwork network(small(), 1);
   const std::vector<std::vector<std::int64_t>> sentences{{4, 2}};
-  std::vector<PanoramicWalk> hidden{walk(0, std::nullopt)};
+  std::vector<PanoramicEpisode> hidden{walk(0, std::nullopt)};
   PanoramicRolloutOptions options;
   options.imitate = true;
   EXPECT_THROW(roll_out(network, batch_words(sentences), hidden, pictures, options), ArgumentError);
-  std::vector<PanoramicWalk> two{walk(0, 1), walk(0, 1)};
+  std::vector<PanoramicEpisode> two{walk(0, 1), walk(0, 1)};
   EXPECT_THROW(roll_out(network, batch_words(sentences), two, pictures, {}), ArgumentError);
 }
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "enfilade/neural/detail/split_walk.h"
+#include "enfilade/neural/core/split_rollout.h"
 #include "enfilade/neural/panoramic/recording.h"
 
 namespace enfilade::neural::panoramic {
@@ -23,13 +23,13 @@ PanoramicSplit::PanoramicSplit(const tasks::EpisodeSet& episodes,
   images_ = pictures_of(features_ ? &*features_ : nullptr);
 }
 
-detail::ResidentViews* PanoramicSplit::resident(c10::Device device) {
+core::ResidentViews* PanoramicSplit::resident(c10::Device device) {
   if (device.is_cpu() || !features_) return nullptr;
   if (!resident_) {
     const std::size_t columns = features_->dimensions();
     resident_.emplace(static_cast<std::int64_t>(columns), device,
                       [this, columns](graph::Location at, std::span<float> out) {
-                        for (std::uint32_t view = 0; view < ViewFeatures::kViews; ++view) {
+                        for (std::uint32_t view = 0; view < core::ViewFeatures::kViews; ++view) {
                           images_(at, view, out.subspan(view * columns, columns));
                         }
                       });
@@ -48,7 +48,7 @@ PanoramicSplit::Batch PanoramicSplit::begin(std::span<const std::size_t> episode
     const std::size_t index = episodes[place];
     sentences.push_back(words_[index]);
     const tasks::ReferencePath& path = episodes_.path_of(episodes_.episodes[index]);
-    WalkStart start{{path.scan, path.viewpoints.front()}, path.heading, std::nullopt};
+    EpisodeStart start{{path.scan, path.viewpoints.front()}, path.heading, std::nullopt};
     if (!goal_hidden(path)) start.goal = path.viewpoints.back();
     batch.walks.emplace_back(panoramas_, *episodes_.graphs, start);
   }
@@ -56,9 +56,9 @@ PanoramicSplit::Batch PanoramicSplit::begin(std::span<const std::size_t> episode
   return batch;
 }
 
-std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, PanoramicSplit& split,
-                                             std::span<const std::size_t> episodes,
-                                             const BatchObserver& observer) {
+std::vector<tasks::Trajectory> rollout_episodes(PanoramicNetwork& network, PanoramicSplit& split,
+                                                std::span<const std::size_t> episodes,
+                                                const BatchObserver& observer) {
   const c10::NoGradGuard no_gradients;
   network.set_dropout(std::nullopt);
   PanoramicRolloutOptions options;
@@ -78,9 +78,10 @@ std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, Panorami
   return trajectories;
 }
 
-std::vector<tasks::Trajectory> walk_and_write(PanoramicNetwork& network, PanoramicSplit& split,
-                                              const SplitWalk& options, const Progress& progress) {
-  return detail::walk_and_write<PanoramicRecording>(network, split, options, progress);
+std::vector<tasks::Trajectory> rollout_and_write(PanoramicNetwork& network, PanoramicSplit& split,
+                                                 const SplitRollout& options,
+                                                 const Progress& progress) {
+  return core::rollout_and_write<PanoramicRecording>(network, split, options, progress);
 }
 
 }  // namespace enfilade::neural::panoramic

@@ -12,9 +12,9 @@
 #include "enfilade/features/feature_set.h"
 #include "enfilade/models/instruction_words.h"
 #include "enfilade/models/train_config.h"
+#include "enfilade/neural/core/view_features.h"
 #include "enfilade/neural/panoramic/panoramic_rollout.h"
 #include "enfilade/neural/trained_agent.h"
-#include "enfilade/neural/view_features.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::neural::panoramic {
@@ -34,7 +34,7 @@ class PanoramicSplit {
   struct Batch {
     std::vector<std::size_t> places;  ///< of each row, among the episodes that were given
     WordBatch words;
-    std::vector<PanoramicWalk> walks;
+    std::vector<PanoramicEpisode> walks;
   };
   /// \param episodes indices into EpisodeSet::episodes
   Batch begin(std::span<const std::size_t> episodes);
@@ -43,7 +43,7 @@ class PanoramicSplit {
   const ImageSource& images() const noexcept { return images_; }
   /// Likewise, on a card; null for the CPU, or if the agent does not see. The device is the first
   /// one asked for.
-  detail::ResidentViews* resident(c10::Device device);
+  core::ResidentViews* resident(c10::Device device);
   std::size_t max_actions() const noexcept { return max_actions_; }  ///< choices of an episode
   std::span<const std::int64_t> words(std::size_t episode) const { return words_[episode]; }
   const models::InstructionWords& vocabulary() const noexcept { return vocabulary_; }
@@ -53,9 +53,9 @@ class PanoramicSplit {
   const models::InstructionWords& vocabulary_;
   std::size_t max_actions_;
   std::vector<std::vector<std::int64_t>> words_;  // by episode
-  std::optional<ViewFeatures> features_;
+  std::optional<core::ViewFeatures> features_;
   ImageSource images_;
-  std::optional<detail::ResidentViews> resident_;
+  std::optional<core::ResidentViews> resident_;
   agents::PanoramaCache panoramas_;
 };
 
@@ -65,14 +65,14 @@ using BatchObserver =
 
 /// Walks these episodes, each with the likeliest choices, up to split.max_actions() of them.
 /// \return their trajectories, in their order
-std::vector<tasks::Trajectory> walk_episodes(PanoramicNetwork& network, PanoramicSplit& split,
-                                             std::span<const std::size_t> episodes,
-                                             const BatchObserver& observer = {});
+std::vector<tasks::Trajectory> rollout_episodes(PanoramicNetwork& network, PanoramicSplit& split,
+                                                std::span<const std::size_t> episodes,
+                                                const BatchObserver& observer = {});
 
 /// Walks all episodes of a split, and writes the files that `options` names. \return a trajectory
 /// per episode, in order \throws FileError
-std::vector<tasks::Trajectory> walk_and_write(PanoramicNetwork& network, PanoramicSplit& split,
-                                              const SplitWalk& options,
-                                              const Progress& progress = {});
+std::vector<tasks::Trajectory> rollout_and_write(PanoramicNetwork& network, PanoramicSplit& split,
+                                                 const SplitRollout& options,
+                                                 const Progress& progress = {});
 
 }  // namespace enfilade::neural::panoramic

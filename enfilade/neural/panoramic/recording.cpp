@@ -38,7 +38,7 @@ BatchObserver PanoramicRecording::observer(std::span<const std::size_t> episodes
 
 void PanoramicRecording::add(const PanoramicStep& step, std::size_t row, std::size_t episode,
                              std::size_t words) {
-  const PanoramicWalk& walk = step.walks[row];
+  const PanoramicEpisode& walk = step.walks[row];
   const std::size_t stop = walk.stop();
   const auto shares = models::probabilities(first_of_row(step.output.logits, row, stop + 1));
   models::RecordedStep recorded{walk.location().viewpoint, walk.heading(), walk.elevation()};

@@ -8,7 +8,7 @@
 
 namespace enfilade::neural::panoramic {
 
-/// Records the steps of walk_episodes(). One thread at a time.
+/// Records the steps of rollout_episodes(). One thread at a time.
 class PanoramicRecording {
  public:
   /// Of all episodes of a split.

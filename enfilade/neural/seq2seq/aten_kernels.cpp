@@ -137,6 +137,15 @@ class AtenKernels final : public Kernels {
 
 }  // namespace
 
+void multiply(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out) {
+  at::Tensor target = out;
+  at::mm_out(target, a, b);
+}
+
+void multiply_add(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out) {
+  out.addmm_(a, b);
+}
+
 std::unique_ptr<Kernels> make_aten_kernels() { return std::make_unique<AtenKernels>(); }
 
 }  // namespace enfilade::neural::seq2seq

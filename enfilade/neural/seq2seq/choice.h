@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/seq2seq/network.h"
 
 namespace enfilade::neural::seq2seq {
 

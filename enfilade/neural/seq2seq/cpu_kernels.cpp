@@ -3,19 +3,20 @@
 #include <cmath>
 
 #include "enfilade/core/threads.h"
-#include "enfilade/neural/detail/simd_kernels.h"
+#include "enfilade/neural/core/simd_kernels.h"
+#include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/seq2seq/kernels.h"
 
 namespace enfilade::neural::seq2seq {
 namespace {
 
-using detail::AdamStep;
-using detail::LstmBackward;
-using detail::LstmForward;
-using detail::LstmRows;
-using detail::Rows;
-using detail::simd_kernels;
-using detail::SimdKernels;
+using core::AdamStep;
+using core::LstmBackward;
+using core::LstmForward;
+using core::LstmRows;
+using core::Rows;
+using core::simd_kernels;
+using core::SimdKernels;
 
 // Work on fewer numbers is done before another thread has started.
 constexpr std::size_t kWorthAThread = 262144;
@@ -32,7 +33,7 @@ Rows rows_of(const at::Tensor& x) {
 // body(begin, end) over rows of `width` numbers each, a part a thread.
 template <class Body>
 void for_rows(std::size_t rows, std::size_t width, const Body& body) {
-  const int chosen = rows * width < kWorthAThread ? 1 : kernel_threads();
+  const int chosen = rows * width < kWorthAThread ? 1 : core::kernel_threads();
   const int threads = threads_or_all(chosen);
   const auto parts = static_cast<std::size_t>(threads);
   parallel_for(rows, (rows + parts - 1) / parts, threads, body);

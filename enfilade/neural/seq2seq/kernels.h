@@ -7,13 +7,13 @@
 #include <memory>
 #include <span>
 
-#include "enfilade/neural/network.h"
 #include "enfilade/neural/seq2seq/dropout.h"
+#include "enfilade/neural/seq2seq/network.h"
 
 namespace enfilade::neural::seq2seq {
 
 /// out = a b, all two-dimensional with one contiguous dimension; nothing is copied. All products of
-/// the network are made here; products.h logs them.
+/// the network are made here.
 void multiply(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out);
 /// out += a b
 void multiply_add(const at::Tensor& a, const at::Tensor& b, const at::Tensor& out);
@@ -87,8 +87,5 @@ class Kernels {
 std::unique_ptr<Kernels> make_cpu_kernels();
 /// For any type and device.
 std::unique_ptr<Kernels> make_aten_kernels();
-
-/// The number given to set_threads().
-int kernel_threads() noexcept;
 
 }  // namespace enfilade::neural::seq2seq

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/neural/network.h"
 #include "enfilade/neural/seq2seq/dropout.h"
+#include "enfilade/neural/seq2seq/network.h"
 #include "tests/support/scripted_environment.h"
 #include "tests/support/temporary_folder.h"
 
@@ -200,8 +200,8 @@ TEST_P(Numerics, AgreeWithPyTorchsOwnModules) {
 
 INSTANTIATE_TEST_SUITE_P(, Numerics,
                          ::testing::Values(std::pair(models::Feedback::kTeacher, false),
-                                         std::pair(models::Feedback::kTeacher, true),
-                                         std::pair(models::Feedback::kSample, true)));
+                                           std::pair(models::Feedback::kTeacher, true),
+                                           std::pair(models::Feedback::kSample, true)));
 
 }  // namespace EN_UNIT
 }  // namespace enfilade::neural::seq2seq

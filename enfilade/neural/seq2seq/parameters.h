@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "enfilade/neural/network.h"
+#include "enfilade/neural/seq2seq/network.h"
 
 namespace enfilade::neural::seq2seq {
 

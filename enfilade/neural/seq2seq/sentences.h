@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "enfilade/neural/network.h"
 #include "enfilade/neural/seq2seq/dropout.h"
+#include "enfilade/neural/seq2seq/network.h"
 
 namespace enfilade::neural::seq2seq {
 

@@ -26,18 +26,18 @@ Seq2Seq::Seq2Seq(const models::NetworkConfig& config, const at::TensorOptions& o
       encoder_(parameters_, *kernels_),
       decoder_(config_, parameters_, *kernels_) {}
 
-Choices Seq2Seq::Walk::choices(std::size_t step) {
+Choices Seq2Seq::RolloutMemory::choices(std::size_t step) {
   return {logits, std::span(forward_open).subspan(step * n, n),
           labelled ? std::span<const std::int32_t>(labels).subspan(step * n, n)
                    : std::span<const std::int32_t>()};
 }
 
-std::span<double> Seq2Seq::Walk::gradient_of(std::size_t step) {
+std::span<double> Seq2Seq::RolloutMemory::gradient_of(std::size_t step) {
   if (gradient.empty()) return {};
   return std::span(gradient).subspan(step * n * kLogits, n * kLogits);
 }
 
-void Seq2Seq::Walk::read(const at::Tensor& step_logits) {
+void Seq2Seq::RolloutMemory::read(const at::Tensor& step_logits) {
   const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(n), kSixActionCount};
   at::from_blob(logits.data(), shape, at::TensorOptions().dtype(at::kDouble)).copy_(step_logits);
 }
@@ -62,9 +62,9 @@ void Seq2Seq::check(const InstructionBatch& instructions, const Environment& env
   }
 }
 
-void Seq2Seq::begin_walk(const Environment& environment, const RolloutOptions& options,
-                         WithGradients with_gradients) {
-  Walk& w = walk_;
+void Seq2Seq::begin_rollout(const Environment& environment, const RolloutOptions& options,
+                            WithGradients with_gradients) {
+  RolloutMemory& w = memory_;
   w.n = environment.size();
   w.steps = options.max_steps;
   w.labelled = environment.has_teacher();
@@ -92,19 +92,19 @@ RolloutResult Seq2Seq::rollout(const InstructionBatch& instructions, Environment
   // The teacher's actions do not depend on the network: all steps can be walked beforehand.
   const bool taught = options.feedback == models::Feedback::kTeacher && !observer;
   const Dropout dropout{options.seed, options.stream, options.dropout ? config_.dropout : 0};
-  begin_walk(environment, options, with_gradients);
+  begin_rollout(environment, options, with_gradients);
   decoder_.begin(static_cast<std::int64_t>(instructions.size),
                  static_cast<std::int64_t>(options.max_steps), gradients || taught, dropout);
   const Context context =
       encoder_.forward(sentences, dropout, decoder_.start(), decoder_.start_cells());
-  const RolloutResult result = taught ? walk_as_taught(context, environment, options)
-                                      : walk(context, environment, options, observer);
+  const RolloutResult result = taught ? rollout_as_taught(context, environment, options)
+                                      : run(context, environment, options, observer);
   if (gradients) backward(sentences, context, dropout, result.steps, decoder_done);
   return result;
 }
 
 void Seq2Seq::observe(Environment& environment, std::size_t step) {
-  Walk& w = walk_;
+  RolloutMemory& w = memory_;
   const std::span<std::int32_t> labels(w.labels);
   environment.observe({w.features, std::span(w.forward_open).subspan(step * w.n, w.n),
                        w.labelled ? labels.subspan(step * w.n, w.n) : labels});
@@ -113,7 +113,7 @@ void Seq2Seq::observe(Environment& environment, std::size_t step) {
 }
 
 void Seq2Seq::put_inputs(std::size_t step) {
-  Walk& w = walk_;
+  RolloutMemory& w = memory_;
   at::Tensor features;
   if (config_.inputs.vision) {
     const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(w.n),
@@ -128,12 +128,12 @@ void Seq2Seq::advance(const Context& context, std::size_t step) {
   const auto t = static_cast<std::int64_t>(step);
   decoder_.multiply_inputs(t, 1);
   decoder_.recur(t);
-  walk_.read(decoder_.attend(context, t, 1));
+  memory_.read(decoder_.attend(context, t, 1));
 }
 
-RolloutResult Seq2Seq::walk(const Context& context, Environment& environment,
-                            const RolloutOptions& options, const StepObserver& observer) {
-  Walk& w = walk_;
+RolloutResult Seq2Seq::run(const Context& context, Environment& environment,
+                           const RolloutOptions& options, const StepObserver& observer) {
+  RolloutMemory& w = memory_;
   RolloutResult result;
   for (bool more = true; more && result.steps < w.steps; ++result.steps) {
     const std::size_t step = result.steps;
@@ -148,9 +148,9 @@ RolloutResult Seq2Seq::walk(const Context& context, Environment& environment,
   return result;
 }
 
-RolloutResult Seq2Seq::walk_as_taught(const Context& context, Environment& environment,
-                                      const RolloutOptions& options) {
-  Walk& w = walk_;
+RolloutResult Seq2Seq::rollout_as_taught(const Context& context, Environment& environment,
+                                         const RolloutOptions& options) {
+  RolloutMemory& w = memory_;
   RolloutResult result;
   for (bool more = true; more && result.steps < w.steps; ++result.steps) {
     observe(environment, result.steps);
@@ -172,7 +172,7 @@ RolloutResult Seq2Seq::walk_as_taught(const Context& context, Environment& envir
 
 void Seq2Seq::begin(const InstructionBatch& instructions, std::size_t max_steps) {
   begun_.reset();
-  Walk& w = walk_;
+  RolloutMemory& w = memory_;
   w.n = instructions.size;
   w.labelled = false;
   w.inputs.assign(w.n, kStartInput);
@@ -194,7 +194,7 @@ void Seq2Seq::begin(const InstructionBatch& instructions, std::size_t max_steps)
 
 void Seq2Seq::act(std::span<const float> features, std::span<const std::uint8_t> forward_open,
                   std::span<std::int32_t> actions) {
-  Walk& w = walk_;
+  RolloutMemory& w = memory_;
   if (!begun_) throw ArgumentError("act() without begin()");
   if (begun_->steps == begun_->max_steps) {
     throw ArgumentError(fmt::format("act() after the {} steps of begin()", begun_->max_steps));
@@ -218,10 +218,10 @@ void Seq2Seq::act(std::span<const float> features, std::span<const std::uint8_t>
 
 void Seq2Seq::backward(const Sentences& sentences, const Context& context, const Dropout& dropout,
                        std::size_t steps, const std::function<void()>& decoder_done) {
-  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(steps * walk_.n),
+  const std::array<std::int64_t, 2> shape{static_cast<std::int64_t>(steps * memory_.n),
                                           kSixActionCount};
   const at::Tensor gradient =
-      at::from_blob(walk_.gradient.data(), shape, at::TensorOptions().dtype(at::kDouble))
+      at::from_blob(memory_.gradient.data(), shape, at::TensorOptions().dtype(at::kDouble))
           .to(parameters_.flat_weights.options());
   const ActionDecoder::Gradients back = decoder_.backward(context, gradient);
   if (decoder_done) decoder_done();
@@ -232,9 +232,10 @@ void Seq2Seq::tell(const StepObserver& observer, std::size_t step) const {
   const auto host = at::TensorOptions().dtype(at::kFloat).device(at::kCPU);
   const at::Tensor attention =
       decoder_.attention(static_cast<std::int64_t>(step)).to(host).contiguous();
-  const std::vector<float> logits(walk_.logits.begin(), walk_.logits.end());
+  const std::vector<float> logits(memory_.logits.begin(), memory_.logits.end());
   const auto words = static_cast<std::size_t>(attention.size(1));
-  observer({step, {attention.data_ptr<float>(), walk_.n * words}, words, logits, walk_.actions});
+  observer(
+      {step, {attention.data_ptr<float>(), memory_.n * words}, words, logits, memory_.actions});
 }
 
 void Seq2Seq::update(const models::AdamConfig& config) {

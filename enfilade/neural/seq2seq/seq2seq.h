@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "enfilade/neural/network.h"
 #include "enfilade/neural/seq2seq/action_decoder.h"
 #include "enfilade/neural/seq2seq/choice.h"
 #include "enfilade/neural/seq2seq/kernels.h"
+#include "enfilade/neural/seq2seq/network.h"
 #include "enfilade/neural/seq2seq/parameters.h"
 #include "enfilade/neural/seq2seq/sentence_encoder.h"
 #include "enfilade/neural/seq2seq/sentences.h"
@@ -47,7 +47,7 @@ class Seq2Seq {
 
  private:
   /// Host memory of a rollout; labels and forward_open are kept for all steps.
-  struct Walk {
+  struct RolloutMemory {
     std::size_t n = 0, steps = 0;
     bool labelled = false;
     std::vector<std::int32_t> inputs, actions;  ///< (n)
@@ -71,15 +71,15 @@ class Seq2Seq {
 
   void check(const InstructionBatch& instructions, const Environment& environment,
              const RolloutOptions& options, WithGradients with_gradients) const;
-  void begin_walk(const Environment& environment, const RolloutOptions& options,
-                  WithGradients with_gradients);
+  void begin_rollout(const Environment& environment, const RolloutOptions& options,
+                     WithGradients with_gradients);
   void observe(Environment& environment, std::size_t step);
   void put_inputs(std::size_t step);
-  void advance(const Context& context, std::size_t step);  ///< from inputs to walk_.logits
-  RolloutResult walk(const Context& context, Environment& environment,
-                     const RolloutOptions& options, const StepObserver& observer);
-  RolloutResult walk_as_taught(const Context& context, Environment& environment,
-                               const RolloutOptions& options);
+  void advance(const Context& context, std::size_t step);  ///< from inputs to memory_.logits
+  RolloutResult run(const Context& context, Environment& environment, const RolloutOptions& options,
+                    const StepObserver& observer);
+  RolloutResult rollout_as_taught(const Context& context, Environment& environment,
+                                  const RolloutOptions& options);
   void backward(const Sentences& sentences, const Context& context, const Dropout& dropout,
                 std::size_t steps, const std::function<void()>& decoder_done);
   void tell(const StepObserver& observer, std::size_t step) const;
@@ -89,7 +89,7 @@ class Seq2Seq {
   Parameters parameters_;
   SentenceEncoder encoder_;
   ActionDecoder decoder_;
-  Walk walk_;
+  RolloutMemory memory_;
   std::optional<Begun> begun_;
 };
 

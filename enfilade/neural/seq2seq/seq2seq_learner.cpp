@@ -9,16 +9,16 @@
 #include <utility>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/detail/episode_order.h"
-#include "enfilade/neural/detail/gradient_sum.h"
-#include "enfilade/neural/evaluation.h"
+#include "enfilade/neural/core/episode_order.h"
+#include "enfilade/neural/core/gradient_sum.h"
+#include "enfilade/neural/seq2seq/evaluation.h"
 #include "enfilade/neural/seq2seq/seq2seq.h"
 
 namespace enfilade::neural::seq2seq {
 namespace {
 
-using detail::BatchParts;
-using detail::GradientSum;
+using core::BatchParts;
+using core::GradientSum;
 
 using Clock = std::chrono::steady_clock;
 
@@ -54,7 +54,7 @@ class TimedEnvironment : public Environment {
 // Where the decoder's weights begin.
 constexpr auto kDecoder = static_cast<std::size_t>(Weight::kActionEmbedding);
 
-class Seq2SeqLearner : public detail::Learner {
+class Seq2SeqLearner : public core::Learner {
  public:
   Seq2SeqLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
                  const std::string& device)
@@ -62,24 +62,24 @@ class Seq2SeqLearner : public detail::Learner {
 
   void prepare(const TrainingData& data, Ranks& ranks) override {
     ranks_ = &ranks;
+    const GraphData& own = data.graph();
     const std::size_t words = config_.network.max_words;
-    const features::FeatureSet* features =
-        config_.network.inputs.vision ? &*data.features : nullptr;
-    training_.emplace(neural::prepare(data.training, vocabulary_, words, features));
+    const features::FeatureSet* features = config_.network.inputs.vision ? &*own.features : nullptr;
+    training_.emplace(seq2seq::prepare(own.training, vocabulary_, words, features));
     if (config_.evaluate_every > 0) {
-      for (const tasks::EpisodeSet& split : data.validation) {
-        validation_.push_back(neural::prepare(split, vocabulary_, words, features));
+      for (const tasks::EpisodeSet& split : own.validation) {
+        validation_.push_back(seq2seq::prepare(split, vocabulary_, words, features));
       }
     }
-    order_.emplace(data.training.episodes.size(), config_.batch_size, config_.seed);
-    const BatchParts parts = detail::share_parts(config_.parts.value_or(1), ranks);
+    order_.emplace(own.training.episodes.size(), config_.batch_size, config_.seed);
+    const BatchParts parts = core::share_parts(config_.parts.value_or(1), ranks);
     if (parts.parts == 1) return;
     std::vector<std::int64_t> sizes;
     for (const WeightInfo& info : parameters().infos()) sizes.push_back(info.elements);
     sum_.emplace(ranks, parts, std::move(sizes));
   }
 
-  detail::Update update(std::uint64_t iteration) override {
+  core::Update update(std::uint64_t iteration) override {
     spent_ = {};
     const auto batch = order_->batch(iteration);
     const double loss = sum_ ? learn_in_parts(batch, iteration) : roll_out(batch, iteration, {});
@@ -87,16 +87,16 @@ class Seq2SeqLearner : public detail::Learner {
     return {loss / static_cast<double>(config_.max_steps), seconds(spent_)};
   }
 
-  detail::Evaluated evaluate(std::size_t split, std::uint64_t iteration,
-                             const models::ModelFiles& files) override {
+  core::Evaluated evaluate(std::size_t split, std::uint64_t iteration,
+                           const models::ModelFiles& files) override {
     const double loss = validation_loss(split, iteration);
     const PreparedSplit& prepared = validation_.at(split);
     const std::string& name = prepared.episodes.split;
-    GreedyWalk walk = walk_greedily(network_, prepared, walk_options());
+    GreedyRollout walk = rollout_greedily(network_, prepared, batch_options());
     if (ranks_->is_first()) {
-      write_walk(files.results(name), files.attention(name), walk, prepared, vocabulary_);
+      write_rollout(files.results(name), files.attention(name), walk, prepared, vocabulary_);
     }
-    return detail::Walked{loss, std::move(walk.trajectories)};
+    return core::ValidationRollout{loss, std::move(walk.trajectories)};
   }
 
   Network::State weights() const override { return network_.weights(); }
@@ -111,14 +111,14 @@ class Seq2SeqLearner : public detail::Learner {
     const std::string& name = prepared.episodes.split;
     // Other random numbers than training's; streams apart from those of other iterations.
     const std::uint64_t seed = config_.seed ^ stream_of(name.data(), name.size());
-    const LossOptions options{walk_options(),
+    const LossOptions options{batch_options(),
                               {config_.feedback, config_.max_steps, true, seed, iteration << 20U},
                               config_.after_end,
                               config_.forward};
     return compute_loss(network_, prepared, options);
   }
 
-  WalkOptions walk_options() const { return {config_.batch_size, config_.max_steps, ranks_}; }
+  BatchOptions batch_options() const { return {config_.batch_size, config_.max_steps, ranks_}; }
 
   const Parameters& parameters() { return implementation_of(network_).parameters(); }
   at::Tensor gradient(std::size_t weight) {
@@ -157,7 +157,7 @@ class Seq2SeqLearner : public detail::Learner {
   double learn_in_parts(std::span<const std::size_t> batch, std::uint64_t iteration) {
     const BatchParts& own = sum_->parts();
     for (std::size_t k = own.first; k < own.first + own.count; ++k) {
-      const auto episodes = detail::part_of(batch, k, own.parts);
+      const auto episodes = core::part_of(batch, k, own.parts);
       sum_->begin_part(static_cast<double>(episodes.size()) / static_cast<double>(batch.size()));
       std::vector<at::Tensor> gradients(kWeights);
       double loss = 0;
@@ -182,7 +182,7 @@ class Seq2SeqLearner : public detail::Learner {
   Network network_;
   std::optional<PreparedSplit> training_;
   std::vector<PreparedSplit> validation_;
-  std::optional<detail::EpisodeOrder> order_;
+  std::optional<core::EpisodeOrder> order_;
   std::map<std::size_t, std::unique_ptr<R2rEnvironment>> environments_;  // by number of episodes
   std::vector<std::uint32_t> tokens_;
   Clock::duration spent_{};  // of an update: in environment, features and instructions
@@ -192,9 +192,9 @@ class Seq2SeqLearner : public detail::Learner {
 
 }  // namespace
 
-std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
-                                              const tasks::Vocabulary& vocabulary,
-                                              const std::string& device) {
+std::unique_ptr<core::Learner> make_learner(const models::TrainConfig& config,
+                                            const tasks::Vocabulary& vocabulary,
+                                            const std::string& device) {
   return std::make_unique<Seq2SeqLearner>(config, vocabulary, device);
 }
 

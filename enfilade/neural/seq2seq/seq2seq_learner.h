@@ -3,13 +3,13 @@
 #include <memory>
 #include <string>
 
-#include "enfilade/neural/detail/learner.h"
+#include "enfilade/neural/core/learner.h"
 
 namespace enfilade::neural::seq2seq {
 
 /// \param config, vocabulary outlive it \throws as Network
-std::unique_ptr<detail::Learner> make_learner(const models::TrainConfig& config,
-                                              const tasks::Vocabulary& vocabulary,
-                                              const std::string& device);
+std::unique_ptr<core::Learner> make_learner(const models::TrainConfig& config,
+                                            const tasks::Vocabulary& vocabulary,
+                                            const std::string& device);
 
 }  // namespace enfilade::neural::seq2seq

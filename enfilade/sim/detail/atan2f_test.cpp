@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/sim/detail/test_reference.h"
+#include "tests/support/reference_navigable.h"
 
 namespace enfilade::sim::detail {
 namespace EN_UNIT {
@@ -42,14 +42,14 @@ TEST(Atan2f, HasTheBitsOfItsBranchingTwin) {
                             0x1p-149F, -0x1p-149F, 1e-38F,  3e38F,    -3e38F};
   for (const float y : kOdd) {
     for (const float x : kOdd) {
-      ASSERT_EQ(bits(atan2f_fdlibm(y, x)), bits(reference_atan2f(y, x))) << y << ", " << x;
+      ASSERT_EQ(bits(atan2f_fdlibm(y, x)), bits(tests::reference_atan2f(y, x))) << y << ", " << x;
     }
   }
   Rng rng(1);
   for (int i = 0; i < 2'000'000; ++i) {
     const float y = draw(rng, i % 2 == 0);
     const float x = draw(rng, i % 2 == 0);
-    ASSERT_EQ(bits(atan2f_fdlibm(y, x)), bits(reference_atan2f(y, x))) << y << ", " << x;
+    ASSERT_EQ(bits(atan2f_fdlibm(y, x)), bits(tests::reference_atan2f(y, x))) << y << ", " << x;
   }
 }
 

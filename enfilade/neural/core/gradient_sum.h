@@ -1,0 +1,144 @@
+/// \file  The gradient of a batch whose parts are computed one after the other, or by several
+/// processes.
+#pragma once
+#include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
+#include <c10/core/Event.h>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "enfilade/neural/core/weights.h"
+#include "enfilade/neural/ranks.h"
+
+namespace enfilade::neural::core {
+
+/// The parts of a batch, and those of them that this process computes.
+struct BatchParts {
+  std::size_t parts = 1;
+  std::size_t first = 0, count = 1;  ///< own ones: [first, first + count)
+  bool in_order = true;              ///< sums do not depend on the number of processes
+};
+/// \param parts of TrainConfig: 0: as many as processes, whose sums are added as they come
+/// \throws ArgumentError saying which numbers of processes share these parts
+BatchParts share_parts(std::size_t parts, const Ranks& ranks);
+
+/// The episodes of part k of n: as many as of the others, or one less.
+std::span<const std::size_t> part_of(std::span<const std::size_t> batch, std::size_t k,
+                                     std::size_t n);
+
+/// What one thread has queued on a card, for another thread's stream to come after. On the CPU
+/// there is nothing to wait for.
+class Handover {
+ public:
+  void give(c10::Device device);  ///< all that this thread has queued in its stream
+  /// What this thread queues from now on comes after that.
+  void take(c10::Device device) const;
+
+ private:
+  std::optional<c10::Event> event_;
+};
+
+/// Adds the gradients of parts in a tree that does not depend on who computed them: parts that
+/// follow each other are added in pairs, these in pairs, and so on. A process adds its own; what
+/// the processes have is sent in buckets while the last own part is still followed back: each adds
+/// one stretch of each bucket, for all, and gives back the sum.
+///
+/// In a batch: begin_part() and end_part() for each own part, then finish(). One thread at a time.
+class GradientSum {
+ public:
+  /// \param sizes numbers of each weight \param ranks outlives *this
+  /// \param device where gradients are and are added: the CPU in all ranks, or a card in all
+  /// \param bucket bytes of a bucket, at least; a weight is never divided
+  /// \throws Error if cards cannot be connected
+  GradientSum(Ranks& ranks, const BatchParts& parts, std::vector<std::int64_t> sizes,
+              c10::Device device = c10::kCPU, std::size_t bucket = std::size_t{1} << 20U);
+  ~GradientSum();
+  GradientSum(const GradientSum&) = delete;
+  GradientSum& operator=(const GradientSum&) = delete;
+
+  const BatchParts& parts() const noexcept { return parts_; }
+
+  /// \param share by which the part's gradients and loss are multiplied
+  void begin_part(double share);
+  /// The gradient of a weight is complete, before end_part(): it may be sent. Counts in the last
+  /// own part alone.
+  void ready(std::size_t weight, const at::Tensor& gradient);
+  /// All gradients of the part, by weight; undefined: there is none. And its loss.
+  void end_part(std::span<const at::Tensor> gradients, double loss);
+  /// What all parts of all processes come to.
+  struct Sums {
+    /// By weight, flat, on the device, valid until the next begin_part(); undefined where no part
+    /// had a gradient.
+    std::vector<at::Tensor> gradients;
+    double loss = 0;  ///< added up in float32, as the gradients
+  };
+  /// \throws LostRank
+  Sums finish();
+
+ private:
+  struct Bucket {
+    std::int64_t begin = 0, length = 0;  // a multiple of the processes
+    std::size_t missing = 0;             // weights of it that are not ready
+    std::vector<std::size_t> weights;
+    Handover complete;
+  };
+
+  void lay_out(const std::vector<std::size_t>& order);
+  void put(std::size_t weight, const at::Tensor& gradient);
+  bool in_last_part() const noexcept { return done_ + 1 == parts_.count; }
+  void learn_order();
+  void communicate();
+  void send(const Bucket& bucket);
+  at::Tensor slice(const at::Tensor& flat, std::size_t weight) const;
+
+  Ranks& ranks_;
+  BatchParts parts_;
+  std::vector<std::int64_t> sizes_;  // of the weights, then of the notes
+  c10::Device device_;
+  std::size_t bucket_bytes_;
+  std::vector<std::int64_t> begins_;         // by weight
+  std::vector<std::size_t> bucket_of_;       // by weight
+  std::vector<Bucket> buckets_;              // in the order in which they are sent
+  at::Tensor own_, total_;                   // flat
+  std::vector<at::Tensor> earlier_, spare_;  // sums of own parts before: of falling powers of two
+  // Of a part: by weight, 1: it has a gradient; then the loss. Added up like another weight's, but
+  // written on the CPU.
+  at::Tensor notes_;
+  double share_ = 1;
+  std::vector<std::uint8_t> is_ready_;   // by weight, in the last part
+  std::vector<std::size_t> order_seen_;  // in which they got ready
+  bool order_known_ = false;
+  std::size_t done_ = 0;  // own parts of this batch
+
+  // What the thread that sends shares with the others.
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t to_send_ = 0, sent_buckets_ = 0;  // of this batch, in order
+  bool stopping_ = false;
+  std::exception_ptr failure_;
+  std::thread sender_;
+};
+
+/// Tells a GradientSum when the gradients of leaves are complete while autograd follows a loss
+/// back. Keep it as long as the leaves; it does nothing but between begin_part() and end_part().
+class ReadyWatch {
+ public:
+  ReadyWatch(const Weights& weights, GradientSum& sum);
+  ~ReadyWatch();
+  ReadyWatch(const ReadyWatch&) = delete;
+  ReadyWatch& operator=(const ReadyWatch&) = delete;
+
+ private:
+  struct Accumulators;
+  std::unique_ptr<Accumulators> accumulators_;
+};
+
+}  // namespace enfilade::neural::core

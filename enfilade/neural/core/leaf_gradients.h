@@ -1,0 +1,33 @@
+/// \file  Gradients of leaves that are added in place while autograd follows a loss back. Many
+/// steps share the weights, and a product adds for nothing what costs a pass over memory otherwise.
+#pragma once
+#include <ATen/ATen.h>
+
+namespace enfilade::neural::core {
+
+/// Whether these functions may be used for a weight.
+inline bool adds_in_place(const at::Tensor& weight) {
+  return weight.is_leaf() && weight.requires_grad();
+}
+
+/// a b is added to the gradient.
+inline void add_product(const at::Tensor& leaf, const at::Tensor& a, const at::Tensor& b) {
+  at::Tensor& sum = at::Tensor(leaf).mutable_grad();
+  if (sum.defined()) {
+    sum.addmm_(a, b);
+  } else {
+    sum = at::mm(a, b);
+  }
+}
+
+/// `part`, of the leaf's shape, is added to the gradient.
+inline void add_sum(const at::Tensor& leaf, const at::Tensor& part) {
+  at::Tensor& sum = at::Tensor(leaf).mutable_grad();
+  if (sum.defined()) {
+    sum.add_(part);
+  } else {
+    sum = part.clone();
+  }
+}
+
+}  // namespace enfilade::neural::core

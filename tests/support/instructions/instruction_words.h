@@ -1,0 +1,25 @@
+/// \file  For tests: the English vocabulary of the reader of instructions.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+namespace enfilade::homes::instructions::testing {
+
+using Words = std::vector<std::string>;
+
+/// In small letters.
+std::string lower(std::string text);
+/// Lower-case words and punctuation.
+Words split_words(const std::string& text);
+/// What else a home's lists may call a thing, or a room.
+const std::map<std::string, Words>& other_words();
+const std::map<std::string, Words>& other_rooms();
+/// The words for a colour that other words stand for.
+const std::map<std::string, Words>& other_colours();
+/// Does a word of a clause say nothing of its own?
+bool is_function_word(const std::string& word);
+/// Does a noun phrase stand for neither a place nor a thing?
+bool is_plain_phrase(const std::string& phrase);
+
+}  // namespace enfilade::homes::instructions::testing
