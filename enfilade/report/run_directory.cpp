@@ -279,6 +279,8 @@ const tasks::Benchmark* find_benchmark_of_runs(std::span<const fs::path> named) 
 RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data,
                        const tasks::Benchmark& benchmark) {
   const auto has_split = [&](const std::string& split) {
+    if (benchmark.task == tasks::Task::kR2r && !benchmark.continuous())
+      return data.has_split(split);
     if (!benchmark.continuous()) return data.has_split(benchmark.task, split);
     return std::ranges::any_of(tasks::episode_places(benchmark, split), [&](const fs::path& place) {
       return file_exists(data.folder() / place);

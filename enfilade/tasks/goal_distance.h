@@ -1,6 +1,6 @@
-/// \file  How far a viewpoint is from what an episode asks for, whatever kind of goal that is, and
-/// whether it is reached: for oracles, rewards, drawings and own_scorer(). Public scorers have
-/// rules of their own: scorer.h.
+/// \file  How far a viewpoint is from the goal of an episode, of any kind, and whether the goal is
+/// reached. Oracles, rewards, drawings and own_scorer() use it; public scorers have rules of their
+/// own: scorer.h.
 #pragma once
 #include <cstdint>
 #include <optional>
