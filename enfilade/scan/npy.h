@@ -18,8 +18,8 @@ class NpyArray {
  public:
   /// Reads `.npy` of versions 1, 2 and 3: numbers of 1 to 8 bytes of either order, bools, texts of
   /// a fixed length (`<U32`, `|S32`).
-  /// \throws Error naming what was found and what is expected, for a damaged header, another type or
-  /// another size than the shape needs. Objects are Python code, and are never read.
+  /// \throws Error naming what was found and what is expected, for a damaged header, another type
+  /// or another size than the shape needs. Objects are Python code, and are never read.
   static NpyArray parse(std::string bytes);
 
   NpyKind kind() const noexcept { return kind_; }

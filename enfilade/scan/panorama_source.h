@@ -189,8 +189,8 @@ Panorama read_panorama(const PanoramaSource& source, ViewpointIndex viewpoint,
 class MemoryPanoramas final : public PanoramaSource {
  public:
   /// \param panoramas by ViewpointIndex, as connectivity.entries
-  /// \throws ArgumentError unless there are as many panoramas as entries; for faces of a layer that
-  /// are not square, differ in size, or have other channels than Panorama
+  /// \throws ArgumentError unless each entry has a panorama; for faces of a layer that are not
+  /// square, differ in size, or have other channels than Panorama
   /// \throws InvalidInput as poses_of()
   MemoryPanoramas(Connectivity connectivity, std::vector<Panorama> panoramas);
   Connectivity connectivity() const override { return connectivity_; }
