@@ -17,11 +17,11 @@
 
 namespace enfilade::dataset {
 
-/// For a data set whose parts do not all lie in one folder. Empty fields: as the folder has them.
+/// A data set whose parts lie in several folders. Empty fields: as the folder has them.
 struct DatasetConfig {
-  std::filesystem::path folder;               ///< may be empty if what is used is named below
+  std::filesystem::path folder;               ///< may be empty if the used parts are named below
   std::filesystem::path connectivity;         ///< folder of `<scan>_connectivity.json`
-  std::vector<std::filesystem::path> images;  ///< folders in which panoramas are looked for
+  std::vector<std::filesystem::path> images;  ///< folders that are searched for panoramas
   std::vector<std::string> scans;             ///< only these, in this order
   /// Where decoded faces are shared with other processes (render/face_cache.h); no value: nowhere.
   std::optional<render::SharedCacheConfig> shared_cache = {};
@@ -30,7 +30,7 @@ struct DatasetConfig {
 /// Room-to-Room's splits.
 inline constexpr std::array<std::string_view, 4> kSplits{"train", "val_seen", "val_unseen", "test"};
 
-/// A part of a data set, for people: what is there, or what is missing and how to get it.
+/// A part of a data set, for people: its state, or how to get it if it is missing.
 struct Part {
   std::string name;  ///< "connectivity", "R2R val_seen", "regions", "panoramas"
   bool present = false;
@@ -38,42 +38,44 @@ struct Part {
   std::string advice;  ///< how to get it; empty if it is there
 };
 
-/// A folder in one of the layouts in use: Enfilade's and model homes' (`connectivity/`,
-/// `r2r/`, `regions/`, `store/`), a checkout of Matterport3DSimulator (`connectivity/`,
-/// `tasks/R2R/data/`, `data/v1/scans/`), or all files side by side.
+/// A folder in one of the usual layouts: Enfilade's and synthetic homes' (`connectivity/`, `r2r/`,
+/// `regions/`, `store/`), a checkout of Matterport3DSimulator (`connectivity/`, `tasks/R2R/data/`,
+/// `data/v1/scans/`), or all files side by side.
 ///
 ///     const Dataset d("data");
 ///     sim::Simulator simulator(d.graphs(), sim::SimulatorConfig::room_to_room());
 ///     const tasks::EpisodeSet episodes = d.episodes("val_unseen");
 ///
-/// A folder of stores alone is a data set too: stores bring their graphs. Making one looks at the
-/// folder only; each part is opened at its first use, once, and copies of a
-/// Dataset share it. All functions may be called from any thread. What they return by reference
-/// lives as long as a copy of the Dataset does.
+/// A folder of stores alone is a data set too: stores bring their graphs. The constructor only
+/// lists the folder. Each part is opened once, at its first use, and copies of a Dataset share it.
+/// All functions may be called from any thread. References that they return live as long as a copy
+/// of the Dataset.
 class Dataset {
  public:
   /// \throws FileError if `folder` is not a folder
   explicit Dataset(const std::filesystem::path& folder);
   explicit Dataset(DatasetConfig config);  ///< \throws as above, for a folder that is named
-  /// The folder that the environment variable ENFILADE_DATA names; nothing if it is unset or empty.
-  /// \throws FileError if it names no folder
+  /// The folder that the environment variable ENFILADE_DATA names; no value if it is unset or
+  /// empty.
+  /// \throws FileError if it does not name a folder
   static std::optional<Dataset> from_environment();
 
   const std::filesystem::path& folder() const noexcept;
-  /// Whether Enfilade made the buildings (homes.json or the first line of README.md says so). Every
-  /// figure of theirs has to be called synthetic.
+  /// Whether Enfilade made the buildings (as homes.json or the first line of README.md says). All
+  /// results on them must be called synthetic.
   bool synthetic() const;
-  /// Everything that a data set can have, each part looked for, annotations read: about a second
-  /// for R2R. Never throws for what is missing or broken.
+  /// Searches every part that a data set can have, and reads annotations: about a second for R2R.
+  /// Never throws for missing or broken parts.
   std::vector<Part> examine() const;
 
   /// The navigation graphs, one a scan.
   /// \throws FileError, InvalidInput: as graph::GraphSet::open(), scan::Store::open()
   const std::shared_ptr<const graph::GraphSet>& graphs() const;
-  /// The panoramas, in the order of the graphs: one ScanIndex serves both. Whether a scan has any
-  /// shows when it is used. \throws as graphs()
+  /// The panoramas, in the order of the graphs: one ScanIndex serves both. A missing scan is found
+  /// at its first use.
+  /// \throws as graphs()
   const std::shared_ptr<const scan::PanoramaSet>& panoramas() const;
-  /// Decoded faces of panoramas(), shared by everyone who draws from this data set.
+  /// Decoded faces of panoramas(), shared by all renderers of this data set.
   /// \throws as graphs(); FileError for a shared cache, as render::FaceCache
   const std::shared_ptr<render::FaceCache>& faces() const;
   /// Which region each viewpoint is in. \throws FileError, InvalidInput
@@ -85,13 +87,13 @@ class Dataset {
   /// The split as its file has it. Read anew by each call.
   /// \throws FileError naming every place that was tried; InvalidInput
   tasks::Annotations annotations(std::string_view split) const;
-  /// The split's episodes, to be walked in graphs(). Read anew by each call.
+  /// The split's episodes, in graphs(). Read again by each call.
   /// \throws as annotations(), graphs() and tasks::make_episodes()
   tasks::EpisodeSet episodes(std::string_view split,
                              tasks::Instructions instructions = tasks::Instructions::kScored) const;
 
-  /// Of any benchmark: the same as of R2R, from the places of tasks::annotation_places(). REVERIE's
-  /// episodes need the boxes of objects, objects().
+  /// The same for any benchmark, from tasks::annotation_places(). REVERIE's episodes need the boxes
+  /// of objects, objects().
   /// \throws as annotations(), episodes() and objects()
   tasks::Annotations annotations(tasks::Task task, std::string_view split) const;
   tasks::EpisodeSet episodes(tasks::Task task, std::string_view split,
@@ -111,7 +113,7 @@ class Dataset {
   std::filesystem::path annotations_file(std::string_view split) const;  ///< `R2R_<split>.json`
   std::filesystem::path annotations_file(tasks::Task task, std::string_view split) const;
   std::filesystem::path regions_file() const;  ///< region_to_panorama.json
-  /// Where panoramas are looked for; never throws.
+  /// The folders that are searched for panoramas; never throws.
   scan::PanoramaPlaces panorama_places() const;
 
  private:
