@@ -38,9 +38,10 @@ struct Part {
   std::string advice;  ///< how to get it; empty if it is there
 };
 
-/// A folder in one of the usual layouts: Enfilade's and synthetic homes' (`connectivity/`, `r2r/`,
-/// `regions/`, `store/`), a checkout of Matterport3DSimulator (`connectivity/`, `tasks/R2R/data/`,
-/// `data/v1/scans/`), or all files side by side.
+/// A folder in one of the usual layouts:
+/// - Enfilade's and synthetic homes': `connectivity/`, `r2r/`, `regions/`, `store/`
+/// - a checkout of Matterport3DSimulator: `connectivity/`, `tasks/R2R/data/`, `data/v1/scans/`
+/// - all files side by side
 ///
 ///     const Dataset d("data");
 ///     sim::Simulator simulator(d.graphs(), sim::SimulatorConfig::room_to_room());

@@ -4,10 +4,12 @@
 /// headings stay. So this is the function of the libraries of that time: e_atan2f.c and s_atanf.c,
 /// Ian Lance Taylor's single-precision conversions of fdlibm, which carry this notice:
 ///
+/// \code{.txt}
 ///   Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
 ///   Developed at SunPro, a Sun Microsystems, Inc. business.
 ///   Permission to use, copy, modify, and distribute this software is freely granted, provided
 ///   that this notice is preserved.
+/// \endcode
 ///
 /// Changed: it has no branches, so that a compiler can run a loop over it in vector registers. Its
 /// branching twin is the oracle in atan2f_test.cpp.
