@@ -1,6 +1,6 @@
-/// \file  Episodes in continuous space, as VLN-CE's files have them: a start pose in a building, an
-/// instruction, a goal that is a point, and the points that lead there. Files are in Habitat's
-/// frame; everything here is in our world frame (metres, z up).
+/// \file  Episodes in continuous environments, in VLN-CE's format: start pose, instruction, goal
+/// point, and a reference path of points. Files are in Habitat's frame; everything here is in our
+/// world frame (metres, z up).
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -28,8 +28,8 @@ std::string text_of(const FileId& id);
 /// of the file: they are written back.
 using OtherFields = std::vector<std::pair<std::string, std::string>>;
 
-/// How a body stands at its start: a quaternion (x, y, z, w) of Habitat's frame about its vertical
-/// axis, as the file has it, since a heading would not give its last bits and its sign back.
+/// Orientation of a body at its start: a quaternion (x, y, z, w) of Habitat's frame about its
+/// vertical axis, as in the file. A heading would not give its last bits and its sign back.
 struct StartRotation {
   double x = 0, y = 0, z = 0, w = 1;
 
@@ -48,7 +48,7 @@ struct ContinuousGoal {
   friend bool operator==(const ContinuousGoal&, const ContinuousGoal&) = default;
 };
 
-/// Whose walk an episode of RxR-CE is.
+/// The annotator whose path an episode of RxR-CE has.
 enum class AnnotationRole : std::uint8_t { kGuide, kFollower };
 
 /// `info` of an episode.
@@ -59,7 +59,7 @@ struct EpisodeInfo {
   friend bool operator==(const EpisodeInfo&, const EpisodeInfo&) = default;
 };
 
-/// What an episode asks for in words. R2R-CE has the text and its tokens, RxR-CE the rest.
+/// The instruction of an episode. R2R-CE has the text and its tokens, RxR-CE the rest.
 struct ContinuousInstruction {
   std::string text;
   /// Ids of the file's vocabulary, padded to one length.
@@ -73,7 +73,7 @@ struct ContinuousInstruction {
   friend bool operator==(const ContinuousInstruction&, const ContinuousInstruction&) = default;
 };
 
-/// An episode. What test splits hide has no value.
+/// An episode. Fields that test splits hide have no value.
 struct ContinuousEpisode {
   FileId id, trajectory_id;  ///< the trajectory's is R2R's or RxR's path_id
   std::string scene;         ///< as written: "mp3d/zsNo4HB9uLZ/zsNo4HB9uLZ.glb"
@@ -114,50 +114,52 @@ struct ContinuousEpisodes {
 /// Whether the goal of any episode is hidden, as in test splits.
 bool goals_hidden(const ContinuousEpisodes& episodes) noexcept;
 
-/// What kind of file it is.
+/// The format of a file.
 enum class ContinuousForm : std::uint8_t {
   kR2r,      ///< R2R-CE, versions 1-2 and 1-3: tokens of a vocabulary of 2,504 words
   kR2rBert,  ///< its variant with BERT's word pieces
   kRxr,      ///< RxR-CE: languages, and text features in other files
 };
-/// By what the file holds: kRxr if an instruction has a language or a role; kR2rBert if the
-/// vocabulary has BERT's size or token for unknown words, or if instructions have 80 tokens.
+/// The format, by the content. Instructions with a language or a role: kRxr. A vocabulary with
+/// BERT's size or token for unknown words, or instructions of 80 tokens: kR2rBert.
 ContinuousForm form_of(const ContinuousEpisodes& episodes) noexcept;
 
-/// Where a split's episodes may be in a folder of data, relative to it, in the order in which they
-/// are looked for: Enfilade's layout ("vlnce/val_unseen.json.gz"), then those of the public code
+/// Candidate paths of a split's episodes in a folder of data, relative to it, in the order of the
+/// search. First Enfilade's layout ("vlnce/val_unseen.json.gz"), then those of the public code
 /// ("R2R_VLNCE_v1-3_preprocessed/val_unseen/val_unseen.json.gz"), also in its `data/datasets/`.
-/// \param role  of RxR-CE's; does not count for the others
+/// \param role  for RxR-CE; ignored for the others
 std::vector<std::filesystem::path> continuous_places(ContinuousForm form, std::string_view split,
                                                      AnnotationRole role = AnnotationRole::kGuide);
-/// The same of the experts' walks. kR2rBert has none of its own: those of kR2r.
+/// The same for the experts' trajectories. kR2rBert has none of its own: it uses those of kR2r.
 std::vector<std::filesystem::path> expert_places(ContinuousForm form, std::string_view split,
                                                  AnnotationRole role = AnnotationRole::kGuide);
 
 /// Reads `<split>.json.gz` of R2R-CE, `<split>_<role>.json.gz` of RxR-CE, packed or not. Fields
-/// that the model does not have are kept; null is read as no value where a field may be absent. One
+/// that the model does not have are kept. null is read as no value where a field may be absent. One
 /// episode is parsed at a time, of at most 4 MiB.
-/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
-/// missing, repeated or wrongly typed fields, an id that is neither a whole number nor a text, that
-/// is empty or that another episode has, a scene without a name, points of other than three
-/// numbers, a rotation that is not one about the vertical axis, an empty list of goals or path, a
-/// negative distance or radius, a negative token, a role that RxR does not have
+/// \throws FileError
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
+/// - not JSON, missing, repeated or wrongly typed fields
+/// - an id that is neither a whole number nor a text, is empty, or is repeated
+/// - a scene without a name, a role that RxR does not have
+/// - points of other than three numbers, a rotation that is not one about the vertical axis
+/// - an empty list of goals or path, a negative distance, radius or token
 ContinuousEpisodes load_continuous_episodes(const std::filesystem::path& file, std::string split);
 /// The same of a text. \param file  for messages
 ContinuousEpisodes parse_continuous_episodes(std::string_view json, const std::string& file,
                                              std::string split);
 
-/// The text of such a file, an episode a line: equal to the one that was read as JSON values, but
-/// for fields that were null and for other fields of timed words than their three.
-/// parse_continuous_episodes() reads it back equal. \throws ArgumentError for what JSON cannot say:
-/// an infinite number, text that is not UTF-8, a field among `others` that is no JSON or has a name
-/// of the model's
+/// The text of such a file, one episode per line. As JSON values it equals the file that was read,
+/// except null fields and unknown fields of timed words. It is read back equal by
+/// parse_continuous_episodes().
+/// \throws ArgumentError for infinite numbers and text that is not UTF-8; for a field among
+/// `others` that is not JSON or has a name of the model's
 std::string to_json(const ContinuousEpisodes& episodes);
 
-/// What an expert did in an episode (`<split>_gt.json.gz`).
+/// An expert's trajectory in an episode (`<split>_gt.json.gz`).
 struct ExpertWalk {
   std::vector<Vec3d> locations;       ///< the start, then one for each step forward
-  std::int64_t forward_steps = 0;     ///< as the file says
+  std::int64_t forward_steps = 0;     ///< as in the file
   std::vector<std::uint8_t> actions;  ///< 0 stop, 1 forward, 2 left, 3 right; RxR-CE: 4 up, 5 down
   OtherFields others = {};
   friend bool operator==(const ExpertWalk&, const ExpertWalk&) = default;
@@ -166,15 +168,19 @@ struct ExpertWalk {
 /// By text_of() an episode's id.
 using ExpertWalks = std::map<std::string, ExpertWalk, std::less<>>;
 
-/// Reads a file of experts' walks, packed or not.
-/// \throws FileError; InvalidInput listing its faults with their JSON paths: as above, an action
-/// beyond 5, no location, a negative number of steps, an episode that is there twice. Whether
-/// actions, steps and locations agree is not looked at
+/// Reads a file of experts' trajectories, packed or not. Does not check whether actions, steps and
+/// locations agree.
+/// \throws FileError
+/// \throws InvalidInput listing its faults with their JSON paths:
+/// - not JSON, missing, repeated or wrongly typed fields
+/// - an action beyond 5, no location, a negative number of steps, a repeated episode
+/// episode
 ExpertWalks load_expert_walks(const std::filesystem::path& file);
 /// The same of a text. \param file  for messages
 ExpertWalks parse_expert_walks(std::string_view json, const std::string& file);
 /// The text of such a file, which parse_expert_walks() reads back equal, in the order of the map.
-/// \throws ArgumentError as above
+/// \throws ArgumentError for infinite numbers and text that is not UTF-8; for a field among
+/// `others` that is not JSON or has a name of the model's
 std::string to_json(const ExpertWalks& walks);
 
 }  // namespace enfilade::tasks

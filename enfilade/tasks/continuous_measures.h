@@ -1,4 +1,4 @@
-/// \file  The measures of a split of walks in continuous space, as tables show them.
+/// \file  The measures of a split of continuous trajectories, as tables show them.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -13,26 +13,26 @@
 
 namespace enfilade::tasks {
 
-/// A measure by name, and its value of one walk.
+/// A measure by name, and its value for one trajectory.
 struct ContinuousMeasure {
   std::string_view name;   ///< "spl", as VLN-CE's code has it
   std::string_view title;  ///< "SPL (%)"
   double unit = 1;         ///< what the table multiplies by: 100 of shares
   double (*value)(const ContinuousScore&) = nullptr;
 };
-/// All, in the order of tables. Collisions, which files do not tell, are NaN where unknown.
+/// All, in the order of tables. Collisions, which files do not have, are NaN where unknown.
 std::span<const ContinuousMeasure> continuous_measures() noexcept;
 
 /// Means over episodes.
 struct ContinuousMeasures {
   std::size_t episodes = 0, trajectories = 0;
-  /// Of continuous_measures(), with intervals of 95 % by the bootstrap over trajectories:
-  /// instructions of one trajectory are no independent samples. NaN where a walk has no value.
+  /// Means of continuous_measures(), with intervals of 95 % by the bootstrap over trajectories;
+  /// instructions of one trajectory are not independent samples. NaN where a value is missing.
   std::vector<MeanInterval> means;
 };
 
-/// \param walks  whose scores they are, in the same order
-/// \throws ArgumentError for no score, or if there are not as many walks
+/// \param walks  the trajectories of the scores, in the same order
+/// \throws ArgumentError for no score, or for another number of trajectories than scores
 ContinuousMeasures measure(std::span<const ContinuousScore> scores,
                            std::span<const ContinuousResult> walks,
                            const ContinuousEpisodes& episodes);

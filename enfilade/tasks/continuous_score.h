@@ -1,4 +1,4 @@
-/// \file  Scores of walks in continuous space (VLN-CE): those of its released measures, and of
+/// \file  Scores of continuous trajectories (VLN-CE): those of its released measures, and of
 /// ETPNav's evaluation, which much later code copies. Formulas: docs/tasks.md.
 #pragma once
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace enfilade::tasks {
 
-/// A walk as a simulator recorded it: n + 1 poses, n actions between them. Spans must outlive what
-/// is computed from it.
+/// A trajectory as a simulator recorded it: n + 1 poses, n actions between them. Spans must outlive
+/// the results computed from it.
 struct ContinuousWalk {
   static constexpr std::uint8_t kStop = 0;
   std::span<const std::array<float, 3>> positions;  ///< metres, (n + 1)
@@ -40,8 +40,8 @@ struct ContinuousScore {
   double sdtw = 0;                                     ///< success * ndtw
 };
 
-/// The measures after `actions` of the walk's actions (all: n).
-/// \param reference  the expert's positions; \pre not empty, sizes of the walk as stated
+/// The measures after `actions` of the trajectory's actions (all: n).
+/// \param reference  the expert's positions; \pre not empty, sizes of the trajectory as stated
 ContinuousScore score_continuous(const ContinuousWalk& walk, std::span<const Point3> reference,
                                  std::size_t actions);
 inline ContinuousScore score_continuous(const ContinuousWalk& walk,
@@ -49,9 +49,9 @@ inline ContinuousScore score_continuous(const ContinuousWalk& walk,
   return score_continuous(walk, reference, walk.actions.size());
 }
 
-/// ETPNav's numbers of the same walk, which differ: success is an end within 3 m (inclusive), stop
-/// or not; collisions are divided by the number of different poses; time warping is
-/// FastDtw::kPlain; lengths are summed in single precision. Collisions that are not known are NaN.
+/// ETPNav's numbers for the same trajectory, which differ. Success is an end within 3 m
+/// (inclusive), with or without stop. Collisions are divided by the number of different poses. Time
+/// warping is FastDtw::kPlain. Lengths are summed in single precision. Unknown collisions are NaN.
 struct EtpNavScore {
   double steps_taken = 0, distance_to_goal = 0, success = 0, oracle_success = 0, path_length = 0,
          collisions = 0, spl = 0, ndtw = 0, sdtw = 0;

@@ -18,47 +18,50 @@ namespace enfilade::tasks {
 std::string_view name_of(Task task) noexcept;
 /// For people: "R2R-Last".
 std::string_view title_of(Task task) noexcept;
-/// By name_of(). \throws LookupError naming those that there are
+/// By name_of(). \throws LookupError listing the benchmarks
 Task task_named(std::string_view name);
 
-/// Which benchmark a text of annotations is of, by the fields of its first record; R2R-Last looks
-/// like R2R. No value if it has no record, or the first is no object.
+/// The benchmark of a text of annotations, by the fields of its first record; R2R-Last is taken for
+/// R2R. No value if it has no record, or the first is not an object.
 std::optional<Task> find_task(std::string_view text);
 
-/// The same of results: by the fields that only one benchmark's have. No value also for those that
-/// could be of several: R2R's form is RxR's and R4R's, too.
+/// The same for results: by fields that occur in one benchmark only. No value also if several are
+/// possible: R2R's form is RxR's and R4R's, too.
 std::optional<Task> find_task_of_results(std::string_view text);
 
-/// Reads a file of a benchmark in any form that its public code reads: lists and lines, with token
-/// ids, fine-grained, HAMT's and DUET's forms. formats/ has a header for each.
+/// Reads a file of a benchmark in any form that its public code reads. These are lists and lines,
+/// with token ids, fine-grained, HAMT's and DUET's forms; formats/ has a header for each.
 /// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths
 Annotations load_annotations(const std::filesystem::path& file, std::string split, Task task);
 Annotations parse_annotations(std::string_view text, const std::string& file, std::string split,
                               Task task);
 
-/// The text of a file in the benchmark's own form, which parse_annotations() reads back equal: of
-/// R2R and what has grown out of it a list, with token ids and sub-instructions where there are
-/// any; of RxR a guide's lines; of SOON DUET's lines; of REVERIE a list; of CVDN a list, in HAMT's
-/// form where there are token ids and no texts. Empty for no paths in lines. \throws ArgumentError
-/// for what the form cannot say
+/// The text of a file in the benchmark's own form, which parse_annotations() reads back equal:
+/// - R2R and its descendants: a list, with any token ids and sub-instructions
+/// - RxR: a guide's lines
+/// - SOON: DUET's lines
+/// - REVERIE: a list
+/// - CVDN: a list; in HAMT's form if there are token ids and no texts
+///
+/// Empty for no paths in lines. \throws ArgumentError for content that the form cannot express
 std::string to_text(const Annotations& annotations);
-/// SOON's annotations in the form in which they were released, which parse_annotations() reads back
-/// equal if their ids are those that the reader gives: alternatives are neighbouring paths of one
-/// group. Token ids are left out. \throws ArgumentError for other annotations; for instructions
-/// without the four texts beside the whole
+/// SOON's annotations in the form of their release. They are read back equal by parse_annotations()
+/// if their ids are those that the reader gives. Neighbouring paths of one group are alternatives.
+/// Token ids are left out.
+/// \throws ArgumentError for other annotations; for instructions without the four texts beside the
+/// whole
 std::string to_released_soon(const Annotations& annotations);
 
-/// Where a split's annotations may be in a folder of data, relative to it, in the order in which
-/// they are looked for: Enfilade's layout ("reverie/REVERIE_val_unseen.json"), that of the public
-/// code
+/// Candidate paths of a split's annotations in a folder of data, relative to it, in the order of
+/// the search. Enfilade's layout ("reverie/REVERIE_val_unseen.json"), that of the public code
 /// ("REVERIE/annotations/REVERIE_val_unseen_enc.json"), side by side; each also packed (".gz").
 std::vector<std::filesystem::path> annotation_places(Task task, std::string_view split);
-/// The splits that a benchmark's public files have, in their order, by the names in those files:
-/// "train", "val_seen", "val_unseen", "test"; of CVDN "test_cleaned"; of RxR and SOON others
-/// beside. Any other name may be asked for, too.
+/// The splits in a benchmark's public files, in their order, by the names of those files: "train",
+/// "val_seen", "val_unseen", "test". CVDN has "test_cleaned", RxR and SOON have others too. Any
+/// other name is allowed, too.
 std::span<const std::string_view> usual_splits(Task task) noexcept;
-/// Whether only boxes of objects can say who sees a goal: those of REVERIE need them, HM3DAutoVLN's
-/// lines name the viewpoints themselves, and hidden goals say nothing.
+/// Whether object boxes are needed to find the viewpoints that see a goal. REVERIE's goals need
+/// them; HM3DAutoVLN's lines name the viewpoints themselves, and hidden goals have none.
 bool needs_boxes(const Annotations& annotations);
 /// Where REVERIE's boxes may be in that folder: a file, or a folder.
 std::vector<std::filesystem::path> object_places();

@@ -1,4 +1,4 @@
-/// \file  What tables and leaderboards show of each benchmark: columns with their titles, units and
+/// \file  Columns of tables and leaderboards per benchmark, with their titles, units and
 /// directions, and the one that ranks.
 #pragma once
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace enfilade::tasks {
 
 enum class ContinuousForm : std::uint8_t;
 
-/// What a measure counts.
+/// The unit of a measure.
 enum class Unit : std::uint8_t { kMetres, kShare };
 
 /// Which values of a measure are the better ones.
@@ -25,11 +25,11 @@ struct Measure {
   const char* title;   ///< "Success weighted by path length"
   Unit unit = Unit::kShare;
   Better better = Better::kHigher;
-  /// What the scorer prints for a share of one: 100 where it prints per cent. Divide a mean by it
-  /// to get a share. 1 for metres.
+  /// The scorer's value for a share of one: 100 if it prints per cent. Divide a mean by it to get a
+  /// share. 1 for metres.
   double whole = 1;
-  /// Whether goals or reference paths have a part in it; without them it tells what an agent
-  /// walked, and no more.
+  /// Whether goals or reference paths have a part in it. Otherwise it depends only on the
+  /// trajectory.
   bool tells_goals = true;
 };
 
@@ -46,17 +46,17 @@ std::span<const Measure> measures(Task task) noexcept;
 /// The same of a scorer by name. \throws LookupError naming those that there are
 std::span<const Measure> measures(Task task, std::string_view scorer);
 
-/// The scorer of walks in continuous space (continuous_score.h).
+/// The scorer of continuous trajectories (continuous_score.h).
 inline constexpr std::string_view kContinuousScorer = "vlnce";
 
-/// What leaderboards show of walks in continuous space, by names of continuous_measures(). The
-/// first is the headline: SPL, and nDTW of RxR-CE, as its challenge ranked.
+/// Leaderboard columns of continuous benchmarks, by names of continuous_measures(). The first is
+/// the headline: SPL, and nDTW for RxR-CE, as in its challenge.
 std::span<const Measure> measures(ContinuousForm form) noexcept;
 
 /// The first of measures(task).
 inline const Measure& headline(Task task) noexcept { return measures(task).front(); }
 
-/// By Measure::name; null if there is none.
+/// By Measure::name; null if the name is unknown.
 const Measure* find_measure(std::span<const Measure> measures, std::string_view name) noexcept;
 
 }  // namespace enfilade::tasks

@@ -7,13 +7,13 @@
 
 namespace enfilade::tasks {
 
-/// What counts as success.
+/// The rule of success.
 struct MetricOptions {
   double success_distance = 3.0;  ///< metres; success is strictly nearer (the paper, section 4.4)
 };
 
-/// Of one trajectory against one reference path; lengths in metres along the graph. d(a, b) is the
-/// shortest distance in the graph, P the trajectory, R the reference.
+/// Metrics of one trajectory against one reference path; lengths in metres along the graph. Below,
+/// d(a, b) is the shortest distance in the graph, P the trajectory, R the reference.
 struct EpisodeMetrics {
   double steps = 0;              ///< entries of P less one: actions, turns included
   double moves = 0;              ///< changes of viewpoint

@@ -35,10 +35,10 @@ struct ScorerMetric {
 struct PublicScorer {
   Task task;
   std::string_view name;    ///< "official", "duet", "hamt", "valan", "r4r_public", ...
-  std::string_view source;  ///< repository and commit that its results were compared with
+  std::string_view source;  ///< repository and revision that it was compared with
   std::span<const ScorerMetric> metrics;
   /// The metrics of one trajectory, in their order. NaN where the code divides by zero, fails, or
-  /// has no value: a move without an edge where it insists on edges, no box at the last viewpoint.
+  /// has no value: a move without a required edge, no box at the last viewpoint.
   /// \pre the goal is not hidden and of the task's kind; the trajectory is not empty and stays in
   /// the graph; out.size() == metrics.size()
   void (*score)(const graph::NavGraph& graph, const ReferencePath& reference,
@@ -52,8 +52,9 @@ std::span<const PublicScorer> public_scorers(Task task) noexcept;
 /// By name. \throws LookupError naming those that there are
 const PublicScorer& public_scorer(Task task, std::string_view name);
 
-/// What the scorer prints for a set of trajectories: the mean of each metric by its rule and scale.
-/// NaN for MeanRule::kNone, and for no trajectory. \param values  n x metrics, row-major
+/// The scorer's summary of a set of trajectories: the mean of each metric by its rule and scale.
+/// NaN for MeanRule::kNone, and for no trajectory.
+/// \param values  n x metrics, row-major
 std::vector<double> summarise(const PublicScorer& scorer, std::span<const double> values);
 
 }  // namespace enfilade::tasks

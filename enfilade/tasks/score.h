@@ -39,13 +39,13 @@ std::vector<EpisodeMetrics> score_trajectories(const std::vector<Trajectory>& tr
                                                const MetricOptions& options, int threads);
 
 /// score_trajectories() and the means with their bootstrap 95 % percentile intervals. The bootstrap
-/// draws *paths*, each with its three instructions, because those are no independent samples
+/// draws *paths*, each with its three instructions, because those are not independent samples
 /// (docs/design/bootstrap.md).
-/// \throws ArgumentError also if there is not exactly one trajectory an episode
+/// \throws as score_trajectories(); ArgumentError also unless each episode has one trajectory
 Score compute_score(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes,
                     const ScoreOptions& options = {});
 
-/// The same of a results file. \throws as above
+/// The same for a results file. \throws as compute_score() of trajectories
 inline Score compute_score(const Results& results, const EpisodeSet& episodes,
                            const ScoreOptions& options = {}) {
   return compute_score(results.trajectories, episodes, options);
@@ -65,8 +65,8 @@ enum class SplLength {
   kShortest,   ///< of the shortest path to the goal (Anderson et al. 2018b)
   kReference,  ///< of the reference path, as DUET evaluates
 };
-/// A table to read: TL NE SR OSR SPL nDTW sDTW CLS steps, each with its interval; shares in per
-/// cent. nDTW and sDTW are the collapsed ones (docs/design/dtw-of-turns.md).
+/// A table for people: TL NE SR OSR SPL nDTW sDTW CLS steps, each with its interval; shares in per
+/// cent. Its nDTW and sDTW are the collapsed ones (docs/design/dtw-of-turns.md).
 std::string to_table(const Score& score, SplLength spl = SplLength::kShortest);
 
 }  // namespace enfilade::tasks

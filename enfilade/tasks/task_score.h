@@ -19,28 +19,27 @@ struct TaskScoreOptions {
   std::uint64_t bootstrap_seed = 1;
 };
 
-/// What a scorer gives for every episode of a split, and the means.
+/// A scorer's values for every episode of a split, and the means.
 struct TaskScore {
   std::string split;
   const PublicScorer* scorer = nullptr;
   TaskScoreOptions options;
-  std::vector<double> values;  ///< episodes x metrics, row-major, in the order of the episodes
-  /// As the scorer prints them (MeanRule, scale), in the order of its metrics; intervals have the
-  /// same scale. Those of MeanRule::kNone are NaN. Episodes that the rule leaves out are out of
-  /// intervals, too.
+  std::vector<double> values;  ///< episodes x metrics, row-major, in the order of the episodes.
+  /// Means by MeanRule and scale, in the order of the metrics; intervals have the same scale. Those
+  /// of MeanRule::kNone are NaN. Intervals leave out the same episodes as the rule.
   std::vector<MeanInterval> means;
 
   std::size_t episodes() const noexcept { return values.size() / scorer->metrics.size(); }
-  /// Of an episode, in the order of the scorer's metrics. \pre episode < episodes()
+  /// The values of an episode, in the order of the scorer's metrics. \pre episode < episodes()
   std::span<const double> row(std::size_t episode) const {
     const std::size_t width = scorer->metrics.size();
     return std::span(values).subspan(episode * width, width);
   }
 };
 
-/// Scores one trajectory an episode. The bootstrap draws groups (ReferencePath::group).
-/// \throws ArgumentError if the scorer is of another task, if there is not exactly one trajectory
-/// an episode, if one is empty or leaves its graph, or for hidden goals
+/// Scores one trajectory per episode. The bootstrap draws groups (ReferencePath::group).
+/// \throws ArgumentError if the scorer is of another task, unless each episode has one trajectory,
+/// if one is empty or leaves its graph, or for hidden goals
 TaskScore compute_task_score(const std::vector<Trajectory>& trajectories,
                              const EpisodeSet& episodes, const PublicScorer& scorer,
                              const TaskScoreOptions& options = {});
@@ -48,7 +47,7 @@ TaskScore compute_task_score(const std::vector<Trajectory>& trajectories,
 /// The means as a table to read, with the scorer's name and source; of RxR also by language.
 std::string to_table(const TaskScore& score, const EpisodeSet& episodes);
 /// {"task", "split", "scorer", "source", "episodes": n, "means": {name: {mean, low, high}}}; with
-/// `per_episode`, "per_episode": {instr_id: {metric: value}}. What is not finite is null.
+/// `per_episode`, "per_episode": {instr_id: {metric: value}}. A number that is not finite is null.
 std::string to_json(const TaskScore& score, const EpisodeSet& episodes, bool per_episode);
 
 }  // namespace enfilade::tasks

@@ -11,7 +11,7 @@
 
 namespace enfilade::tasks::scorers {
 
-/// What a formula gets. Metrics go to `out`, in the order of its table in public_scorer.cpp.
+/// Input of a formula. Metrics go to `out`, in the order of its table in public_scorer.cpp.
 struct Scored {
   const graph::NavGraph& graph;
   const ReferencePath& reference;
@@ -39,7 +39,7 @@ void cvdn_valan(const Scored& scored, Out out);
 void soon_duet(const Scored& scored, Out out);
 void soon_official(const Scored& scored, Out out);
 
-/// \name What several of them use
+/// \name Shared by several scorers
 /// @{
 inline constexpr double kSuccessDistance = MetricOptions{}.success_distance;  ///< metres
 inline constexpr double kGuard = 0.01;  ///< metres: the least divisor of SPL in some of them
@@ -52,7 +52,7 @@ std::vector<ViewpointIndex> viewpoints_of(const Trajectory& trajectory);
 double nearest(const graph::NavGraph& graph, ViewpointIndex from,
                std::span<const ViewpointIndex> to);
 double action_steps(const Trajectory& trajectory);
-/// success * length / max(walked, length, guard); 0 if that is 0 / 0.
+/// success * length / max(trajectory's length, length, guard); 0 if that is 0 / 0.
 double spl(bool success, double length, double walked, double guard);
 /// @}
 
