@@ -1,4 +1,4 @@
-/// \file  The benchmarks of walking freely, by name: who walks, how, and where their files are.
+/// \file  R2R-CE and RxR-CE by name: body, simulator settings, file locations.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -19,7 +19,7 @@ struct ContinuousBenchmark {
   std::string_view name;  ///< "r2r-ce"
   std::string_view title;
   tasks::ContinuousForm form = tasks::ContinuousForm::kR2r;
-  tasks::Task paths = tasks::Task::kR2r;  ///< on graphs, whose paths its episodes follow
+  tasks::Task paths = tasks::Task::kR2r;  ///< benchmark on graphs, whose paths its episodes follow
   mesh::Body body;
   continuous::SimulatorConfig simulator;
 
@@ -39,8 +39,8 @@ const ContinuousBenchmark& continuous_benchmark(std::string_view name);
 std::optional<std::filesystem::path> find_continuous_split(const ContinuousBenchmark& benchmark,
                                                            const std::filesystem::path& data,
                                                            const std::string& split);
-/// A split's episodes in a folder of data, and its experts' walks where there are any.
-/// \throws FileError naming every place that was tried; InvalidInput
+/// A split's episodes in a folder of data, and its experts' trajectories if there are any.
+/// \throws FileError naming every file that was tried; InvalidInput
 tasks::ContinuousEpisodes load_continuous_split(const ContinuousBenchmark& benchmark,
                                                 const std::filesystem::path& data,
                                                 const std::string& split);

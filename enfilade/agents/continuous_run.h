@@ -1,4 +1,4 @@
-/// \file  Running agents over continuous episodes, recording experts, and scoring walks.
+/// \file  Running agents over continuous episodes, recording experts, and scoring trajectories.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace enfilade::agents {
 
-/// How agents are run. Batch size and threads do not change walks.
+/// How agents are run. Batch size and threads do not change trajectories.
 struct ContinuousRunOptions {
   std::size_t batch_size = 64;
   std::uint64_t seed = 1;  ///< an episode's stream is named by its id
@@ -22,8 +22,10 @@ struct ContinuousRunOptions {
   continuous::SimulatorConfig simulator = continuous::SimulatorConfig::room_to_room();
 };
 
-/// Looks at all starts. \throws LookupError for a scan without a navigation mesh; InvalidInput
-/// naming each episode whose start is off the floor (`start-off-floor`); errors of files
+/// Checks all starts.
+/// \throws LookupError for a scan without a navigation mesh
+/// \throws InvalidInput naming each episode whose start is off the floor (`start-off-floor`);
+/// errors of files
 void check_starts(const tasks::ContinuousEpisodes& episodes, const continuous::Buildings& buildings,
                   const continuous::Reach& reach);
 /// Looks at the goals of some episodes. \param which  their indices
@@ -34,16 +36,18 @@ void check_goals(const tasks::ContinuousEpisodes& episodes, const continuous::Bu
 /// Where an episode puts a body. \param building  that of the episode's scan
 continuous::EpisodeStart start_of(const tasks::ContinuousEpisode& episode, std::size_t building);
 
-/// One walk an episode, in order. Slots take the next episode when theirs has ended.
-/// \throws ArgumentError if the agent needs goals that the file hides, for a batch size of 0;
-/// LookupError for a scan without a navigation mesh; InvalidInput naming each episode whose start
-/// is off the floor (`start-off-floor`); errors of files
+/// One trajectory per episode, in order. A slot takes the next episode when its own has ended.
+/// \throws ArgumentError if the agent needs goals that the file hides, or for a batch size of 0
+/// \throws LookupError for a scan without a navigation mesh
+/// \throws InvalidInput naming each episode whose start is off the floor (`start-off-floor`);
+/// errors of files
 std::vector<tasks::ContinuousResult> run_continuous(
     ContinuousAgent& agent, const tasks::ContinuousEpisodes& episodes,
     std::shared_ptr<const continuous::Buildings> buildings,
     const ContinuousRunOptions& options = {}, const Progress& progress = {});
 
-/// The reference agent's walks as VLN-CE's `_gt` files have them. \throws as run_continuous()
+/// The reference agent's trajectories in the form of VLN-CE's `_gt` files.
+/// \throws as run_continuous()
 tasks::ExpertWalks record_experts(const tasks::ContinuousEpisodes& episodes,
                                   std::shared_ptr<const continuous::Buildings> buildings,
                                   const ContinuousRunOptions& options = {},
@@ -53,20 +57,21 @@ tasks::ExpertWalks record_experts(const tasks::ContinuousEpisodes& episodes,
 /// \pre the goals are not hidden \throws ArgumentError if no floor is within 1 m of any goal
 continuous::DistanceField goal_field(const tasks::ContinuousEpisode& episode,
                                      const continuous::Geodesics& ways);
-/// Geodesic distances of all poses of a walk to the nearest goal. \pre the goals are not hidden
+/// Geodesic distances from all poses of a trajectory to the nearest goal. \pre goals are not hidden
 std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
                                    const tasks::ContinuousEpisode& episode,
                                    const continuous::Buildings& buildings);
 
-/// VLN-CE's measures of each walk, in order. \param experts  their locations are what nDTW compares
-/// with; the reference path, for an episode that has none
+/// VLN-CE's measures of each trajectory, in order.
+/// \param experts  their locations are the reference of nDTW; an episode without one takes the
+/// reference path
 /// \throws ArgumentError for hidden goals; as run_continuous() and check_goals()
 std::vector<tasks::ContinuousScore> score_continuous_walks(
     std::span<const tasks::ContinuousResult> walks, const tasks::ContinuousEpisodes& episodes,
     const continuous::Buildings& buildings, const tasks::ExpertWalks& experts = {},
     const Progress& progress = {});
 
-/// The same of one walk through an episode. \pre its goals are not hidden
+/// The same for one trajectory of an episode. \pre its goals are not hidden
 tasks::ContinuousScore score_continuous_walk(const tasks::ContinuousResult& walk,
                                              const tasks::ContinuousEpisode& episode,
                                              const continuous::Buildings& buildings,
