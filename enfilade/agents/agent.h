@@ -26,16 +26,16 @@ struct NavigableView {
   std::size_t size() const noexcept { return viewpoint.size(); }
 };
 
-/// What an agent sees in one episode. Valid during the call that it is passed to.
+/// Input of an agent in one episode. Valid during the call that it is passed to.
 struct Observation {
   const tasks::Episode* episode = nullptr;    ///< the instruction
-  const graph::NavGraph* graph = nullptr;     ///< of the building; only oracles may look at it
-  std::span<const ViewpointIndex> reference;  ///< start to goal; only oracles may look at it
-  /// The same path with what the episode asks for (`goal`); only oracles may look at it.
+  const graph::NavGraph* graph = nullptr;     ///< of the building; for oracles only
+  std::span<const ViewpointIndex> reference;  ///< start to goal; for oracles only
+  /// The same path with its `goal`; for oracles only.
   const tasks::ReferencePath* path = nullptr;
-  tasks::Task task = tasks::Task::kR2r;  ///< the benchmark, which says what answer is expected
-  /// What may be named here: the objects around the viewpoint that its pictures show or not
-  /// (ViewedObject::visible). Empty where the episodes have no objects.
+  tasks::Task task = tasks::Task::kR2r;  ///< the benchmark, which decides the expected answer
+  /// The objects around the viewpoint, visible in its pictures or not (ViewedObject::visible).
+  /// Empty if the episodes have no objects.
   std::span<const tasks::ViewedObject> objects;
   ViewpointIndex viewpoint;
   Radians heading, elevation;
@@ -46,8 +46,8 @@ struct Observation {
   bool ended = false;  ///< the episode is over; the decision is ignored
 };
 
-/// What some benchmarks ask for beside the path. At most one of them counts; an agent that gives
-/// none has its path scored all the same.
+/// Answer that some benchmarks require beside the path. At most one field counts. The path is
+/// scored without an answer, too.
 struct Answer {
   std::optional<ViewpointIndex> turning_point = {};  ///< R2R-Back: where it turned
   std::string object = {};                           ///< REVERIE: the object's id; empty: none
@@ -55,7 +55,7 @@ struct Answer {
   friend bool operator==(const Answer&, const Answer&) = default;
 };
 
-/// What to do: stop for good, or go to an entry of the navigable list (0: stay) and turn.
+/// An action: stop for good, or go to an entry of the navigable list (0: stay) and turn.
 struct Decision {
   bool stop = true;
   std::uint32_t index = 0;

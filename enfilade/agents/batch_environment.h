@@ -21,15 +21,16 @@ namespace enfilade::agents {
 /// The meaning of the action numbers (the paper, section 3 and its baseline). An action that is not
 /// possible leaves the agent where it is.
 enum class ActionSpace {
-  /// 0: stop; k: walk to entry k of the navigable list, which has all neighbours, and look in the
-  /// direction of the walk, elevation 0.
+  /// 0: stop; k: go to entry k of the navigable list, which has all neighbours, and face the
+  /// direction of the move, elevation 0.
   kViewpoint,
-  kSixActions,  ///< SixAction: 0 left, 1 right, 2 up, 3 down, 4 forward, 5 stop
-  /// 0: stop; k: walk to candidate k - 1 of panorama(), and look as the view that has it (Fried et
-  /// al. 2018; EnvDrop without its turns).
+  kSixActions,  ///< SixAction: 0 left, 1 right, 2 up, 3 down, 4 forward, 5 stop.
+  /// 0: stop; k: go to candidate k - 1 of panorama(), and face its view (Fried et al. 2018; EnvDrop
+  /// without its turns).
   kPanoramic,
-  /// 0: stop; k: walk to node k - 1 of map() if it is open, through visited ones, and look as the
-  /// last of them has it (DUET, Chen et al. 2022). Edges count in both directions.
+  /// 0: stop; k: go to node k - 1 of map() if it is open, through visited ones (DUET, Chen et al.
+  /// 2022). The agent then faces the view in which the last of them has it. Edges count in both
+  /// directions.
   kMap,
 };
 
@@ -47,13 +48,13 @@ struct EnvironmentConfig {
   ActionSpace actions = ActionSpace::kViewpoint;
   Reward reward = Reward::kProgress;
   std::uint32_t max_steps = 40;  ///< actions after which an episode is cut off, >= 1
-  /// Metres, for goals that it counts for. Of R2R-Back an agent that has been as near to the
-  /// turning point has turned there, as actions have no answer.
+  /// Metres, for goals that use it. R2R-Back: an agent this near to the turning point has turned
+  /// there, as actions have no answer.
   double success_distance = 3;
-  /// An agent whose episode has ended begins a new one at its next step, whatever its action
-  /// (Gymnasium's NEXT_STEP). Otherwise reset() has to be called for it.
+  /// An agent whose episode has ended begins a new one at its next step, with any action
+  /// (Gymnasium's NEXT_STEP). Otherwise reset() is required.
   bool reset_at_next_step = false;
-  std::uint64_t seed = 1;  ///< of the episodes that are drawn: agent k has the stream of seed + k
+  std::uint64_t seed = 1;  ///< of the drawn episodes: agent k has the stream of seed + k
   Camera camera;
   std::size_t max_navigable = 16;  ///< rows of a list, the present viewpoint included
 };
@@ -69,9 +70,9 @@ struct Outcome {
   std::vector<std::uint32_t> episode;  ///< index into EpisodeSet::episodes
   std::vector<std::uint32_t> actions;  ///< taken in the present episode
   std::vector<std::uint8_t> began;     ///< 1: an episode began
-  std::vector<double> success;         ///< of the episode that has ended: 1 or 0; NaN if hidden
-  /// Likewise. Of R2R as tasks::EpisodeMetrics has both; of other goals by tasks::goal_reached()
-  /// and tasks::shortest_to_goal(). No answer counts: of REVERIE and SOON it is navigation alone.
+  std::vector<double> success;         ///< of the ended episode: 1 or 0; NaN if hidden
+  /// Likewise. R2R: as tasks::EpisodeMetrics. Other goals: tasks::goal_reached() and
+  /// tasks::shortest_to_goal(). Answers do not count: for REVERIE and SOON it is navigation only.
   std::vector<double> spl;
 };
 
@@ -79,15 +80,17 @@ struct Outcome {
 /// the first time. One thread at a time.
 class BatchEnvironment {
  public:
-  /// \throws ArgumentError naming the field for values out of range, max_navigable that a graph
-  /// goes beyond too; if there are no episodes, or a reward is wanted but goals are hidden
+  /// \throws ArgumentError naming the field for values out of range; for no episodes, or a reward
+  /// with hidden goals
+  /// \throws ArgumentError if a graph has more neighbours than max_navigable
   BatchEnvironment(std::shared_ptr<const tasks::EpisodeSet> episodes,
                    const EnvironmentConfig& config);
 
-  /// Begins episodes for all agents, or those with mask[i] != 0.
-  /// \param mask empty: all  \param chosen indices of episodes, < 0: draw one; empty: draw all
+  /// Begins episodes for all agents, or those with mask[i] != 0. If it throws, nothing has changed.
+  /// \param mask empty: all
+  /// \param chosen indices of episodes, < 0: draw one; empty: draw all
   /// \throws ArgumentError for spans of another length, an index out of range, or if agents that
-  /// have never begun are left out. Then nothing has happened.
+  /// have never begun are left out
   void reset(std::span<const std::uint8_t> mask = {}, std::span<const std::int64_t> chosen = {});
   /// Restarts an agent's stream of random episodes. \pre agent < batch_size
   void seed(std::size_t agent, std::uint64_t seed);
@@ -101,24 +104,29 @@ class BatchEnvironment {
   std::int64_t action_count() const noexcept { return action_count_; }
   const sim::StateSpans& state() const noexcept { return batch_.state(); }
   const Outcome& outcome() const noexcept { return outcome_; }
-  /// What an agent can see and choose from where it stands: of 640 x 480 pixels and 60 degrees as
-  /// published, whatever the camera. Valid as long as *this. \throws ArgumentError for other action
-  /// spaces than kPanoramic and kMap, an agent beyond the batch, or before reset()
+  /// The views and candidates at an agent's viewpoint. Candidates are those of 640 x 480 pixels and
+  /// 60 degrees, as published, for any camera. Valid as long as *this.
+  /// \throws ArgumentError for other action spaces than kPanoramic and kMap, an agent beyond the
+  /// batch, or before reset()
   const Panorama& panorama(std::size_t agent) const;
-  /// What an agent knows of the building in its present episode. Valid until the next step() or
-  /// reset(). \throws ArgumentError for other action spaces than kMap, likewise
+  /// An agent's map of the building in its present episode. Valid until the next step() or reset().
+  /// \throws ArgumentError for other action spaces than kMap, an agent beyond the batch, or before
+  /// reset()
   const TopologicalMap& map(std::size_t agent) const;
-  /// The action of a teacher, an oracle. Of kSixActions that of the released R2R code, whose
-  /// "forward" leads to entry 1 of the list even where the teacher means another one, so that it
-  /// may go in circles. Of kMap that of map_expert() by `rule`, towards the end of the annotated
-  /// path; else a step on the shortest path to the nearest viewpoint that satisfies the goal, and
-  /// stop on it. No value if the goal is hidden or out of reach, or no node is open. \throws
-  /// ArgumentError for an agent beyond the batch, or before reset()
+  /// The action of a teacher, an oracle. No value if the goal is hidden or out of reach, or no node
+  /// is open.
+  /// - kSixActions: the released R2R code's. Its "forward" leads to entry 1 of the list even if the
+  ///   teacher means another one, so it may go in circles.
+  /// - kMap: map_expert() by `rule`, towards the end of the annotated path.
+  /// - Others: a step on the shortest path to the nearest viewpoint that satisfies the goal, and
+  ///   stop on it.
+  ///
+  /// \throws ArgumentError for an agent beyond the batch, or before reset()
   std::optional<std::int64_t> expert(std::size_t agent, ExpertRule rule = ExpertRule::kSpl) const;
-  /// All metrics of what the agent has walked in its episode so far. O(steps * reference length).
+  /// All metrics of the agent's trajectory so far. O(steps * reference length).
   /// \throws ArgumentError for an agent beyond the batch, before reset(), or if the goal is hidden
   tasks::EpisodeMetrics compute_metrics(std::size_t agent) const;
-  /// What the agent has walked in its episode so far: for scorers of other benchmarks.
+  /// The agent's trajectory so far: for scorers of other benchmarks.
   /// \pre agent < batch_size, reset() was called. Valid until the next reset() or step().
   const tasks::Trajectory& trajectory(std::size_t agent) const { return batch_.trajectory(agent); }
 

@@ -1,5 +1,5 @@
-/// \file  Episodes of walking freely as a reinforcement-learning environment: a batch of agents,
-/// one action each.
+/// \file  Continuous episodes as a reinforcement-learning environment: a batch of agents, one
+/// action each.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace enfilade::agents {
 
-/// What agents walk in. Shared by any number of environments.
+/// Episodes, buildings and settings. Shared by any number of environments.
 struct ContinuousWorld {
   std::shared_ptr<const tasks::ContinuousEpisodes> episodes;
   std::shared_ptr<const tasks::ExpertWalks> experts;  ///< what nDTW compares with; null: none
@@ -25,8 +25,7 @@ enum class ContinuousExpert : std::uint8_t {
   kShortest,   ///< the shortest way to the goal: the agent "shortest"
 };
 
-/// A batch of agents, each in an episode of its own that it was told to begin. One thread at a
-/// time.
+/// A batch of agents, each in the episode that begin() gave it. One thread at a time.
 class ContinuousEnvironment {
  public:
   /// Looks at the starts and goals of all episodes.
@@ -37,11 +36,12 @@ class ContinuousEnvironment {
   ContinuousEnvironment(ContinuousEnvironment&&) noexcept;
   ContinuousEnvironment& operator=(ContinuousEnvironment&&) noexcept;
 
-  /// Begins episodes. \param chosen  an index of an episode for each agent; below 0: as it is
-  /// \throws ArgumentError for another length, an index out of range, an agent that has never begun
-  /// and is left out. Then nothing has happened
+  /// Begins episodes. If it throws, nothing has changed.
+  /// \param chosen  an index of an episode per agent; below 0: no change
+  /// \throws ArgumentError for another length, an index out of range, or if an agent that has never
+  /// begun is left out
   void begin(std::span<const std::int64_t> chosen);
-  /// One action for every agent; those whose episode has ended stay as they are.
+  /// One action per agent; those whose episode has ended do not move.
   /// \throws as continuous::Simulator::step()
   void step(std::span<const continuous::Action> actions);
 
@@ -50,14 +50,14 @@ class ContinuousEnvironment {
   std::span<const std::uint32_t> episode() const noexcept { return episode_; }  ///< indices, (n)
   /// Geodesic, to the nearest goal, metres, (n); NaN: it is hidden, infinite: there is no way.
   std::span<const double> distance() const noexcept { return distance_; }
-  /// What an agent has walked in its episode so far. \pre it has begun
+  /// The agent's trajectory so far. \pre it has begun
   const tasks::ContinuousResult& walk(std::size_t agent) const;
-  /// The next action of a teacher, an oracle; kStop once an episode is over. It has followed the
-  /// agent from the start, whenever it is asked for the first time. No value if the goal is hidden.
+  /// The next action of a teacher, an oracle; kStop once an episode is over. It follows the agent
+  /// from the start, even if its first call comes later. No value if the goal is hidden.
   /// \throws ArgumentError for an agent beyond the batch or that has not begun
   std::optional<continuous::Action> expert(std::size_t agent, ContinuousExpert rule);
-  /// VLN-CE's measures of what an agent has walked in its episode so far.
-  /// \throws ArgumentError as expert(), or for a hidden goal
+  /// VLN-CE's measures of the agent's trajectory so far.
+  /// \throws ArgumentError as expert(), and for a hidden goal
   tasks::ContinuousScore score(std::size_t agent) const;
 
  private:

@@ -1,4 +1,4 @@
-/// \file  What a teacher says to an agent that chooses among viewpoints: oracles, for training.
+/// \file  Teachers of agents that choose among viewpoints: oracles, for training.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -15,8 +15,8 @@ namespace enfilade::agents {
 /// By which rule DUET's pseudo-expert names the open node to go to (Chen et al., CVPR 2022, section
 /// 3.3).
 enum class ExpertRule : std::uint8_t {
-  kSpl,   ///< least way through it to the goal: d(here, node) + d(node, goal)
-  kNdtw,  ///< walk that is most like the annotated path, if it went there: greatest nDTW
+  kSpl,   ///< shortest path to the goal through it: d(here, node) + d(node, goal)
+  kNdtw,  ///< greatest nDTW of the path through it with the annotated path
 };
 std::string_view to_string(ExpertRule rule) noexcept;  ///< "spl", "ndtw"
 ExpertRule parse_expert_rule(std::string_view name);   ///< \throws ArgumentError
@@ -26,19 +26,20 @@ ExpertRule parse_expert_rule(std::string_view name);   ///< \throws ArgumentErro
 std::optional<ViewpointIndex> next_on_shortest(const graph::NavGraph& graph, ViewpointIndex here,
                                                ViewpointIndex goal);
 
-/// What a map's teacher looks at.
+/// Input of a map's teacher.
 struct ExpertView {
   const graph::NavGraph& graph;  ///< the whole one: its distances, not the map's
   const TopologicalMap& map;
-  /// All viewpoints walked so far, the start first and the present one last.
+  /// All viewpoints of the trajectory so far, the start first and the present one last.
   std::span<const ViewpointIndex> walked;
   std::span<const ViewpointIndex> reference;  ///< the annotated path; its end is the goal
 };
 
-/// Where DUET's pseudo-expert goes: the goal where the agent stands on it (that is: stop), else an
-/// open node of the map; the first row of equals. No value if no node is open. Many nodes lie on
-/// the same shortest path, and then the last bit decides: distances are summed from their first
-/// viewpoint, as NavGraph has them, and recorded labels come out. \pre neither span is empty
+/// DUET's pseudo-expert: the goal if the agent is on it (that is: stop), else an open node of the
+/// map. Among equal nodes, the first row. No value if no node is open. Many nodes lie on the same
+/// shortest path, and then the last bit decides. Distances are summed from their first viewpoint,
+/// as in NavGraph, so that they give the recorded labels.
+/// \pre neither span is empty
 std::optional<ViewpointIndex> map_expert(const ExpertView& view, ExpertRule rule);
 
 }  // namespace enfilade::agents

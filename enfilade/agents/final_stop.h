@@ -1,4 +1,4 @@
-/// \file  Where an agent with a map ends: at the place that looked most like the goal.
+/// \file  Last viewpoint of an agent with a map: the one with the greatest probability of stopping.
 #pragma once
 #include <optional>
 #include <utility>
@@ -16,7 +16,8 @@ enum class LastAction {
   kLimit,        ///< the most actions that an episode may have are used up
 };
 
-/// When an agent goes back, after its last action, to where stopping was most probable.
+/// When an agent, after its last action, goes back to the viewpoint where stopping was most
+/// probable.
 enum class FinalStop {
   kAlways,     ///< the released DUET: also after a stop of its own
   kUnlessOwn,  ///< where it stopped by itself it stays; else as above
@@ -27,9 +28,9 @@ class StopMemory {
  public:
   using Node = TopologicalMap::Node;  ///< of the map
 
-  void clear() { known_.clear(); }  ///< nothing is remembered
-  /// The probability of stopping at a node where the agent stands. What was remembered of the same
-  /// node is replaced, at its old place in the order.
+  void clear() { known_.clear(); }  ///< forgets all
+  /// The probability of stopping at the agent's node. An earlier one of the same node is replaced,
+  /// at its old position in the order.
   void remember(Node node, double probability);
   /// The node with the highest probability, the first remembered of equals. No value: none is
   /// known.
@@ -39,8 +40,9 @@ class StopMemory {
   std::vector<std::pair<Node, double>> known_;
 };
 
-/// The walk after the last action: to memory.best() along known edges, without `here`; empty where
-/// the agent stays. \pre `here` and what is remembered are nodes of the map
+/// The path after the last action: to memory.best() along known edges, without `here`; empty if the
+/// agent stays.
+/// \pre `here` and all nodes of the memory are nodes of the map
 void final_walk(const TopologicalMap& map, TopologicalMap::Node here, const StopMemory& memory,
                 LastAction last, FinalStop rule, std::vector<ViewpointIndex>& out);
 

@@ -1,4 +1,4 @@
-/// \file  Walks of graph agents in the continuous world: what is lost between the two.
+/// \file  Graph agents' trajectories in continuous environments: the loss between the two.
 #pragma once
 #include <memory>
 #include <span>
@@ -11,10 +11,11 @@
 
 namespace enfilade::agents {
 
-/// An agent that walks, in each continuous episode, through the viewpoints of the trajectory that a
-/// graph agent made for the same instruction: of the graph episode with its trajectory's path_id,
-/// and, where a path has several instructions, as many episodes later. Viewpoints that are on no
-/// floor are passed over. \param trajectories  of graph_episodes, in any order
+/// An agent that follows, in each continuous episode, the viewpoints of a graph agent's trajectory
+/// for the same instruction. That is of the graph episode with its trajectory's path_id; for a path
+/// with several instructions, the one with the same number. Viewpoints that are on no floor are
+/// skipped.
+/// \param trajectories  of graph_episodes, in any order
 /// \throws ArgumentError for a continuous episode whose path or instruction has no trajectory
 std::unique_ptr<ContinuousAgent> make_graph_walker(std::string_view name,
                                                    std::span<const tasks::Trajectory> trajectories,

@@ -9,11 +9,11 @@
 
 namespace enfilade::agents {
 
-/// When a body is said not to be able to walk from a node to the next one.
+/// When a path from one node to the next counts as impossible for a body.
 struct DetourLimit {
-  /// The shortest way may be so many times the straight line ...
+  /// The shortest path may be this many times the straight line ...
   double times = 2;
-  double metres = 3;  ///< ... and so much longer: the edge leads over what a body must go round
+  double metres = 3;  ///< ... and this much longer: the edge leads over an obstacle
 };
 
 /// Nodes on the navigation meshes of buildings. Any thread.

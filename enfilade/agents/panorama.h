@@ -1,5 +1,4 @@
-/// \file  What panoramic agents look at and choose from: the 36 views of a viewpoint, and where one
-/// can go.
+/// \file  Input of panoramic agents: the 36 views of a viewpoint, and its candidates.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -16,13 +15,13 @@
 
 namespace enfilade::agents {
 
-/// A viewpoint's views and candidates. They do not depend on where an agent looks.
+/// A viewpoint's views and candidates. They do not depend on an agent's direction.
 struct Panorama {
-  /// Where an agent can go, in the order in which turning through the views meets them.
+  /// The neighbours, in the order in which turning through the views meets them.
   std::vector<sim::Candidate> candidates;
-  /// Of each of DUET's picture tokens its view: those of the candidates, in their order (several
-  /// may share one), then all views that no candidate has, ascending. More than 36 if some are
-  /// shared.
+  /// The view of each of DUET's picture tokens. First those of the candidates, in their order
+  /// (several may share one), then all views that no candidate has, ascending. More than 36 if some
+  /// are shared.
   std::vector<std::uint32_t> token_views;
 };
 
@@ -49,20 +48,22 @@ AngleFeature angle_feature(Radians heading, Radians elevation);
 /// degrees, at elevations -30, 0 and 30. \pre view < 36
 Radians view_heading(std::uint32_t view);
 Radians view_elevation(std::uint32_t view);  ///< likewise
-/// The level view whose heading is nearest: where episodes start.
+/// The level view of the nearest heading: direction at an episode's start.
 std::uint32_t level_view(Radians heading);
-/// The view of an agent that had `view` and turned as an action of the discretized simulator says:
-/// by one view or none, to the right or left, up or down. \pre view < 36
+/// The view of an agent that had `view`, after an action of the discretized simulator. It turns by
+/// one view or none, to the right or left, up or down.
+/// \pre view < 36
 std::uint32_t view_after(const sim::Action& action, std::uint32_t view);
 
-/// The view with which an agent comes to a neighbour: that in which this panorama has it, so that
-/// the agent looks on along its way. No value if the viewpoint is no candidate.
+/// The view with which an agent arrives at a neighbour. It is the one in which this panorama has
+/// it, so that the agent faces along its way. No value if the viewpoint is not a candidate.
 std::optional<std::uint32_t> arrival_view(const Panorama& panorama, ViewpointIndex neighbour);
 
 /// The next of the low-level actions with which EnvDrop's agent goes to a candidate (Tan, Yu,
-/// Bansal 2019): up or down to the row of its view, right until its column, then forward. Each is
-/// an entry of the trajectory; the last keeps the view. \param view of the agent now \pre both
-/// views are below 36
+/// Bansal 2019). It goes up or down to the row of its view, right until its column, then forward.
+/// Each is an entry of the trajectory; the last keeps the view.
+/// \param view of the agent now
+/// \pre both views are below 36
 sim::Action step_towards(const sim::Candidate& candidate, std::uint32_t view);
 
 }  // namespace enfilade::agents

@@ -1,4 +1,4 @@
-/// \file  An agent at the controls of somebody else's environment.
+/// \file  Runs an Agent inside a BatchEnvironment.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -17,21 +17,20 @@
 
 namespace enfilade::agents {
 
-/// What an agent does next, in the words of an action space.
+/// An agent's next move, for any action space.
 struct PilotMove {
   bool stop = true;
-  /// Where it goes: a neighbour; of kMap the next viewpoint that it has not visited, through
-  /// visited ones. Where it is, if it stops or turns.
+  /// Target: a neighbour; for kMap the next viewpoint that it has not visited, through visited
+  /// ones. Its own viewpoint, if it stops or turns.
   ViewpointIndex to;
   SixAction action = SixAction::kStop;  ///< of kSixActions
   std::optional<Answer> answer = {};    ///< the last one that it gave
   friend bool operator==(const PilotMove&, const PilotMove&) = default;
 };
 
-/// Lets an Agent, which turns and walks in the simulator's room_to_room() configuration, choose in
-/// any of the action spaces of BatchEnvironment, wherever that runs: each slot has its twin in a
-/// simulator of the pilot's own, and next() says what the agent has done there. One thread at a
-/// time.
+/// Lets an Agent choose in any of the action spaces of BatchEnvironment, in any process. The Agent
+/// turns and moves in the simulator's room_to_room() configuration. Each slot has a twin in a
+/// simulator of the pilot's own, and next() returns the agent's moves there. One thread at a time.
 class Pilot {
  public:
   /// `agent` and `episodes` have to outlive *this. \param max_actions of the agent, after which an
@@ -39,23 +38,23 @@ class Pilot {
   Pilot(Agent& agent, const tasks::EpisodeSet& episodes, ActionSpace actions,
         std::size_t max_actions = 1000);
 
-  /// New episodes, one a slot. \param episodes indices into EpisodeSet::episodes
+  /// New episodes, one per slot. \param episodes indices into EpisodeSet::episodes
   /// \throws as EpisodeBatch::begin(), and errors of the agent
   void begin(std::span<const std::size_t> episodes);
   std::size_t size() const noexcept { return slots_.size(); }  ///< slots; 0 before begin()
 
-  /// The next move of each slot that `asked` marks with a number other than 0; of others and of
-  /// ended episodes `moves` is a stop. What was asked for has to happen: `here`, where the slots
-  /// stand in the environment, is compared with where the agent has gone.
-  /// \throws ArgumentError for spans of other lengths, or a slot that stands elsewhere
+  /// The next move of each slot that `asked` marks with a number other than 0; a stop for others
+  /// and for ended episodes. Returned moves must be made: `here`, the slots' viewpoints in the
+  /// environment, is compared with the agent's.
+  /// \throws ArgumentError for spans of other lengths, or a slot that is elsewhere
   void next(std::span<const ViewpointIndex> here, std::span<const std::uint8_t> asked,
             std::span<PilotMove> moves);
 
  private:
   struct Slot {
-    std::deque<PilotMove> moves;  // that were not asked for yet
+    std::deque<PilotMove> moves;  // not returned yet
     ViewpointIndex at;            // where the environment should be
-    bool over = false;            // its stop was asked for
+    bool over = false;            // its stop was returned
     std::set<ViewpointIndex> visited;
     std::optional<Answer> answer;
   };

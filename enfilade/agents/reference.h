@@ -1,4 +1,4 @@
-/// \file  An agent that walks the reference path.
+/// \file  An agent that follows the reference path.
 #pragma once
 #include <cstddef>
 #include <string_view>
@@ -8,10 +8,10 @@
 
 namespace enfilade::agents {
 
-/// Walks the reference path, viewpoint by viewpoint, with the teacher's turns (shortest.h), then
+/// Follows the reference path, viewpoint by viewpoint, with the teacher's turns (shortest.h), then
 /// stops with the true answer. Between viewpoints without an edge, which REVERIE, CVDN and SOON may
-/// have, it takes the shortest path; where there is none it stops. What it scores is what the
-/// annotators' own paths score.
+/// have, it takes the shortest path; if there is none it stops. Its score is that of the
+/// annotators' own paths.
 class ReferenceAgent : public Agent {
  public:
   std::string_view name() const override { return "reference"; }
@@ -20,7 +20,7 @@ class ReferenceAgent : public Agent {
   void act(std::span<const Observation> batch, std::span<Decision> decisions) override;
 
  private:
-  std::vector<std::size_t> next_;  ///< by slot: the place on the path that it walks to
+  std::vector<std::size_t> next_;  ///< by slot: index of the next viewpoint on the path
 };
 
 }  // namespace enfilade::agents

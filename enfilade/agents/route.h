@@ -15,8 +15,8 @@ enum class Turning {
   kShorter,  ///< the shorter way
 };
 
-/// The viewpoints that an agent has still to walk to, one after another. It looks into the view
-/// that has the next one, turn by turn, and goes there.
+/// The viewpoints ahead of an agent, one after another. It turns to the view that has the next one,
+/// view by view, and goes there.
 class Route {
  public:
   /// A way that is done, until set().
@@ -24,8 +24,8 @@ class Route {
 
   /// Begins anew. \param way neighbours, one after another, without the present viewpoint
   void set(std::span<const ViewpointIndex> way) { way_.assign(way.begin(), way.end()); }
-  /// The next turn or move; no value where the way is done. To be asked before each action.
-  /// \throws ArgumentError for a viewpoint that cannot be gone to from where the agent is
+  /// The next turn or move; no value at the end of the route. To be called before each action.
+  /// \throws ArgumentError for a viewpoint that is not reachable from the agent's
   std::optional<Decision> next(const Observation& seen, const Panorama& panorama);
 
  private:

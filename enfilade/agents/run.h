@@ -17,7 +17,7 @@ namespace enfilade::agents {
 /// How agents are run. The batch size does not change trajectories.
 struct RunOptions {
   std::size_t batch_size = 100;
-  /// Actions after which an episode is ended. Far above what the agents here need: the longest
+  /// Actions after which an episode is ended. Far more than the agents here need: the longest
   /// teacher path of R2R takes 35; DUET's goes back and forth, and turns at each viewpoint.
   std::size_t max_actions = 1000;
   std::uint64_t seed = 1;  ///< an episode's stream is named by its instruction id
@@ -26,10 +26,10 @@ struct RunOptions {
 };
 
 /// One trajectory per episode, in order: the start pose (heading snapped by the simulator,
-/// elevation 0), then one entry per action. The same at any batch size. \throws ActionError if the
-/// agent goes where it cannot; ArgumentError if it needs goals that the split hides, or REVERIE's
-/// objects and the episodes were made without boxes, or for a batch size of 0; errors of graph
-/// files
+/// elevation 0), then one entry per action. The same at any batch size.
+/// \throws ActionError for an invalid action of the agent
+/// \throws ArgumentError for a batch size of 0, or if it needs hidden goals, or REVERIE's objects
+/// and the episodes were made without boxes; errors of graph files
 std::vector<tasks::Trajectory> run_agent(Agent& agent, const tasks::EpisodeSet& episodes,
                                          const RunOptions& options = {},
                                          const Progress& progress = {});

@@ -9,20 +9,20 @@
 
 namespace enfilade::agents {
 
-/// What the teacher of the released R2R code does at this observation on the way to the goal
-/// (docs/agents.md has the rules): the next viewpoint of the shortest path is walked to if it is
-/// navigable and within 30 degrees of the view's middle, turned to otherwise; stops at the goal.
-/// An oracle: looks at the graph. Also stops where the goal is out of reach.
+/// The decision of the released R2R code's teacher at this observation, towards the goal
+/// (docs/agents.md has the rules). It goes to the next viewpoint of the shortest path if that is
+/// navigable and within 30 degrees of the view's middle. Otherwise it turns to it. It stops at the
+/// goal. An oracle: uses the graph. Also stops if the goal is out of reach.
 Decision teacher_decision(const Observation& seen, ViewpointIndex goal);
 
-/// What is true at the end of an episode, by its goal: R2R-Back's turning point; REVERIE's object,
-/// seen from here or not; SOON's, the middle of the box of this viewpoint, of several the last, as
-/// DUET's scorer takes it, and no point where there is none. Nothing for other goals. An oracle.
+/// The true answer at the end of an episode, by its goal. R2R-Back's turning point. REVERIE's
+/// object, seen from here or not. SOON's: the middle of this viewpoint's box (the last of several,
+/// as DUET's scorer takes it), and no point without a box. Empty for other goals. An oracle.
 Answer true_answer(const Observation& seen);
 
 /// Follows the teacher: always takes the shortest path to the nearest viewpoint that satisfies the
-/// goal (tasks/goal_distance.h), of R2R-Back to the turning point and from there to the end; then
-/// stops with the true answer.
+/// goal (tasks/goal_distance.h). In R2R-Back, to the turning point and from there to the end. Then
+/// it stops with the true answer.
 class ShortestAgent : public Agent {
  public:
   std::string_view name() const override { return "shortest"; }

@@ -19,7 +19,8 @@ std::string_view to_string(SixAction action) noexcept;
 
 /// The action of a simulator with discretized viewing. Forward leads to entry 1 of the navigable
 /// list, the viewpoint nearest to the middle of the view; without one, and for kStop, the agent
-/// stays. \param navigable_count of the agent, its own viewpoint included
+/// stays.
+/// \param navigable_count of the agent, its own viewpoint included
 sim::Action to_action(SixAction action, std::uint32_t navigable_count) noexcept;
 
 /// The same as a decision: to_action(), and whether to stop for good.

@@ -1,5 +1,4 @@
-/// \file  The map that an agent draws while it walks: what it has visited, and what it has seen
-/// from there.
+/// \file  An agent's map: its visited viewpoints, and the ones seen from them.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -15,21 +14,22 @@
 
 namespace enfilade::agents {
 
-/// The topological map of DUET (Chen et al., CVPR 2022, section 3.1): nodes are all viewpoints seen
+/// The topological map of DUET (Chen et al., CVPR 2022, section 3.1). Nodes are all viewpoints seen
 /// so far, in the order of first sight; edges lead from visited nodes to their neighbours. Known
 /// paths run through visited nodes only. A plain value; clear() keeps its memory, so that after the
 /// first episodes nothing allocates. One thread at a time.
 class TopologicalMap {
  public:
-  /// A node by its place in the order of first sight.
+  /// A node by its index in the order of first sight.
   using Node = std::uint32_t;
 
   void clear();  ///< no node is left
 
-  /// The agent has arrived at `here`, at its step `step`, and sees these candidates: adds what is
-  /// new, in their order, edges of straight length (kept if shorter than what is known), then
+  /// Adds the candidates in view when the agent arrives at `here` at its step `step`. New ones are
+  /// added in their order, with edges of straight length (kept if shorter than the known one). Then
   /// relaxes all pairs through `here`, which is visited from now on.
-  /// \param candidates as CandidateFinder gives them \pre all are viewpoints of `graph`
+  /// \param candidates as CandidateFinder gives them
+  /// \pre all are viewpoints of `graph`
   void arrive(const graph::NavGraph& graph, ViewpointIndex here,
               std::span<const sim::Candidate> candidates, std::uint32_t step);
 
@@ -68,7 +68,7 @@ class TopologicalMap {
     Node middle;  // kDirect, or a node that the path runs through
   };
   Node add(const graph::NavGraph& graph, ViewpointIndex viewpoint);
-  // Of the triangle below the diagonal.
+  // Index of a pair in the triangle below the diagonal.
   static std::size_t place(Node a, Node b) {
     const std::size_t high = a > b ? a : b, low = a > b ? b : a;
     return high * (high - 1) / 2 + low;
@@ -84,15 +84,15 @@ class TopologicalMap {
   std::vector<Node> visits_, rows_;
 };
 
-/// Where something lies for DUET's position features: [sin h, cos h, sin e, cos e, straight line /
-/// 30 m, distance along the map / 30 m, viewpoints on the way / 10], h and e relative to the agent.
+/// DUET's position features: [sin h, cos h, sin e, cos e, straight line / 30 m, distance along the
+/// map / 30 m, viewpoints on the way / 10]. Angles h and e are relative to the agent.
 using MapFeature = std::array<float, 7>;
 
 /// Of [stop], which lies nowhere.
 inline constexpr MapFeature kStopFeature{0, 1, 0, 1, 0, 0, 0};
 
-/// Of `to`, as seen from `from` by an agent that looks to `heading` and `elevation`. Angles are
-/// rounded to single precision ahead of sine and cosine, as in the released code.
+/// Feature of `to`, from an agent at `from` with direction `heading` and `elevation`. Angles are
+/// rounded to single precision before sine and cosine, as in the released code.
 MapFeature map_feature(const TopologicalMap& map, TopologicalMap::Node from,
                        TopologicalMap::Node to, Radians heading, Radians elevation);
 

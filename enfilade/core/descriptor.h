@@ -3,8 +3,8 @@
 
 namespace enfilade {
 
-/// Closes a file descriptor at its end. Does nothing for a negative one, which stands for a failure
-/// of open(). Not to be used by several threads at once.
+/// Closes a file descriptor in its destructor. Does nothing for a negative one, which stands for a
+/// failure of open(). Not to be used by several threads at once.
 class Descriptor {
  public:
   /// Takes over `number`, as open() gives it.

@@ -19,7 +19,7 @@ constexpr std::string_view enum_name(Enum value) {
   return names_of(value)[static_cast<std::size_t>(value)];
 }
 
-/// The value of that name; none if no value has it.
+/// The value of that name; no value if the name is unknown.
 template <NamedEnum Enum>
 std::optional<Enum> find_enum(std::string_view name) {
   const auto names = names_of(Enum{});

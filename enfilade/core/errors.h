@@ -15,8 +15,8 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A value that a caller passed is outside what is allowed; what() names the parameter, the value
-/// and the allowed range.
+/// A value that a caller passed is outside the allowed range; what() names the parameter, the value
+/// and the range.
 class ArgumentError : public Error {
  public:
   using Error::Error;
@@ -25,8 +25,7 @@ class ArgumentError : public Error {
 /// \throws ArgumentError "NAME: VALUE, not from LEAST to MOST" for a value outside, NaN included
 void check_range(std::string_view name, double value, double least, double most);
 
-/// A name (scan, viewpoint, split, instruction) that does not exist; what() says where it was
-/// looked for.
+/// An unknown name (scan, viewpoint, split, instruction); what() names the place of the search.
 class LookupError : public Error {
  public:
   using Error::Error;
@@ -38,8 +37,8 @@ class FileError : public Error {
   using Error::Error;
 };
 
-/// Work that something outside cut short, as the end of another process, and that can be begun
-/// again as it is.
+/// Work stopped from outside, for example by the end of another process. It can be retried
+/// unchanged.
 class CutShort : public Error {
  public:
   using Error::Error;
@@ -48,7 +47,7 @@ class CutShort : public Error {
 /// How bad a finding is.
 enum class Severity {
   kNote,     ///< information; nothing is wrong
-  kWarning,  ///< unusual, but used as the file says
+  kWarning,  ///< unusual, but used as it stands in the file
   kError,    ///< cannot be used
 };
 
@@ -58,12 +57,12 @@ struct Diagnostic {
   std::string file;     ///< path as the caller gave it, or a name such as "<memory>"
   std::string where;    ///< JSON path such as "$[3].trajectory[0][1]"; may hold line and column
   std::string code;     ///< short and stable, for scripts: "long-edge", "unknown-viewpoint"
-  std::string message;  ///< what was found and what is allowed
+  std::string message;  ///< the value found and the values allowed
 };
 
-/// Errors that are kept of one input; as many warnings and notes are kept beside them. Further ones
-/// are counted, and a last diagnostic with the code kMoreFaults says how many: a broken file of
-/// 30 MB has millions. A reader may stop where it has that many errors, and then says so.
+/// Errors that are kept per input; as many warnings and notes are kept beside them. Further ones
+/// are counted, and a last diagnostic with the code kMoreFaults gives their number: a broken file
+/// of 30 MB has millions. A reader may stop at that many errors, and then says so.
 inline constexpr std::size_t kMostFaultsKept = 1000;
 inline constexpr std::string_view kMoreFaults = "more-faults";
 

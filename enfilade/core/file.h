@@ -25,7 +25,8 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 void make_folder(const std::filesystem::path& path);
 
 /// Removes the temporary files that write_file_atomically() leaves in a folder (not in its
-/// subfolders) if its process is killed. The folder need not exist. \pre nobody is writing there
+/// subfolders) if its process is killed. The folder need not exist. \pre no other process is
+/// writing there
 void remove_unfinished(const std::filesystem::path& folder);
 
 }  // namespace enfilade

@@ -16,7 +16,8 @@ std::string gzip(std::string_view text, int level);
 /// memory is never taken for more
 std::string gunzip(std::string_view packed, std::size_t most);
 
-/// What a packed text file may hold: ten times the largest annotations of the field (RxR's guide).
+/// Largest size of a packed text file's content: ten times the largest annotations of the field
+/// (RxR's guide).
 inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 32U;
 /// The content of a text file, unpacked if it begins as gzip does, whatever its name is.
 /// \throws FileError naming the path: as read_file(), and for gzip that is damaged or holds more
@@ -34,8 +35,8 @@ class Gunzip {
   Gunzip(const Gunzip&) = delete;
   Gunzip& operator=(const Gunzip&) = delete;
 
-  /// Unpacks the next bytes, and gives what comes out to `take`, at most 32 KiB at a time. What
-  /// take() throws ends it. \throws Error for what is no gzip, or goes on after its end
+  /// Unpacks the next bytes and passes them to `take`, at most 32 KiB at a time. An exception of
+  /// take() ends the unpacking. \throws Error if the bytes are not gzip, or go on after its end
   void add(std::string_view packed, const Take& take);
   bool ended() const noexcept;  ///< whether the end of the text has come
 

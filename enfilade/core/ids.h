@@ -7,8 +7,9 @@
 
 namespace enfilade {
 
-/// An index into the list that owns a thing. The tag keeps the index of a viewpoint from being used
-/// as that of a scan. Has the layout of a uint32_t, so that NumPy can use arrays of it directly.
+/// An index into the list that owns an object. The tag keeps the index of a viewpoint from being
+/// used as that of a scan. Has the layout of a uint32_t, so that NumPy can use arrays of it
+/// directly.
 template <class Tag>
 struct Index {
   std::uint32_t value = 0;

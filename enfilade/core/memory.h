@@ -6,10 +6,10 @@
 
 namespace enfilade {
 
-/// Bytes that are free, or can be made so without swapping: the machine's (MemAvailable), or those
-/// left to the process's cgroup (version 2; what a container has), if these are fewer. 0 if the
-/// system does not say.
-/// \param proc, cgroup where the system says it; another folder in tests
+/// Bytes that are free, or can be freed without swapping. The smaller of the machine's
+/// (MemAvailable) and those left to the process's cgroup (version 2, as in a container). 0 if the
+/// system does not report it.
+/// \param proc, cgroup the system's folders; other folders in tests
 std::uint64_t available_memory(const std::filesystem::path& proc = "/proc",
                                const std::filesystem::path& cgroup = "/sys/fs/cgroup");
 

@@ -7,10 +7,10 @@
 
 namespace enfilade {
 
-/// The number that is all of `text`, as std::from_chars reads it: integers in base 10;
-/// floating-point numbers also with an exponent, and "inf" and "nan", with or without a sign.
-/// Nothing for any other text: empty, with white space or a leading '+', out of T's range (also a
-/// minus sign where T is unsigned).
+/// The number that is all of `text`, as std::from_chars reads it: integers in base 10.
+/// Floating-point numbers may have an exponent or be "inf" or "nan", with or without a sign. No
+/// value for any other text: empty, with white space or a leading '+', or out of T's range. For an
+/// unsigned T that includes a minus sign.
 template <class T>
 std::optional<T> parse_number(std::string_view text) {
   T value{};

@@ -13,8 +13,9 @@ namespace enfilade {
 class PartFile {
  public:
   /// Opens the part that exists, or makes an empty one. If `file` is a link, the part lies beside
-  /// its target. \throws FileError naming the path and the system's reason, also if another object
-  /// has the part open, or if `file` exists and is not a plain file
+  /// its target.
+  /// \throws FileError naming the path and the system's reason; also if another object has the part
+  /// open, or if `file` exists and is not a plain file
   explicit PartFile(const std::filesystem::path& file);
   ~PartFile();
   PartFile(const PartFile&) = delete;

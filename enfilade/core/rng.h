@@ -7,11 +7,10 @@
 
 namespace enfilade {
 
-/// One stream of random numbers, named by a seed and up to two stream numbers (an agent and its
-/// episode, say): streams are independent, so that results do not depend on batch size or
-/// threads. SplitMix64 (Steele, Lea, Flood 2014) from a hashed start; passes BigCrush; not for
-/// cryptography. The distributions of the standard library are not used, as they differ between
-/// implementations.
+/// One stream of random numbers, named by a seed and up to two stream numbers (for example an agent
+/// and its episode). Streams are independent, so results do not depend on batch size or threads.
+/// SplitMix64 (Steele, Lea, Flood 2014) from a hashed start; passes BigCrush; not for cryptography.
+/// The distributions of the standard library are not used, as they differ between implementations.
 class Rng {
  public:
   /// Streams of one seed, and substreams of one stream, are independent of each other.

@@ -12,9 +12,9 @@ namespace enfilade {
 
 class MappedFile;
 
-/// The content of a text file, unpacked if it begins as gzip does, whatever its name is: a plain
-/// file is mapped, and so must not be truncated meanwhile (mapped_file.h); others are read. Any
-/// thread may read the text.
+/// The content of a text file, unpacked if it begins as gzip does, under any name. A plain file is
+/// mapped, and must not be truncated meanwhile (mapped_file.h); others are read. Any thread may
+/// read the text.
 class TextFile {
  public:
   /// \throws FileError naming the path: as read_text_file()

@@ -7,13 +7,13 @@
 
 namespace enfilade {
 
-/// Length in bytes of the first character of `text`, 1 to 4; 0 if the text is empty or does not
-/// begin with a well-formed character: overlong forms, surrogates and values above U+10FFFF are not
-/// (Unicode 15, table 3-7).
+/// Length in bytes of the first character of `text`, 1 to 4. 0 if the text is empty or does not
+/// begin with a well-formed character; overlong forms, surrogates and values above U+10FFFF are not
+/// well-formed (Unicode 15, table 3-7).
 std::size_t utf8_length(std::string_view text);
 
-/// The longest beginning of a text of at most so many bytes that does not end within a character.
-/// \pre the text is well-formed; of another one it may be a few bytes shorter
+/// The longest prefix of a text, at most `most` bytes, that does not end within a character.
+/// \pre the text is well-formed; otherwise the prefix may be a few bytes shorter
 std::string_view utf8_prefix(std::string_view text, std::size_t most);
 
 /// Appends the character of a code point to a text. \pre code is at most 0x10ffff, and no surrogate

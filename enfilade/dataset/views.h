@@ -1,7 +1,7 @@
 /// \file  Single pictures of a data set, by the names of scan and viewpoint.
 ///
-/// For figures, pages and first steps. Whoever draws many views makes a render::Renderer of
-/// Dataset::faces(), and draws them in batches into memory of their own.
+/// For figures, pages and first steps. To render many views, make a render::Renderer of
+/// Dataset::faces(), and render them in batches into your own memory.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace enfilade::dataset {
 
-/// Where to stand and look.
+/// Viewpoint and direction of a view.
 struct NamedView {
   std::string scan;
   std::string viewpoint;   ///< id
@@ -45,9 +45,9 @@ image::Image16 render_depth(const Dataset& dataset, const NamedView& view,
 image::Image32 render_instances(const Dataset& dataset, const render::View& view,
                                 const Camera& camera = {});
 
-/// All directions in RGB, (width / 2, width, 3), equirectangular: the middle column looks along the
-/// heading, the middle row along the horizon. \throws as render_colour(); ArgumentError for a width
-/// below 2
+/// All directions in RGB, (width / 2, width, 3), equirectangular. The middle column is at the
+/// heading, the middle row at the horizon.
+/// \throws as render_colour(); ArgumentError for a width below 2
 image::Image8 render_panorama(const Dataset& dataset, const render::View& view,
                               std::uint32_t width = 1024);
 image::Image8 render_panorama(const Dataset& dataset, const NamedView& view,

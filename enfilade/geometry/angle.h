@@ -15,7 +15,7 @@ struct Radians {
   double value = 0;
 
   constexpr Radians() = default;
-  /// Of a plain number of radians.
+  /// Radians from a plain number.
   constexpr explicit Radians(double radians) : value(radians) {}
   friend constexpr auto operator<=>(Radians, Radians) = default;
   friend constexpr Radians operator+(Radians a, Radians b) { return Radians(a.value + b.value); }

@@ -19,7 +19,7 @@ struct Camera {
 /// 2 atan(tan(vfov / 2) width / height). 75.2 degrees at 640 x 480 and 60 degrees.
 Radians horizontal_field_of_view(const Camera& camera);
 
-/// Checks all fields. \throws ArgumentError naming the field, its value and what is allowed
+/// Checks all fields. \throws ArgumentError naming the field, its value and the allowed range
 void validate(const Camera& camera);
 
 }  // namespace enfilade

@@ -23,8 +23,9 @@ inline constexpr std::size_t kCubeFaces = 6;
 constexpr CubeFace cube_face(std::size_t k) { return static_cast<CubeFace>(k); }
 constexpr std::size_t index(CubeFace face) { return static_cast<std::size_t>(face); }
 
-/// Axes of a face in the panorama frame. The point (s, t) in [0, 1]^2 of the face, s from its left
-/// edge and t from its top edge, lies in the direction forward + (2 s - 1) right + (2 t - 1) down.
+/// Axes of a face in the panorama frame. The point (s, t) in [0, 1]^2 of the face lies in the
+/// direction forward + (2 s - 1) right + (2 t - 1) down. It counts s from the left edge, t from the
+/// top.
 struct FaceAxes {
   Vec3d right, down, forward;
 };

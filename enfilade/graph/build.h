@@ -19,15 +19,15 @@ struct ViewpointOptions {
   std::uint64_t seed = 1;
 };
 
-/// A place to look from.
+/// A viewpoint's position.
 struct PlacedViewpoint {
   Vec3d eye;          ///< metres, world
   double height = 0;  ///< above the floor
 };
 
-/// Spread over all of the floor's largest connected part (and the others that have room for two),
-/// each walkable place near one; at commanding positions (much of the surroundings in view, clear
-/// of walls, doorways and stairs covered). Deterministic.
+/// Viewpoints spread over all of the floor's largest connected part (and the others that have room
+/// for two). Each walkable cell is near one. They stand at commanding positions: much of the
+/// surroundings in view, clear of walls, doorways and stairs covered. Deterministic.
 std::vector<PlacedViewpoint> place_viewpoints(const mesh::RayTracer& tracer,
                                               const mesh::WalkableFloor& floor,
                                               const ViewpointOptions& options = {});
@@ -39,16 +39,15 @@ struct EdgeOptions {
   double lowest =
       0.35;  ///< of its lower end above the floor (sills, rugs and treads don't stop it)
   double highest = 1.55;                 ///< of its upper end
-  std::uint32_t columns = 9, rows = 31;  ///< of rays across the body
+  std::uint32_t columns = 9, rows = 31;  ///< rays across the body
   bool need_floor = true;                ///< there must be walkable floor below all of it
 };
 
-/// The connectivity of viewpoints: `unobstructed` where a bundle of rays as wide and as tall as the
-/// body gets through the mesh between two viewpoints at most `longest` apart, with floor to walk on
-/// below; symmetric. `visible` where a single ray does, at any distance. Poses look along +y
-/// (panoramas' face 3), ids are 32 hex digits made from scan and position. Parts that would hang
-/// alone are kept, `included`; check_graph() reports them. O(n^2) rays at worst, in parallel;
-/// `threads` 0: all cores.
+/// The connectivity of viewpoints; symmetric. `unobstructed`: a bundle of rays as wide and as tall
+/// as the body gets through the mesh, above walkable floor, at most `longest` long. `visible`: a
+/// single ray does, at any distance. Poses look along +y (panoramas' face 3), ids are 32 hex digits
+/// made from scan and position. Separate parts are kept, `included`; check_graph() reports them.
+/// O(n^2) rays at worst, in parallel; `threads` 0: all cores.
 scan::Connectivity connect_viewpoints(const mesh::RayTracer& tracer,
                                       const mesh::WalkableFloor& floor,
                                       const std::vector<PlacedViewpoint>& viewpoints,

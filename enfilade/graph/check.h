@@ -1,4 +1,4 @@
-/// \file  What is odd about a navigation graph.
+/// \file  Checks of a navigation graph.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -15,14 +15,15 @@ struct CheckOptions {
   double shortest_offset = 0.05;  ///< metres apart horizontally; below, headings are unstable
 };
 
-/// Reports, and changes nothing: codes `long-edge`, `steep-edge` (ends nearly above each other),
-/// `one-way-edge`, `self-edge`, `edge-to-excluded` (one note a file), `isolated-viewpoint`,
-/// `disconnected-part`, `bad-pose` (not a rigid motion), `same-position`, `no-viewpoints`. Each
-/// with the JSON path of what it is about. Edges are reported once, from their lower index.
+/// Reports faults, and changes nothing. Codes: `long-edge`, `steep-edge` (ends nearly above each
+/// other), `one-way-edge`, `self-edge`, `edge-to-excluded` (one note per file),
+/// `isolated-viewpoint`, `disconnected-part`, `bad-pose` (not a rigid motion), `same-position`,
+/// `no-viewpoints`. Each has the JSON path of its cause. Edges are reported once, from their lower
+/// index.
 std::vector<Diagnostic> check_graph(const scan::Connectivity& connectivity,
                                     const CheckOptions& options = {});
 
-/// A file that could not be used, or what is odd about it; never throws for a bad file.
+/// A file's diagnostics, also if it could not be read; never throws for a bad file.
 struct FileReport {
   std::string scan;
   std::size_t viewpoints = 0;

@@ -12,7 +12,7 @@ namespace enfilade::graph {
 
 /// One edge that a person added or took away, or a viewpoint left out.
 struct Correction {
-  /// What a correction does.
+  /// The effect of a correction.
   enum class Action { kAddEdge, kRemoveEdge, kExclude, kInclude };
   Action action = Action::kAddEdge;
   std::string from, to;  ///< viewpoint ids; `to` is empty for (in/ex)clusion

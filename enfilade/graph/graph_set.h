@@ -46,15 +46,15 @@ class GraphSet {
   /// As find(). \throws LookupError naming the scan and the folder
   ScanIndex at(std::string_view scan) const;
 
-  /// Reads the graph if nobody has. \pre scan < size()
-  /// \throws FileError, InvalidInput: as scan::load_connectivity; a later call tries again
+  /// Reads the graph at its first use. \pre scan < size()
+  /// \throws FileError, InvalidInput as scan::load_connectivity; a later call tries again
   const NavGraph& graph(ScanIndex scan) const;
-  /// \throws LookupError for a scan that is not listed, or as above
+  /// \throws LookupError for a scan that is not listed; FileError, InvalidInput as graph(ScanIndex)
   const NavGraph& graph(std::string_view scan) const { return graph(at(scan)); }
   /// Reads all that are not read yet, on `threads` (0: all cores).
   void load_all(int threads = 0) const;
 
-  /// An included viewpoint by its names.
+  /// The included viewpoint of these names.
   /// \throws LookupError naming what is unknown or excluded; FileError, InvalidInput
   Location locate(std::string_view scan, std::string_view viewpoint) const;
 

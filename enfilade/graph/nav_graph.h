@@ -1,4 +1,4 @@
-/// \file  Viewpoints of one scan and the edges that an agent may walk along.
+/// \file  Viewpoints of one scan and the navigable edges between them.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace enfilade::graph {
 
-/// What is known of a step from one viewpoint to a neighbour, computed once. Single precision where
+/// Measures of a step from one viewpoint to a neighbour, computed once. Single precision where
 /// MatterSim has it, because recorded behaviour depends on the bits.
 struct Edge {
   ViewpointIndex target;
@@ -28,11 +28,11 @@ struct Edge {
 };
 
 /// Directed graph over the n viewpoints of one scan (all 90 graphs of Matterport3D are symmetric).
-/// Viewpoints keep their place in the connectivity file, excluded ones included, so an index is
-/// MatterSim's `ix`. An edge leads from i to j if both are included and row i of `unobstructed`
-/// says so; nothing is symmetrised. Immutable, so any number of threads may read it; owns its
-/// storage: spans and string_views are valid as long as *this. Lengths in metres, positions in the
-/// world frame. Functions of a ViewpointIndex have the precondition that it is below size().
+/// Viewpoints keep their index in the connectivity file, excluded ones included, so an index is
+/// MatterSim's `ix`. An edge leads from i to j if both are included and row i of `unobstructed` has
+/// it; nothing is symmetrised. Immutable, so any number of threads may read it; owns its storage:
+/// spans and string_views are valid as long as *this. Lengths in metres, positions in the world
+/// frame. Functions of a ViewpointIndex have the precondition that it is below size().
 class NavGraph {
  public:
   /// O(n^2) in the file's flags. Shortest paths and look-up by position are made at first use.
@@ -68,9 +68,9 @@ class NavGraph {
   /// Shortest distance along edges; 0 for a == b, +inf if out of reach. O(1) after the first call
   /// on this graph, which computes all pairs (Dijkstra, about 2 ms for 117 viewpoints).
   double distance(ViewpointIndex a, ViewpointIndex b) const;
-  /// The path behind distance(), both ends included; of several equally short ones that whose
-  /// viewpoints, read from the end, have the lower indices, so that equal graphs give equal paths
-  /// on every platform. No value if b is out of reach.
+  /// The path behind distance(), both ends included; no value if b is out of reach. Among equally
+  /// short paths, the one whose viewpoints, read from the end, have the lower indices. So equal
+  /// graphs give equal paths on every platform.
   std::optional<std::vector<ViewpointIndex>> path(ViewpointIndex a, ViewpointIndex b) const;
   /// The viewpoint before b on path(a, b). No value if a == b or b is out of reach. O(1).
   std::optional<ViewpointIndex> before(ViewpointIndex a, ViewpointIndex b) const;

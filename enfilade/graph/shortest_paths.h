@@ -12,9 +12,9 @@ struct WeightedTarget {
   double weight = 0;  ///< >= 0
 };
 
-/// Distances and predecessors between all pairs of n nodes. Deterministic: of paths of equal length
-/// (to the bit, summed from the source) the one whose last differing node, seen from the end, has
-/// the lower index. Immutable; 10 n^2 bytes.
+/// Distances and predecessors between all pairs of n nodes. Deterministic: among paths of equal
+/// length (to the bit, summed from the source), the one whose last differing node has the lower
+/// index. Immutable; 10 n^2 bytes.
 class ShortestPaths {
  public:
   static constexpr std::uint16_t kNone = 0xffff;

@@ -1,6 +1,6 @@
 /// \file  Codecs: JPEG, PNG and Radiance HDR, in memory. A truncated or damaged file is never read
-/// in part: readers throw InvalidInput with `file` (its name for messages), what was found and what
-/// is allowed. All functions may be called from any thread.
+/// in part. Readers throw InvalidInput naming `file` (its name for messages), the value found and
+/// the values allowed. All functions may be called from any thread.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -56,7 +56,7 @@ inline constexpr int kFullChromaQuality = 90;
 std::vector<std::uint8_t> encode_jpeg(const Image8& picture, int quality, bool full_chroma = false);
 /// The six faces of a strip as baseline JPEGs with the coefficients of the strip, without decoding.
 /// No value if it is not a strip or its blocks do not end at the edges of faces. With subsampled
-/// chroma, columns next to a cut do not decode to the same values as in the strip, where the
+/// chroma, columns next to a cut do not decode to the same values as in the strip. There the
 /// decoder interpolates chroma across faces.
 /// \throws InvalidInput
 std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(

@@ -1,5 +1,5 @@
-/// \file  Borders of cube map faces: one texel all around, taken from the neighbouring faces, so
-/// that linear filtering has no seams and needs no test for edges.
+/// \file  Borders of cube map faces: one texel all around, taken from the neighbouring faces. With
+/// it linear filtering has no seams and needs no test for edges.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -23,8 +23,8 @@ std::vector<std::uint8_t> border_of(const CubeMap<std::uint8_t>& faces, CubeFace
 
 /// Writes a border of border_of() around a face. \pre border.size() == 3 * border_texels(size)
 void write_border(const ColourCells& face, std::span<const std::uint8_t> border);
-/// The same, of rows begin .. end - 1 alone: the texels beside them, the row above the face if they
-/// begin with its first, the row below it if they end with its last.
+/// The same for rows begin .. end - 1 only: the texels beside them. Also the row above the face if
+/// they begin with its first, and the row below it if they end with its last.
 void write_border_rows(const ColourCells& face, std::span<const std::uint8_t> border,
                        std::uint32_t begin, std::uint32_t end);
 
@@ -32,8 +32,9 @@ void write_border_rows(const ColourCells& face, std::span<const std::uint8_t> bo
 void write_face(const ColourCells& face, const std::uint8_t* rgb);
 void write_face(const ColourCells& face, const Image8& picture);
 
-/// Writes the faces in `wanted` (bits 1 << index(CubeFace)) with their borders; other buffers are
-/// not touched. \pre faces are square, alike and of 3 channels; each buffer has their size
+/// Writes the faces in `wanted` (bits 1 << index(CubeFace)) with their borders. Other buffers are
+/// not touched.
+/// \pre faces are square, alike and of 3 channels; each buffer has their size
 void write_faces(const CubeMap<std::uint8_t>& faces, std::uint8_t wanted,
                  const std::array<ColourCells, kCubeFaces>& to);
 

@@ -1,7 +1,7 @@
-/// \file  Decoded faces as drawing wants them: cells of 64 bytes, a cache line, that hold a few
-/// neighbouring texels of one row; cells of the same columns lie one below the other, in a strip.
-/// So no load crosses a cache line, and a view turned by any angle reads runs of lines. Why, and
-/// why these numbers: docs/design/kernels.md.
+/// \file  Decoded faces in the layout for rendering: cells of 64 bytes, a cache line, that hold a
+/// few neighbouring texels of one row. Cells of the same columns lie one below the other, in a
+/// strip. So no load crosses a cache line, and a view turned by any angle reads runs of lines. Why,
+/// and why these numbers: docs/design/kernels.md.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace enfilade::image {
 
 /// Bytes of a cell.
 inline constexpr std::size_t kCellBytes = 64;
-/// The longest edge of a face, in texels: above any panorama's, offsets in a face fit into 31 bits,
-/// and a hostile index of a store cannot ask for all memory.
+/// The longest edge of a face, in texels, above any panorama's. Offsets in a face fit into 31 bits.
+/// A hostile index of a store cannot request all memory.
 inline constexpr std::uint32_t kLargestCellFace = 16384;
 
 /// A colour face with a border of one texel all around, in the caller's memory. A cell has the
@@ -33,7 +33,7 @@ struct ColourCells {
   static constexpr std::size_t pitch(std::uint32_t size) {
     return kCellBytes * (std::size_t{size} + 2);
   }
-  /// Of a face, a multiple of kCellBytes.
+  /// Bytes of a face, a multiple of kCellBytes.
   static constexpr std::size_t bytes(std::uint32_t size) { return strips(size) * pitch(size); }
   /// Where the texel at column x and row y begins, both counted from the border's.
   static constexpr std::size_t offset(std::uint32_t size, std::size_t x, std::size_t y) {
@@ -63,7 +63,7 @@ struct ValueCells {
 
   /// Bytes from a strip to the next.
   static constexpr std::size_t pitch(std::uint32_t size) { return kCellBytes * std::size_t{size}; }
-  /// Of a face, a multiple of kCellBytes.
+  /// Bytes of a face, a multiple of kCellBytes.
   static constexpr std::size_t bytes(std::uint32_t size) {
     return (size + kColumns - 1) / kColumns * pitch(size);
   }

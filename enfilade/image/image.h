@@ -61,8 +61,10 @@ CubeMap<T> split_strip(const Image<T>& strip);
 template <class T>
 Image<T> join_strip(const CubeMap<T>& faces);
 
-/// The unfolded cube: a cross of 4 x 3 faces around the front one, whose top and bottom faces hang
-/// on the front one (a strip's on the back one). The corners are 0. \throws as join_strip()
+/// The unfolded cube: a cross of 4 x 3 faces around the front one. Its top and bottom faces hang on
+/// the front one (a strip's on the back one). The corners are 0.
+/// \throws ArgumentError unless the faces are square and alike
+/// \throws as join_strip()
 template <class T>
 Image<T> join_cross(const CubeMap<T>& faces);
 
@@ -73,8 +75,8 @@ Image<T> half_turn(const Image<T>& picture);
 template <class T>
 Image<T> rows(const Image<T>& picture, std::size_t first, std::size_t count);
 
-/// Area average, as Matterport3DSimulator's preprocessing shrinks sky-boxes (any ratio >= 1 in
-/// each direction; each pixel is the exact mean of the area it covers, rounded to nearest).
+/// Area average, as Matterport3DSimulator's preprocessing shrinks sky-boxes. Any ratio >= 1 in each
+/// direction. A pixel is the exact mean of the area it covers, rounded to nearest.
 /// \throws ArgumentError for a size of 0 or above the picture's
 Image8 shrink(const Image8& picture, std::uint32_t width, std::uint32_t height);
 

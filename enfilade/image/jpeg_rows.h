@@ -27,12 +27,13 @@ struct RowRange {
 
 /// Whether the file may be one of mark_rows() for decode_rows(): reads its headers only.
 bool has_marked_rows(Bytes jpeg);
-/// Decodes rows of a face, without its border, to the bytes that decode_jpeg() gives (of files with
-/// coefficients that no encoder writes, bytes may differ). False if the
-/// file is not one of mark_rows(), is damaged, is not a square of the face's size in colour at
-/// 4:2:0 or 4:4:4: then decode_jpeg() reads it or says what is wrong, and the rows hold anything.
-/// Ranges of the same face that share no row may be decoded at the same time. After a thread's
-/// first call for a size nothing is allocated. \pre rows.begin < rows.end <= face.size
+/// Decodes rows of a face, without its border, to the bytes that decode_jpeg() gives. Bytes may
+/// differ for coefficients that no encoder writes. False if the file is not one of mark_rows(), is
+/// damaged, or is not a square of the face's size in colour at 4:2:0 or 4:4:4. Then decode_jpeg()
+/// reads it or reports its fault, and the rows are unspecified. Ranges of the same face that share
+/// no row may be decoded at the same time. After a thread's first call for a size nothing is
+/// allocated.
+/// \pre rows.begin < rows.end <= face.size
 bool decode_rows(Bytes jpeg, RowRange rows, const ColourCells& face);
 
 }  // namespace enfilade::image

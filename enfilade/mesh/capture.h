@@ -9,9 +9,9 @@
 
 namespace enfilade::mesh {
 
-/// What a camera records, and how finely.
+/// Layers of a camera's capture, and their sampling.
 struct CaptureOptions {
-  std::uint32_t samples = 4;  ///< colour rays a pixel: 1, 4, 9 or 16
+  std::uint32_t samples = 4;  ///< colour rays per pixel: 1, 4, 9 or 16
   float exposure = 0;         ///< stops, added to the mesh's own (LitMesh::key())
   bool colour = true, depth = true, labels = true;
   int threads = 0;  ///< 0: all cores; does not change the pictures
@@ -20,7 +20,7 @@ struct CaptureOptions {
 /// Depth: quarter millimetres as image::depth_units(), 0 where the ray hits nothing. Class: index
 /// in mpcat40. Instance: index of the object plus 1. Both are 0 where the ray hits nothing or an
 /// unlabelled surface. Depth and labels are those of the ray through the pixel's centre. Layers
-/// that were not asked for are empty.
+/// that were not requested are empty.
 struct CubeCapture {
   image::CubeMap<std::uint8_t> colour;  ///< sRGB
   image::CubeMap<std::uint16_t> depth;  ///< along the ray
@@ -40,7 +40,7 @@ struct Pinhole {
   Mat3d world_from_camera;
   Vec3d position;
 };
-/// What a pinhole camera records; layers that were not asked for are empty.
+/// The capture of a pinhole camera; layers that were not requested are empty.
 struct PinholeCapture {
   image::Image8 colour;
   image::Image16 depth;  ///< z-distance

@@ -1,4 +1,4 @@
-/// \file  The walkable floor of a mesh as convex polygons (Recast), for walking freely on it.
+/// \file  The walkable floor of a mesh as convex polygons (Recast): a navigation mesh.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -13,9 +13,9 @@
 
 namespace enfilade::mesh {
 
-/// Who walks, and how closely the polygons follow the floor's rim. Where the box that is looked at
-/// is too large for cells of that size (520 m2 at 1.25 cm), cells and rim_error grow together
-/// until it is not: FloorPolygons::cell says what they are.
+/// Body size, and how closely the polygons follow the floor's rim. If the box is too large for
+/// cells of that size (520 m2 at 1.25 cm), cells and rim_error grow together until it is not.
+/// FloorPolygons::cell has the result.
 struct PolygonOptions {
   WalkableOptions floor{.body = {.radius = 0.1, .height = 1.5, .step = 0.2, .slope = 45},
                         .cell = 0.0125,
@@ -63,9 +63,9 @@ struct FloorPolygons {
   Vec3f low, high;             ///< box around everything, world
   std::vector<PolygonCorner> corners;
   std::vector<FloorPolygon> polygons;
-  std::vector<PolygonHeights> heights;  ///< of each polygon
-  std::vector<Vec3f> points;            ///< world: all corners of a polygon first, then others
-  /// Points of each triangle, counted from the polygon's first, and a byte of flags of Recast's:
+  std::vector<PolygonHeights> heights;  ///< per polygon
+  std::vector<Vec3f> points;            ///< world, metres: corners of a polygon first
+  /// Points of each triangle, counted from the polygon's first. Then a byte of Recast's flags:
   /// which sides are sides of the polygon.
   std::vector<std::array<std::uint8_t, 4>> triangles;
   friend bool operator==(const FloorPolygons& a, const FloorPolygons& b) {

@@ -102,9 +102,9 @@ struct House {
 };
 
 /// Parses a file. \param file its name in messages
-/// \throws InvalidInput naming line and field of each fault: a first line other than `ASCII 1.x`, a
-/// record of the wrong length, an invalid number, a wrong index, a number of records other than the
-/// H line says
+/// \throws InvalidInput naming line and field of each fault:
+/// - a first line other than `ASCII 1.x`, or a record of the wrong length
+/// - an invalid number, a wrong index, or another number of records than in the H line
 House parse_house(std::string_view text, const std::string& file);
 /// The file's content, which parse_house() reads back equal. Spaces in names become '#'.
 std::string to_text(const House& house);

@@ -80,8 +80,9 @@ class LitMesh {
   const Mesh& mesh() const noexcept { return tracer().mesh(); }
   const Lights& lights() const noexcept;
   /// Radiance that arrives at each ray's origin: of the lit surface, one reflection in mirrors, or
-  /// the sky. \pre sizes are equal \param spread angle between neighbouring rays, radians: textures
-  /// are averaged over it
+  /// the sky.
+  /// \pre sizes are equal
+  /// \param spread angle between neighbouring rays, radians: textures are averaged over it
   void look(std::span<const Ray> rays, std::span<Vec3f> radiance, float spread = 0) const;
   /// look() along rays whose hits are known. \pre sizes are equal
   void look(std::span<const Ray> rays, std::span<const Hit> hits, std::span<Vec3f> radiance,

@@ -67,7 +67,8 @@ struct Box {
 Box bounds(const Mesh& mesh);
 
 /// Normal of a triangle, of length 1, on the side from which its corners are counter-clockwise; +z
-/// if it has no area. \pre its indices are valid
+/// if it has no area.
+/// \pre its indices are valid
 Vec3f face_normal(const Mesh& mesh, std::size_t triangle);
 
 /// Appends `part`, with its materials and objects. Optional lists that one of the two lacks are

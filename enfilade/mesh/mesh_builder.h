@@ -16,9 +16,9 @@ struct MaterialId {
   std::uint32_t value = 0;
 };
 
-/// Where a thing stands: turned about the vertical, then moved.
+/// Pose of an object: turned about the vertical, then moved.
 struct Placement {
-  Vec3d position;     ///< metres, world: where its local (0, 0, 0) goes
+  Vec3d position;     ///< metres, world: position of its local (0, 0, 0)
   double turned = 0;  ///< radians, counter-clockwise seen from above
   /// From the placement's frame into the world's.
   Vec3d to_world(Vec3d local) const;
@@ -37,11 +37,11 @@ class MeshBuilder {
   std::uint32_t begin_object(std::string name, std::uint16_t category, std::int32_t region,
                              const Placement& placement = {});
   const Placement& placement() const noexcept { return placement_; }
-  /// What has been built so far.
+  /// The mesh built so far.
   const Mesh& mesh() const noexcept { return mesh_; }
 
-  /// Corners counter-clockwise as seen from the front. A texture that is stretched over the face
-  /// (`texture_size` 0) has its bottom left corner at `a`; other textures are upright and continue
+  /// Corners counter-clockwise from the front. A texture that is stretched over the face
+  /// (`texture_size` 0) has its bottom left corner at `a`. Other textures are upright and continue
   /// from face to face.
   void quad(MaterialId material, Vec3d a, Vec3d b, Vec3d c, Vec3d d);
   void triangle(MaterialId material, Vec3d a, Vec3d b, Vec3d c);
@@ -83,7 +83,8 @@ class MeshBuilder {
   std::vector<double> texture_sizes_;
   Placement placement_;
   std::uint32_t object_ = kNoObject;
-  /// Of the current object: corners at one place are one position, so that solids are closed.
+  /// Vertices of the current object: corners at one point share a position, so that solids are
+  /// closed.
   std::map<std::array<float, 3>, std::uint32_t> vertices_;
 };
 

@@ -55,7 +55,7 @@ struct Mpcat40 {
   };
 
   std::string_view name;  ///< "chest_of_drawers"
-  std::int32_t row;       ///< of category_mapping.tsv: the raw category that says it best
+  std::int32_t row;       ///< of category_mapping.tsv: the raw category that fits best
   std::string_view raw;   ///< the name of that: "chest of drawers"
 };
 

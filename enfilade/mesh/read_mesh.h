@@ -22,25 +22,30 @@ struct ReadOptions {
   UpAxis up = UpAxis::kFormat;
 };
 
-/// A mesh, and what was odd about its file.
+/// A mesh, and warnings about its file.
 struct ReadResult {
-  Mesh mesh;  ///< objects: one for each named node or group of the file
+  Mesh mesh;  ///< objects: one per named node or group of the file
   std::vector<Diagnostic>
       warnings;  ///< of check(), and content that was ignored (lines, cameras, ...)
 };
 
-/// Reads a file; the format is that of the name's suffix: .glb, .gltf (2.0: all nodes of the
-/// default scene, triangles, strips and fans, base colour and emission and their textures, vertex
-/// colours, alpha masks), .obj (with .mtl and its textures; polygons become fans), .ply (ASCII and
-/// binary, polygons become fans; vertex colours are sRGB). Of .mtl: Kd, Ke, map_Kd, cut-outs where
-/// map_d is the same file, and Ks as a mirror under illum 3 and 5. Textures are JPEG or PNG;
-/// missing or broken ones give a warning, and the material keeps its colour. \throws FileError;
-/// InvalidInput naming file and place for broken files, errors of check(), and unknown required
-/// extensions of glTF; ArgumentError for options out of range or an unknown suffix
+/// Reads a file; the format is that of the name's suffix.
+/// - .glb, .gltf (2.0): all nodes of the default scene; triangles, strips and fans; vertex colours,
+///   alpha masks, base colour, emission and their textures
+/// - .obj, with .mtl and its textures; polygons become fans
+/// - .ply, ASCII and binary; polygons become fans; vertex colours are sRGB
+///
+/// .mtl: Kd, Ke, map_Kd, cut-outs where map_d is the same file, and Ks as a mirror under illum 3
+/// and 5. Textures are JPEG or PNG. A missing or broken one gives a warning, and the material keeps
+/// its colour.
+/// \throws FileError
+/// \throws InvalidInput naming file and place for broken files, errors of check(), and unknown
+/// required extensions of glTF
+/// \throws ArgumentError for options out of range or an unknown suffix
 ReadResult read_mesh(const std::filesystem::path& file, const ReadOptions& options = {});
 
 /// The same for a file in memory, with all its parts inside. `name` has the format's suffix.
-/// \throws as above
+/// \throws InvalidInput, ArgumentError as read_mesh()
 ReadResult parse_mesh(std::string_view bytes, const std::string& name,
                       const ReadOptions& options = {});
 
@@ -50,10 +55,10 @@ ReadResult parse_mesh(std::string_view bytes, const std::string& name,
 void write_obj(const Mesh& mesh, const std::filesystem::path& folder, const std::string& name);
 
 /// Writes a binary glTF 2.0 file (.glb), textures inside, as Habitat, Isaac Sim and Blender open
-/// it. Objects are nodes, whose `extras` hold instance, category and region; +y is up there, as the
-/// format wants it. read_mesh() gives the same triangles, materials and textures (JPEG, or PNG
-/// where they have cut-outs); of `mirror`, only viewers take notice. \throws FileError;
-/// ArgumentError for a file of more than 4 GiB
+/// it. Objects are nodes, whose `extras` hold instance, category and region. In the file +y is up,
+/// as the format requires. read_mesh() gives the same triangles, materials and textures (JPEG, or
+/// PNG where they have cut-outs). Only viewers use `mirror`.
+/// \throws FileError; ArgumentError for a file of more than 4 GiB
 void write_glb(const Mesh& mesh, const std::filesystem::path& file);
 
 }  // namespace enfilade::mesh

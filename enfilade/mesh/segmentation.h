@@ -14,15 +14,16 @@ namespace enfilade::mesh {
 /// `<scan>.ply` of a segmentation: a mesh with three numbers for each face.
 struct LabelledMesh {
   Mesh mesh;  ///< with vertex colours and one material, without objects
-  std::vector<std::int32_t> face_segment;   ///< of each triangle; -1: none (also in the next two)
+  std::vector<std::int32_t> face_segment;   ///< per triangle; -1: none (also in the next two)
   std::vector<std::int32_t> face_object;    ///< "material" in files: index of the object in .house
   std::vector<std::int32_t> face_category;  ///< row of category_mapping.tsv, as files have it
   std::vector<std::uint32_t> face;  ///< index of the face in the file that each triangle is part of
   std::size_t faces = 0;            ///< number of faces in the file
 };
 /// Property names as shipped (`material_id`, `segment_id`, `category_id`) or as documented
-/// (`face_material`, ...). \throws InvalidInput for a broken file, one that lacks a property, and
-/// values that are no whole numbers of 32 bits
+/// (`face_material`, ...).
+/// \throws InvalidInput for a broken file, a missing property, and values that are not whole
+/// numbers of 32 bits
 LabelledMesh parse_labelled_ply(std::string_view bytes, const std::string& file);
 /// Binary, little-endian, without normals; each triangle becomes a face. \pre the three lists of
 /// numbers have one for each triangle
@@ -43,13 +44,15 @@ struct SegmentGroup {
 std::vector<SegmentGroup> parse_segment_groups(std::string_view json, const std::string& file);
 std::string segment_groups_json(const std::vector<SegmentGroup>& groups, const std::string& scan);
 
-/// A scan's mesh with its objects, out of SCAN.house, SCAN.ply, SCAN.fsegs.json and
-/// SCAN.semseg.json of a folder: triangle -> segment (fsegs; of the face it is part of) -> object
-/// (the .house's E records; semseg where there is none) -> category (O and C records; mpcat40).
+/// A scan's mesh with its objects, from SCAN.house, SCAN.ply, SCAN.fsegs.json and SCAN.semseg.json
+/// of a folder.
+/// - triangle -> segment: fsegs, of the face that it is part of
+/// - segment -> object: the .house's E records; else semseg
+/// - object -> category: O and C records; mpcat40
+///
 /// Names of objects are semseg's labels, else the category's. Objects are those of the .house in
-/// its order, then those that only semseg knows; a category that mpcat40 does not have becomes
-/// void. \throws FileError; InvalidInput, also if the files disagree (faces, segments in two
-/// objects)
+/// its order, then those that only semseg has. A category that mpcat40 does not have becomes void.
+/// \throws FileError; InvalidInput, also if the files disagree (faces, segments in two objects)
 Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& scan);
 
 }  // namespace enfilade::mesh

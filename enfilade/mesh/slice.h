@@ -13,9 +13,9 @@ struct SliceLine {
   std::uint32_t object = kNoObject;  ///< index in mesh.objects
 };
 
-/// Cross-section at height `z`: a line for each triangle with a corner below z and one at or above
-/// it, in the order of the triangles. Triangles in the plane give none. \pre check() finds no
-/// errors; z is finite
+/// Cross-section at height `z`, in the order of the triangles. Each triangle with a corner below z
+/// and one at or above it gives a line. Triangles in the plane give none.
+/// \pre check() finds no errors; z is finite
 std::vector<SliceLine> slice(const Mesh& mesh, float z);
 
 }  // namespace enfilade::mesh

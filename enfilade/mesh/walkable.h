@@ -18,12 +18,12 @@ struct Body {
   double slope = 40;     ///< steepest floor, degrees
 };
 
-/// Who walks, and how finely the floor is looked at.
+/// Body size and grid resolution.
 struct WalkableOptions {
   Body body;
   double cell = 0.07;       ///< grid spacing, metres
   double least_area = 1.0;  ///< m2; smaller islands of floor (table tops) are dropped
-  /// What lies outside is not looked at: a landscape around a building. None: everything is.
+  /// Anything outside is ignored: a landscape around a building. No value: everything counts.
   std::optional<Box> within = {};
 };
 
@@ -35,8 +35,8 @@ struct FloorCell {
   bool covered = false;    ///< under a ceiling or roof
 };
 
-/// The walkable floor, in connected parts. Parts are ranked by area; by covered area if a part has
-/// at least 8 m2 of it, so that a house comes before the meadow around it. Roofs are left out:
+/// The walkable floor, in connected parts, ranked by area. A part with at least 8 m2 of covered
+/// floor is ranked by that, so that a home comes before the meadow around it. Roofs are left out:
 /// uncovered parts that lie mostly above other parts. Immutable; any thread.
 class WalkableFloor {
  public:

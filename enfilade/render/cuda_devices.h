@@ -1,4 +1,4 @@
-/// \file  What of CUDA there is on this machine, for diagnosis.
+/// \file  The installed parts of CUDA, for diagnosis.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -13,9 +13,9 @@ struct CudaDevice {
   std::size_t bytes = 0, free_bytes = 0;  ///< of its memory
 };
 
-/// What cuda_report() found.
+/// The result of cuda_report().
 struct CudaReport {
-  std::string driver;               ///< the newest CUDA that it knows: "13.0"; empty: none
+  std::string driver;               ///< the newest CUDA that it supports: "13.0"; empty: none
   std::vector<CudaDevice> devices;  ///< by their numbers
   std::string error;                ///< why there is no driver or no card
   std::string compiler;             ///< NVRTC's version, "12.9"; empty: none found

@@ -31,19 +31,19 @@ struct Face {
 /// Bytes of a decoded face in a FaceCache.
 std::size_t face_bytes(scan::Layer layer, std::uint32_t size) noexcept;
 
-/// A sixteenth of available_memory() (core/memory.h), at least 64 MiB and at most 1 GiB: a
-/// building's panoramas on most machines, and room for a dozen processes that do the same.
+/// A sixteenth of available_memory() (core/memory.h), at least 64 MiB and at most 1 GiB. That holds
+/// a building's panoramas on most computers, with room for a dozen such processes.
 std::size_t default_cache_bytes();
 
-/// A file in which the processes of a machine keep decoded faces together: each face is decoded
-/// once and is in memory once. They have to be of one user. The file is made by the first process
-/// that asks for it, and removed by the last; if that one is killed it stays, and is used again or
-/// may be removed by hand at any time. While it is used it must not be truncated.
+/// A file in which the processes of a computer share decoded faces: each face is decoded once and
+/// is in memory once. They have to be of one user. The first process that needs the file makes it,
+/// and the last removes it. If that one is killed the file stays, and is used again or may be
+/// removed by hand at any time. While it is used it must not be truncated.
 struct SharedCacheConfig {
   /// The file, preferably on a disk in memory; empty: shared_cache_path(bytes).
   std::filesystem::path path;
-  /// Of the file, all taken when it is made: a whole number of MiB, the same in all processes that
-  /// use the path. When the file is full, the face that was used least recently is replaced.
+  /// Size of the file, allocated when it is made: a whole number of MiB, the same in all processes
+  /// that use the path. When the file is full, the least recently used face is replaced.
   std::size_t bytes = std::size_t{1} << 30U;
 };
 /// "/dev/shm/enfilade-cache-USER-MIB-VERSION": the user's id, the size, the layout's version.
@@ -57,14 +57,14 @@ struct FaceCacheConfig {
   std::size_t bytes = default_cache_bytes();
   int threads = 0;              ///< for decoding in acquire(); 0: all cores
   bool prefetch_thread = true;  ///< whether prefetch() decodes, in one further thread
-  /// Where faces are shared with other processes; no value: nowhere. What does not fit there is
-  /// kept in the cache's own memory, as are faces of sources whose state() is unknown.
+  /// Shared cache with other processes; no value: none. Faces that do not fit there are kept in the
+  /// cache's own memory, as are faces of sources whose state() is unknown.
   std::optional<SharedCacheConfig> shared = {};
 };
 
-/// What a cache has done since it was made.
+/// Counts of a cache since it was made.
 struct FaceCacheCounters {
-  std::uint64_t hits = 0, misses = 0;    ///< of acquire()
+  std::uint64_t hits = 0, misses = 0;    ///< per face of acquire()
   std::uint64_t prefetched = 0;          ///< faces made ready by prefetch()
   std::uint64_t decoded = 0;             ///< faces, by acquire() and prefetch()
   std::uint64_t shared_hits = 0;         ///< faces that were in the shared file, likewise
@@ -80,9 +80,10 @@ struct FaceCacheCounters {
 /// any more, if the cache is shared.
 class FaceCache {
  public:
-  /// Empty. Faces are decoded when they are first asked for.
-  /// \throws ArgumentError for a configuration that is not allowed; FileError naming the shared
-  /// file, and what to do, if it cannot be used: another user's, another size, no room
+  /// Empty. Faces are decoded at their first use.
+  /// \throws ArgumentError for an invalid configuration
+  /// \throws FileError naming the shared file and the remedy if it cannot be used: another user's,
+  /// another size, no room
   explicit FaceCache(std::shared_ptr<const scan::PanoramaSet> panoramas,
                      const FaceCacheConfig& config = {});
   ~FaceCache();

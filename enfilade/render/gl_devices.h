@@ -15,23 +15,24 @@ struct GlDevice {
   std::string renderer;  ///< GL_RENDERER, GL_VERSION if it works
   std::string version;
   std::string error;    ///< message of EGL or OpenGL if it does not work
-  bool broken = false;  ///< its driver crashed or hung; only a trial (set_gl_trial()) can tell
+  bool broken = false;  ///< its driver crashed or hung; only a trial (set_gl_trial()) can find that
 };
 
-/// Tries all devices; takes up to a second each. Empty if built without OpenGL or if there is no
-/// EGL library. With a trial set, no driver is loaded into this process; if already listing the
-/// devices ends the trial, that is told of one device "all". \throws ArgumentError if
-/// ENFILADE_GL_SECONDS is no number
+/// Tries all devices; takes up to a second each. Empty if built without OpenGL or without an EGL
+/// library. With a trial set, no driver is loaded into this process. If listing the devices already
+/// ends the trial, the result is one device "all".
+/// \throws ArgumentError if ENFILADE_GL_SECONDS is not a number
 std::vector<GlDevice> gl_devices();
 
-/// The command of a process in which OpenGL devices are tried before they are used here, as a
-/// driver may crash or hang: a program (its file, not looked up on PATH) and its first arguments,
-/// which passes all further ones to try_gl(). The process that asks for a renderer of Backend::kGl
-/// then gets an Error that names device, driver and signal. A trial costs the start of that program
-/// and the making of a context, once a device and process; nothing where OpenGL is not asked for.
+/// Sets the command of a process that tries OpenGL devices before they are used here, as a driver
+/// may crash or hang. It is a program (its file, not searched on PATH) and its first arguments; it
+/// passes all further ones to try_gl(). Making a renderer of Backend::kGl then throws an Error that
+/// names device, driver and signal. A trial costs the start of that program and the making of a
+/// context, once per device and process; nothing without OpenGL.
+///
 /// The environment variable ENFILADE_GL_SECONDS is how long a driver may be silent (30; 0: no
-/// trials). Without this call, and where the command cannot be started, drivers are loaded untried.
-/// The program `enfilade` and the Python module make it. Thread-safe.
+/// trials). Without this call, and if the command cannot be started, drivers are loaded untried.
+/// The program `enfilade` and the Python module call it. Thread-safe.
 void set_gl_trial(std::vector<std::string> command);
 
 /// The other side: tries devices and ends the process. Returns only for arguments that are not a

@@ -17,8 +17,9 @@ struct Pictures {
   image::Image32 instances;  ///< 0: none
 };
 
-/// Makes room in `pictures` for `views` views of the layers in `layers`; the other layers stay as
-/// they are. \returns outputs for Renderer::render(), valid as long as `pictures` is not changed
+/// Makes room in `pictures` for `views` views of the layers in `layers`. Other layers do not
+/// change.
+/// \returns outputs for Renderer::render(), valid as long as `pictures` is not changed
 Outputs outputs_into(Pictures& pictures, scan::LayerMask layers, std::uint32_t width,
                      std::uint32_t height, std::size_t views = 1);
 

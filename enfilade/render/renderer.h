@@ -42,7 +42,7 @@ struct Normalisation {
 /// Normalisation of ImageNet, as in torchvision's models.
 inline constexpr Normalisation kImageNet{{0.485F, 0.456F, 0.406F}, {0.229F, 0.224F, 0.225F}};
 
-/// Where colour goes, and in which format.
+/// Memory for colour, and its format.
 struct ColourOutput {
   ColourFormat format = ColourFormat::kRgb8;
   Normalisation normalisation;  ///< of planar formats
@@ -94,11 +94,11 @@ struct Outputs {
   std::optional<DepthOutput> depth;
   std::optional<ClassOutput> classes;
   std::optional<InstanceOutput> instances;
-  /// Of Backend::kCuda alone: pictures in the card's memory are made in the order of this stream,
-  /// and render() returns before they are there. It may be captured into a graph, if all panoramas
-  /// were drawn before with this camera; the graph draws the same views each time, as long as the
-  /// renderer lives and draws nothing that needs the panoramas' memory. No value: waits for
-  /// the legacy default stream first, and render() returns when the pictures are there.
+  /// Backend::kCuda only: pictures in the card's memory are made in the order of this stream, and
+  /// render() returns before they are there. It may be captured into a graph, if all panoramas were
+  /// rendered before with this camera. The graph renders the same views each time, as long as the
+  /// renderer lives and renders nothing that needs the panoramas' memory. No value: waits for the
+  /// legacy default stream first, and render() returns when the pictures are there.
   std::optional<CudaStream> stream = {};
 };
 
@@ -122,12 +122,15 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   /// Fills the outputs. The same view gives the same bytes in any batch, with any number of
-  /// threads. Allocates nothing once it has seen the camera, the batch size and the panoramas, but
-  /// for what oneTBB takes for its tasks with several threads.
-  /// \throws ArgumentError for an invalid camera, a view with an unknown scan or viewpoint or an
-  /// angle that is not finite or out of range (naming its place), outputs of another size, or a
-  /// deviation that is not positive, before anything is drawn; LookupError, FileError,
-  /// InvalidInput for panoramas that lack a layer or are broken: the outputs are then unspecified
+  /// threads. Allocates nothing after the first call with the camera, the batch size and the
+  /// panoramas. With several threads, oneTBB still allocates its tasks. Arguments are checked
+  /// before anything is drawn.
+  /// \throws ArgumentError for an invalid camera, outputs of another size, or a deviation that is
+  /// not positive
+  /// \throws ArgumentError naming the position of a view with an unknown scan or viewpoint, or an
+  /// angle that is not finite or out of range
+  /// \throws LookupError, FileError, InvalidInput for panoramas that lack a layer or are broken;
+  /// the outputs are then unspecified
   virtual void render(const Camera& camera, std::span<const View> views,
                       const Outputs& outputs) = 0;
 
@@ -138,7 +141,7 @@ class Renderer {
   Renderer() = default;
 };
 
-/// What draws.
+/// Implementation of a renderer.
 enum class Backend : std::uint8_t {
   kCpu,        ///< SIMD, with the best instruction set of this machine
   kCpuScalar,  ///< plain C++: slow; the reference for the others
@@ -147,7 +150,7 @@ enum class Backend : std::uint8_t {
 };
 std::string_view to_string(Backend backend);                  ///< "cpu", "cpu-scalar", "gl", "cuda"
 std::optional<Backend> parse_backend(std::string_view name);  ///< by such a name
-/// The back ends of this build. kCuda is always among them: a machine without a card says so.
+/// The back ends of this build. kCuda is always among them; without a card it throws.
 std::vector<Backend> backends();
 
 /// Which back end draws, with how many threads, and the old simulator's habits.
@@ -161,22 +164,23 @@ struct RendererConfig {
   /// the same to the bit.
   std::string cpu_target = {};
   std::string cuda_device = {};  ///< number of a card, counted from 0; empty: "0"
-  std::size_t cuda_bytes = 0;    ///< of its memory, for panoramas; 0: half of what is free
+  std::size_t cuda_bytes = 0;    ///< of its memory, for panoramas; 0: half of the free memory
 };
 
-/// \throws ArgumentError for a backend that this build lacks, or a null cache; Error with EGL's or
-/// OpenGL's message if no device, context or shader works, or with CUDA's, or that says what of it
-/// is missing
+/// \throws ArgumentError for a backend that this build lacks, or a null cache
+/// \throws Error with OpenGL's or EGL's message if no device, context or shader works; with CUDA's
+/// message, or naming its missing part
 std::unique_ptr<Renderer> make_renderer(std::shared_ptr<FaceCache> faces,
                                         const RendererConfig& config = {});
 
-/// Checks the arguments of Renderer::render(), for implementations and bindings; but for the
-/// stream. \throws as Renderer::render()
+/// Checks the arguments of Renderer::render(), except the stream; for implementations and bindings.
+/// \throws as Renderer::render()
 void validate(const Camera& camera, std::span<const View> views, const Outputs& outputs,
               const scan::PanoramaSet& panoramas);
 
-/// Checks sizes, alignment and normalisation of outputs for so many pixels, all views together, but
-/// for the stream. \throws ArgumentError naming the output
+/// Checks sizes, alignment and normalisation of outputs for `pixels` pixels, all views together.
+/// Does not check the stream.
+/// \throws ArgumentError naming the output
 void validate(const Outputs& outputs, std::size_t pixels);
 
 /// The 36 discretized views of a viewpoint in the order of MatterSim's viewIndex: 12 headings from

@@ -1,4 +1,4 @@
-/// \file  A picture whose pixels are known, to try renderers on.
+/// \file  A picture with known pixels, to test renderers.
 #pragma once
 #include <memory>
 

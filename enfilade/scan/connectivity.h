@@ -32,16 +32,18 @@ struct Connectivity {
 };
 
 /// Whether a text may be a scan id: 1 to 255 letters, digits, '_', '-' and '.', the first neither
-/// '-' nor '.', so that it is safe in file names, command lines and URLs. Examples: `17DRP5sb8fy`
+/// '-' nor '.'. So an id is safe in file names, command lines and URLs. Examples: `17DRP5sb8fy`
 /// (Matterport3D), `00000-kfPV7w3FaU5` (HM3D). The one rule for all readers and writers of scans.
 bool is_scan_id(std::string_view scan);
-/// \throws LookupError naming `scan` if it is no scan id
+/// \throws LookupError naming `scan` if it is not a scan id
 void require_scan_id(std::string_view scan);
 
 /// Reads `<directory>/<scan>_connectivity.json`.
-/// \throws FileError if it cannot be read; InvalidInput listing its faults (up to 1000) with their
-/// JSON paths if it is not JSON or has a missing, repeated or wrongly typed field, a pose that
-/// isn't 16 numbers, `unobstructed` or `visible` of another length than the file, or an id twice.
+/// \throws FileError if it cannot be read
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
+/// - not JSON; a missing, repeated or wrongly typed field
+/// - a pose that isn't 16 numbers; `unobstructed` or `visible` of another length than the file
+/// - an id twice
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan);
 
 /// The same for a text in memory; `file` is its name in messages. \throws InvalidInput

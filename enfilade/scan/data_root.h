@@ -9,13 +9,13 @@
 
 namespace enfilade::scan {
 
-/// Paths of the files in a folder that holds graphs, annotations and panoramas in one of these
-/// layouts: Enfilade's (`connectivity/`, `r2r/`, `regions/`), a checkout of Matterport3DSimulator
-/// (`connectivity/`, `tasks/R2R/data/`), or all files side by side. dataset::Dataset opens what
-/// lies there. A plain value: any thread.
+/// Paths of the files in a folder that holds graphs, annotations and panoramas. Layouts: Enfilade's
+/// (`connectivity/`, `r2r/`, `regions/`), a checkout of Matterport3DSimulator (`connectivity/`,
+/// `tasks/R2R/data/`), or all files side by side. dataset::Dataset opens these files. A plain
+/// value: any thread.
 class DataRoot {
  public:
-  /// Looks only when asked for a file. \throws FileError if `folder` is not a folder.
+  /// Searches at each request for a file. \throws FileError if `folder` is not a folder.
   explicit DataRoot(std::filesystem::path folder);
 
   /// The folder named by the environment variable ENFILADE_DATA; nothing if it is unset or empty.
@@ -35,9 +35,9 @@ class DataRoot {
   /// \throws FileError naming every one that was tried
   std::filesystem::path first_of(std::string_view what,
                                  std::span<const std::filesystem::path> places) const;
-  /// Where panoramas may be: those of `store`, `scans`, `v1/scans`, `data/v1/scans` and the folder
-  /// itself that are folders, in this order, and connectivity(), or no folder if there is no list
-  /// of scans.
+  /// Where panoramas may be: `store`, `scans`, `v1/scans`, `data/v1/scans` and the folder itself,
+  /// in this order, as far as they are folders. With connectivity(), or no folder if there is no
+  /// list of scans.
   PanoramaPlaces panoramas() const;
 
  private:

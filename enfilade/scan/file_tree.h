@@ -24,15 +24,15 @@ class FileTree {
   /// The files of a folder, not of its subfolders. \throws FileError if `path` is not a folder
   static std::shared_ptr<const FileTree> folder(const std::filesystem::path& path);
   /// The files of a zip file. Its list of entries is read now (100,000 entries: 0.25 s) and once
-  /// more for each further thread that reads at the same time. \throws FileError; InvalidInput if
-  /// it is damaged, cut off or encrypted
+  /// more for each further thread that reads at the same time.
+  /// \throws FileError; InvalidInput if it is damaged, cut off or encrypted
   static std::shared_ptr<const FileTree> zip(const std::filesystem::path& path,
                                              ZipNames names = ZipNames::kBare);
   /// The same for a zip file in memory; `name` stands for it in messages. \throws InvalidInput
   static std::shared_ptr<const FileTree> zip_in_memory(std::string bytes, const std::string& name);
 
   /// The content of a file by its bare name. In a zip it may lie in any folder: downloads put
-  /// `<scan>/<kind>/` before it. No value if there is none, or if the name has a '/' in it. With
+  /// `<scan>/<kind>/` before it. No value if it is missing, or if the name has a '/' in it. With
   /// ZipNames::kPaths a name is the path in the zip.
   /// \throws FileError; InvalidInput for a damaged entry (checksums are compared), one that claims
   /// more than 1 GiB, and a name that the zip has twice
@@ -45,8 +45,9 @@ class FileTree {
   virtual std::vector<std::string> names() const = 0;
   /// "path/to/folder/name" or "path/to.zip:name", for messages.
   virtual std::string path_of(std::string_view name) const = 0;
-  /// A text that changes when a file does: names, sizes and times of a folder's files, size and
-  /// time of a zip file, as they are now. \throws FileError
+  /// A text that changes when a file does. It holds the current names, sizes and times of a
+  /// folder's files, or size and time of a zip file.
+  /// \throws FileError
   virtual std::string state() const = 0;
 };
 

@@ -17,11 +17,11 @@ inline constexpr std::size_t kRigYaws = 6;
 inline constexpr std::size_t kRigImages = kRigCameras * kRigYaws;
 
 /// The camera of one undistorted image. Camera frame: x right, y down, z forward. The point (x, y,
-/// z) is at column cx + fx x / z and row cy + fy y / z, counted from the top; integers are pixel
+/// z) is at column cx + fx x / z and row cy + fy y / z, counted from the top. Integers are pixel
 /// centres.
 struct RigCamera {
   std::string viewpoint;
-  std::size_t camera = 0;  ///< 0 looks up, 1 level, 2 down
+  std::size_t camera = 0;  ///< 0 is pitched up, 1 level, 2 down
   std::size_t yaw = 0;     ///< turn, clockwise seen from above
   std::uint32_t width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
@@ -29,19 +29,20 @@ struct RigCamera {
   Vec3d position;  ///< metres, world
 };
 
-/// The 18 cameras of a panorama, by camera, then turn: three cameras at elevations of 41, 0 and -42
-/// degrees turn about the panorama's vertical in six steps of 60 degrees. Camera 1 looks along face
-/// 3 at turn 2 and along face 1 at turn 5. Each is 3 cm off the eye and has its own focal lengths,
+/// The 18 cameras of a panorama, by camera, then turn. Three cameras at elevations of 41, 0 and -42
+/// degrees turn about the panorama's vertical in six steps of 60 degrees. Camera 1 faces along face
+/// 3 at turn 2 and along face 1 at turn 5. Each is 3 cm off the eye. It has its own focal lengths,
 /// about 1075 pixels, and principal point, some pixels off the centre; values are of the size of
-/// Matterport's. None sees the zenith or nadir. \param width of images, pixels; heights are 4/5 of
-/// it, and intrinsics scale with it \throws ArgumentError for a width below 10
+/// Matterport's. No camera covers the zenith or nadir.
+/// \param width of images, pixels; heights are 4/5 of it, and intrinsics scale with it
+/// \throws ArgumentError for a width below 10
 std::array<RigCamera, kRigImages> rig_cameras(const PanoramaPose& eye, std::uint32_t width = 1280);
 
 /// Rotation to the camera frame of `.conf` and `.house` files: x right, y up, looking along -z.
 Mat3d with_y_up(const Mat3d& world_from_camera);
 
-/// `undistorted_camera_parameters/<scan>.conf`: what parse_undistorted_cameras() reads. The file's
-/// cameras look along -z with y up, and rows are counted from the bottom; numbers are
+/// `undistorted_camera_parameters/<scan>.conf`, the input of parse_undistorted_cameras(). The
+/// file's cameras look along -z with y up, and rows are counted from the bottom. Numbers are
 /// rounded to 1e-10. An intrinsics line holds for the cameras that follow.
 std::string undistorted_cameras_text(std::span<const RigCamera> cameras);
 

@@ -10,16 +10,16 @@
 
 namespace enfilade::scan {
 
-/// What the elements of an array are.
+/// The kind of an array's elements.
 enum class NpyKind : std::uint8_t { kFloat, kInteger, kUnsigned, kBool, kText, kBytes };
 
 /// An array, read. Its elements are taken in C order, whatever the file's is.
 class NpyArray {
  public:
   /// Reads `.npy` of versions 1, 2 and 3: numbers of 1 to 8 bytes of either order, bools, texts of
-  /// a fixed length (`<U32`, `|S32`). \throws Error saying what was found and what is expected: no
-  /// array, a damaged header, other types (objects, which are Python code, are never read), more
-  /// or less bytes than the shape asks for
+  /// a fixed length (`<U32`, `|S32`).
+  /// \throws Error naming what was found and what is expected, for a damaged header, another type
+  /// or another size than the shape needs. Objects are Python code, and are never read.
   static NpyArray parse(std::string bytes);
 
   NpyKind kind() const noexcept { return kind_; }

@@ -16,19 +16,19 @@ namespace enfilade::scan {
 /// Where to look for panoramas.
 struct PanoramaPlaces {
   /// Folders that may hold `<scan>.enfilade` (a store) or Matterport3D's files in any layout of
-  /// matterport_images.h; the first that has the scan is used, a store before loose files.
+  /// matterport_images.h. The first that has the scan is used, a store before loose files.
   std::vector<std::filesystem::path> images;
   /// Folder of `<scan>_connectivity.json`, for loose files; stores bring their own graph.
   std::filesystem::path connectivity;
 };
 
-/// Sources by ScanIndex, in the order of the list that the set was opened with (use a GraphSet's
-/// scans(), so that a ScanIndex is valid for both). Opening the set reads nothing; each scan is
+/// Sources by ScanIndex, in the order of the list that the set was opened with. Use a GraphSet's
+/// scans(), so that a ScanIndex is valid for both. Opening the set reads nothing; each scan is
 /// opened once, at its first use. All functions may be called from any thread. Sources live as long
 /// as the set.
 class PanoramaSet {
  public:
-  /// Panoramas of these scans, looked for in these places.
+  /// Panoramas of these scans, searched in these places.
   static std::shared_ptr<const PanoramaSet> open(PanoramaPlaces places,
                                                  std::vector<std::string> scans);
   /// \throws ArgumentError if one is null or two have one scan id

@@ -111,7 +111,7 @@ class PanoramaSource {
   /// \throws as read_colour()
   virtual void read_colour_rows(ViewpointIndex viewpoint, CubeFace face, image::RowRange rows,
                                 const image::ColourCells& buffer) const;
-  /// Depth or class: n x n values a face, row-major, no border. \throws as read_colour()
+  /// Depth or class: n x n values per face, row-major, no border. \throws as read_colour()
   void read_16(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
                const Faces16& buffers) const;
   /// Instances, likewise.
@@ -119,8 +119,8 @@ class PanoramaSource {
     read(Layer::kInstance, viewpoint, wanted, buffers);
   }
 
-  /// The places where the layer of a panorama is looked for, as messages have it after "no
-  /// colour": " in <origin>", or "; tried:" and the files, one a line, whether they exist or not.
+  /// The paths that are tried for the layer of a panorama, in the form that follows "no colour" in
+  /// messages. That is " in <origin>", or "; tried:" and the files, one per line, existing or not.
   virtual std::string tried(Layer layer, ViewpointIndex viewpoint) const;
   /// The error that the read functions throw if the panorama lacks the layer: names scan,
   /// viewpoint, layer and tried().
@@ -131,16 +131,16 @@ class PanoramaSource {
   virtual std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       ViewpointIndex viewpoint) const;
 
-  /// Whether the source has the faces of a layer in memory as drawing wants them: cells() then
-  /// gives them without decoding.
+  /// Whether the source has the faces of a layer in memory in the renderer's layout. Then cells()
+  /// needs no decoding.
   virtual bool has_cells(Layer /*layer*/, ViewpointIndex /*viewpoint*/) const { return false; }
   /// A face in cells (image/face_cells.h), aligned to 64 bytes; the 16 bytes after it can be read,
   /// too. Valid as long as the source. \pre has_cells()  \throws as read_colour()
   virtual const std::uint8_t* cells(Layer layer, ViewpointIndex viewpoint, CubeFace face) const;
 
-  /// Says that this viewpoint's pictures will not be read again soon. A source that maps its file
-  /// gives their memory back to the system; others do nothing. What is read stays the same, also
-  /// for threads that are reading. Without it, all that was ever read may stay resident.
+  /// Hints that this viewpoint's pictures will not be read again soon. A source that maps its file
+  /// gives their memory back to the system; others do nothing. The content stays the same, also for
+  /// threads that are reading. Without it, all that was ever read may stay resident.
   virtual void release(ViewpointIndex /*viewpoint*/) const {}
 
   /// A text that changes when the pictures do, as far as can be found out quickly: for instance
@@ -189,9 +189,9 @@ Panorama read_panorama(const PanoramaSource& source, ViewpointIndex viewpoint,
 class MemoryPanoramas final : public PanoramaSource {
  public:
   /// \param panoramas by ViewpointIndex, as connectivity.entries
-  /// \throws ArgumentError if there are more or fewer panoramas than entries, or if the faces of a
-  /// layer are not square, differ in size, or have other channels than Panorama says; InvalidInput
-  /// as poses_of()
+  /// \throws ArgumentError unless each entry has a panorama; for faces of a layer that are not
+  /// square, differ in size, or have other channels than Panorama
+  /// \throws InvalidInput as poses_of()
   MemoryPanoramas(Connectivity connectivity, std::vector<Panorama> panoramas);
   Connectivity connectivity() const override { return connectivity_; }
   FaceSizes face_sizes(ViewpointIndex viewpoint) const override;

@@ -31,9 +31,9 @@ struct PackOptions {
   ColourCoding colour = ColourCoding::kKeep;
   std::uint32_t face_size = 0;  ///< texels; 0: as the source has them; larger ones are shrunk
   int jpeg_quality = 95;        ///< 1 .. 100; 4:4:4 from 90 on
-  bool included_only = true;    ///< leave out the pictures (not the poses) of excluded viewpoints
-  /// All layers as drawing has them in memory (image/face_cells.h): the file is drawn from as it
-  /// stands, without decoding or copies. 5.7 MB of colour a panorama at 512, 3.1 MB of depth.
+  bool included_only = true;    ///< leave out the pictures (not poses) of excluded viewpoints
+  /// All layers in the renderer's memory layout (image/face_cells.h). The file is rendered from as
+  /// it is, without decoding or copies. 5.7 MB of colour per panorama at 512, 3.1 MB of depth.
   bool decoded = false;
   int threads = 0;  ///< 0: all cores
 };
@@ -50,10 +50,11 @@ struct PackReport {
 
 /// Packs a source into the store `<directory>/<scan>.enfilade`. The same input gives the same bytes
 /// for any number of threads. Writes `<scan>.enfilade.part` and renames it when it is complete. The
-/// part of a killed run is continued if input and options are the same, else overwritten. \throws
-/// what the source throws (the part is kept, so that the run can be continued when the file is
-/// repaired); FileError if the directory can't be written; ArgumentError for options out of range,
-/// or if no panorama has colour
+/// part of a killed run is continued if input and options are the same, else overwritten.
+/// \throws the source's errors; the part is kept, so that the run can be continued when the file is
+/// repaired
+/// \throws FileError if the directory can't be written
+/// \throws ArgumentError for options out of range, or if no panorama has colour
 PackReport pack(const PanoramaSource& source, const std::filesystem::path& directory,
                 const PackOptions& options, const Progress& progress = {});
 
@@ -61,8 +62,8 @@ PackReport pack(const PanoramaSource& source, const std::filesystem::path& direc
 /// checksum when it is decoded, or first drawn from.
 class Store final : public PanoramaSource {
  public:
-  /// \throws FileError; InvalidInput for a file that is no store, of another version, truncated, or
-  /// whose header or index was changed
+  /// \throws FileError; InvalidInput if the file is not a store, is of another version, is
+  /// truncated, or if its header or index was changed
   static std::shared_ptr<const Store> open(const std::filesystem::path& file);
   ~Store() override;
 

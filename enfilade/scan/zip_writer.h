@@ -13,8 +13,8 @@ struct ZipEntry {
 
 /// A zip file with these entries, in this order, each deflated. The same entries give the same
 /// bytes: all times are 1980-01-01. FileTree::zip_in_memory() reads it.
-/// \throws ArgumentError for an empty or repeated name, one that is too long, more than 65,535
-/// entries, and more than 4 GiB (what only zip64 can say)
+/// \throws ArgumentError for an empty, repeated or too long name, more than 65,535 entries, and
+/// more than 4 GiB (both need zip64)
 std::string zip(std::span<const ZipEntry> entries);
 
 }  // namespace enfilade::scan

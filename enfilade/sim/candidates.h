@@ -22,10 +22,10 @@ struct Candidate {
   double distance = 0;      ///< straight line, metres
 };
 
-/// Computes what the agents of the literature compute by turning through all 36 views (known by the
-/// name of EnvDrop's `make_candidate`; Tan, Yu, Bansal 2019), to the bit, without a simulator's
-/// state. Which neighbours a view has is decided by camera, navigation and field of view of the
-/// configuration; all else in it is not used. One thread at a time.
+/// Computes the candidates that agents of the literature find by turning through all 36 views, to
+/// the bit, without a simulator's state. Known as EnvDrop's `make_candidate` (Tan, Yu, Bansal
+/// 2019). Camera, navigation and field of view of the configuration decide which neighbours a view
+/// has; its other fields are not used. One thread at a time.
 class CandidateFinder {
  public:
   /// \throws ArgumentError as Simulator

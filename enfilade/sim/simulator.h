@@ -21,7 +21,7 @@ enum class Viewing {
   kDiscretized,  ///< 12 headings x 3 elevations of 30 degrees: 36 views
 };
 
-/// Which neighbours an agent may walk to.
+/// The neighbours that are navigable.
 enum class Navigation {
   kRestricted,    ///< only neighbours in the horizontal field of view are navigable
   kUnrestricted,  ///< all neighbours are
@@ -41,7 +41,7 @@ enum class RandomStarts {
                ///< towards those after excluded ones, and the same fixed headings at every call
 };
 
-/// How far agents can look down and up; the defaults are MatterSim's.
+/// Limits of the elevation, down and up; the defaults are MatterSim's.
 struct ElevationLimits {
   Radians min = Radians(-0.94);
   Radians max = Radians(0.94);
@@ -63,13 +63,13 @@ struct SimulatorConfig {
   std::size_t max_navigable = 32;
   int threads = 1;  ///< that step() may use, 0: all cores. Never changes a result.
 
-  /// What R2R's results rest on: 640 x 480, 60 degrees, discretized, restricted, linear.
+  /// The configuration of R2R's results: 640 x 480, 60 degrees, discretized, restricted, linear.
   static SimulatorConfig room_to_room();
   /// MatterSim v0.2 after `Simulator()`: 320 x 240, 0.8 rad, continuous, restricted, its quirks on.
   static SimulatorConfig mattersim();
 };
 
-/// \throws ArgumentError naming the field, its value and what is allowed.
+/// \throws ArgumentError naming the field, its value and the allowed range.
 void validate(const SimulatorConfig& config);
 
 /// Where an agent starts.
@@ -86,8 +86,8 @@ struct Action {
   Radians elevation_change;  ///< up positive; likewise
 };
 
-/// An action or start of one agent that cannot be carried out; the whole batch is as it was before
-/// the call. what() names agent, value and allowed range.
+/// An invalid action or start of one agent; the whole batch is as it was before the call. what()
+/// names agent, value and allowed range.
 class ActionError : public ArgumentError {
  public:
   /// \param agent its place in the batch
@@ -98,10 +98,10 @@ class ActionError : public ArgumentError {
   std::size_t agent_;
 };
 
-/// Walks a batch of agents through the buildings of a GraphSet. Needs no picture, display or GPU.
-/// Each call that moves agents writes the whole state of each agent that it concerns: into state(),
-/// the simulator's own memory, or, where the caller brings memory (`out`), into that alone. Owns
-/// the truth about its agents: what a caller does to that memory changes nothing. step() allocates
+/// Steps a batch of agents through the buildings of a GraphSet. Needs no picture, display or GPU.
+/// Each call that moves agents writes the whole state of each agent that it concerns. It writes
+/// into state(), the simulator's own memory, or only into the caller's memory (`out`). The
+/// simulator keeps its own copy: changes to that memory have no effect on it. step() allocates
 /// nothing with one thread. Same start, actions and seed give the same bytes at any batch size and
 /// thread count. One thread at a time per simulator; any number of simulators share a GraphSet.
 /// Making one costs microseconds.
@@ -121,16 +121,17 @@ class Simulator {
   const SimulatorConfig& config() const noexcept;
   const graph::GraphSet& graphs() const noexcept;
   std::size_t batch_size() const noexcept { return config().batch_size; }
-  /// What the last calls without `out` wrote; agents without such a call are 0. Valid as long as
-  /// the simulator, which may be moved.
+  /// The state written by the last calls without `out`; agents without such a call are 0. Valid as
+  /// long as the simulator, which may be moved.
   const StateSpans& state() const noexcept;
 
-  /// Starts an episode for every agent. Reads graphs that nobody has read yet.
+  /// Starts an episode for every agent. Reads graphs at their first use. If it throws, nothing has
+  /// changed.
   /// \pre out has the shapes of batch_size() and max_navigable
-  /// \throws ArgumentError if starts.size() != batch_size() or `out` has other shapes; ActionError
-  /// for an unknown scan or viewpoint, an excluded one, an angle that is not finite, or a graph
-  /// with more neighbours than max_navigable - 1; FileError, InvalidInput for a graph's file. Then
-  /// nothing has happened.
+  /// \throws ArgumentError if starts.size() != batch_size() or `out` has other shapes
+  /// \throws ActionError for an unknown scan, an unknown or excluded viewpoint, an angle that is
+  /// not finite, or a graph with more neighbours than max_navigable - 1
+  /// \throws FileError, InvalidInput for a graph's file
   void new_episodes(std::span<const EpisodeStart> starts, const StateSpans& out);
   void new_episodes(std::span<const EpisodeStart> starts) { new_episodes(starts, state()); }
   /// The same for one agent, as in a vector environment whose episodes end at different times.
@@ -150,10 +151,11 @@ class Simulator {
     new_random_episode(agent, scan, state());
   }
 
-  /// One action for every agent.
+  /// Performs one action per agent. If it throws, nothing has changed.
   /// \throws ArgumentError if actions.size() != batch_size(), `out` has other shapes or no episode
-  /// was started; ActionError for an index outside an agent's navigable list or a change that is
-  /// not finite. Then nothing has happened.
+  /// was started
+  /// \throws ActionError for an index outside an agent's navigable list, or a change that is not
+  /// finite
   void step(std::span<const Action> actions, const StateSpans& out);
   void step(std::span<const Action> actions) { step(actions, state()); }
 

@@ -8,10 +8,10 @@
 
 namespace enfilade::sim {
 
-/// The state of n = batch agents: one array a quantity, shape (batch), and for the viewpoints that
-/// an agent may walk to, shape (batch, max_navigable), row-major. Row k of `navigable_*` is filled
-/// up to navigable_count[k]; the rest keeps what it held. Entry 0 is the present viewpoint with
-/// zeros; the others follow by rising sqrt(rel_heading^2 + rel_elevation^2), ties by viewpoint.
+/// The state of n = batch agents. One array per quantity, shape (batch); for navigable viewpoints,
+/// shape (batch, max_navigable), row-major. Row k of `navigable_*` is filled up to
+/// navigable_count[k]; the rest is not changed. Entry 0 is the present viewpoint with zeros. The
+/// others follow by rising sqrt(rel_heading^2 + rel_elevation^2), ties by viewpoint.
 struct StateSpans {
   std::span<ScanIndex> scan;
   std::span<ViewpointIndex> viewpoint;
@@ -34,7 +34,7 @@ struct StateSpans {
 /// Memory for a StateSpans, for callers who keep more than one state of a simulator. A plain value.
 class StateBuffer {
  public:
-  /// For so many agents with so many entries in each navigable list.
+  /// For `batch_size` agents with `max_navigable` entries in each navigable list.
   StateBuffer(std::size_t batch_size, std::size_t max_navigable);
   StateSpans spans() noexcept;  ///< valid as long as *this, until it is moved or assigned to
 

@@ -30,11 +30,11 @@ struct TimedWord {
   friend bool operator==(const TimedWord&, const TimedWord&) = default;
 };
 
-/// What one of two people said (CVDN).
+/// One message of a dialogue (CVDN).
 struct DialogueTurn {
   std::string role;  ///< "navigator" or "oracle"
   std::string message;
-  std::int64_t nav_step = 0;  ///< `nav_idx`: how many steps had been walked
+  std::int64_t nav_step = 0;  ///< `nav_idx`: number of steps before the message
   friend bool operator==(const DialogueTurn&, const DialogueTurn&) = default;
 };
 
@@ -47,7 +47,7 @@ struct SubInstruction {
   friend bool operator==(const SubInstruction&, const SubInstruction&) = default;
 };
 
-/// What some benchmarks say of an instruction beside its text. All may be empty.
+/// Details of an instruction beside its text, as some benchmarks have them. All may be empty.
 struct InstructionDetails {
   std::string id;                     ///< its `instr_id`; empty: the path's id, "_", k
   std::string language;               ///< BCP 47: "en-IN"
@@ -74,10 +74,10 @@ struct PathAnnotation {
   // In other benchmarks than R2R.
   std::string id = {};  ///< what instruction ids begin with: "1357_66"; empty: path_id
   NamedGoal goal = {};
-  /// Of each instruction, or empty.
+  /// One per instruction, or empty.
   std::vector<InstructionDetails> details = {};
-  /// What the bootstrap draws as one: paths with the same number are no independent samples. No
-  /// value: this path is alone.
+  /// Group of the bootstrap: paths with the same number are not independent samples, and are drawn
+  /// as one. No value: this path is alone.
   std::optional<std::int64_t> group = {};
 
   bool goal_hidden() const noexcept {
@@ -95,16 +95,18 @@ struct Annotations {
   Task task = Task::kR2r;
 };
 
-/// Reads a file. `distance` may be absent, `instructions` may be empty (paths that wait for theirs,
-/// as `enfilade sample` writes them), fields of other names are ignored.
-/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
-/// missing, repeated or wrongly typed fields, an empty path, a negative distance, a path_id that
-/// another entry has
+/// Reads a file. `distance` may be absent. `instructions` may be empty: paths without instructions
+/// yet, as `enfilade sample` writes them. Fields of other names are ignored.
+/// \throws FileError
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON, missing,
+/// repeated or wrongly typed fields, empty paths, negative distances, repeated path_ids
 Annotations load_annotations(const std::filesystem::path& file, std::string split);
 Annotations parse_annotations(std::string_view json, const std::string& file, std::string split);
 
-/// The file's content in R2R's format, an entry a line, which load_annotations() reads back equal.
-/// \throws ArgumentError for what JSON cannot say: an infinite number, text that is not UTF-8
+/// The file's content in R2R's format, one entry per line, which load_annotations() reads back
+/// equal.
+/// \throws ArgumentError for an infinite number or text that is not UTF-8, which JSON cannot
+/// express
 std::string to_json(const Annotations& annotations);
 
 /// "<path_id>_<k>": the `instr_id` of instruction k of a path.
@@ -120,7 +122,7 @@ struct ReferencePath {
   std::size_t group = 0;  ///< for the bootstrap; the same for paths that belong together
 };
 
-/// Whether the file does not say where the path ends, so that it can be walked but not scored.
+/// Whether the file hides the path's end, so that an agent can follow it, but not be scored.
 bool goal_hidden(const ReferencePath& path) noexcept;
 
 /// One instruction to follow: what an agent is given, and what it is scored on.
@@ -138,15 +140,14 @@ enum class Instructions {
   kAll,     ///< fourth ones too, for training
 };
 
-/// The episodes of a split, with graphs to walk in. Immutable: any thread.
+/// The episodes of a split, with their graphs. Immutable: any thread.
 struct EpisodeSet {
   std::string split;
   std::shared_ptr<const graph::GraphSet> graphs;
   std::vector<ReferencePath> paths;
   std::vector<Episode> episodes;  ///< in file order
   Task task = Task::kR2r;
-  /// What may be named where: REVERIE's boxes, if whoever made the set had them at hand. May be
-  /// null.
+  /// Object boxes (REVERIE); null if not loaded.
   std::shared_ptr<const ObjectBoxes> objects = {};
 
   /// The episode's reference path, and the graph of its scan. Valid as long as *this.
@@ -157,18 +158,19 @@ struct EpisodeSet {
 /// Metres along the edges of a path. \pre graph is the path's, and look_up_paths() gave the path
 double length_of(const ReferencePath& path, const graph::NavGraph& graph);
 
-/// Looks up scans and viewpoints, of goals too, in the order of the file. Those of R2R, R2R-Last,
-/// R2R-Back, R4R and RxR have to be adjacent; other benchmarks have steps between any two
-/// viewpoints. \throws InvalidInput listing every unknown scan, unknown or excluded viewpoint, and
-/// step between viewpoints that are not adjacent, with JSON paths; errors of graph files
+/// Looks up scans and viewpoints, of goals too, in the order of the file. Steps of R2R, R2R-Last,
+/// R2R-Back, R4R and RxR must join adjacent viewpoints; other benchmarks have steps between any
+/// two.
+/// \throws InvalidInput listing, with JSON paths, every unknown scan, unknown or excluded
+/// viewpoint, and step between viewpoints that are not adjacent
+/// \throws FileError, InvalidInput for a graph's file
 std::vector<ReferencePath> look_up_paths(const Annotations& annotations,
                                          const graph::GraphSet& graphs,
                                          const ObjectBoxes* objects = nullptr);
 
 /// look_up_paths() and the instructions to follow.
-/// \param objects  who sees the objects of REVERIE's goals; without them none is seen from
-/// anywhere.
-///     They are looked at here only: EpisodeSet::objects stays empty
+/// \param objects  boxes of REVERIE's goals; without them no viewpoint sees the goal's object. They
+/// are used in this call only: EpisodeSet::objects stays empty
 /// \throws as look_up_paths(); InvalidInput also for each path without an instruction
 EpisodeSet make_episodes(const Annotations& annotations,
                          std::shared_ptr<const graph::GraphSet> graphs,

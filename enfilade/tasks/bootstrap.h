@@ -22,11 +22,11 @@ struct BootstrapOptions {
   int threads = 0;  ///< 0: all cores; never changes a result
 };
 
-/// The mean of each column and its percentile bootstrap interval. What is drawn, with replacement,
-/// is a *group* with all its rows: rows of one group (the three instructions of a path) are no
-/// independent samples, and drawing rows would give intervals that are too narrow
-/// (docs/design/bootstrap.md). All columns share the draws. Deterministic.
-/// `values`: shape (rows, columns), row-major; `groups`: shape (rows), equal numbers are one group.
+/// The mean of each column and its percentile bootstrap interval. Each draw, with replacement, is a
+/// *group* with all its rows. Rows of one group (the three instructions of a path) are not
+/// independent samples, and drawing rows would give too narrow intervals
+/// (docs/design/bootstrap.md). All columns share the draws. Deterministic. `values`: shape (rows,
+/// columns), row-major. `groups`: shape (rows), equal numbers are one group.
 /// \throws ArgumentError for no rows, shapes that don't fit, a confidence outside (0, 1), a
 /// negative number of samples
 std::vector<MeanInterval> bootstrap_means(std::span<const double> values, std::size_t columns,

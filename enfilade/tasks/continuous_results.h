@@ -1,4 +1,5 @@
-/// \file  Results of walks in continuous space: VLN-CE's two forms of files, and what scores them.
+/// \file  Results in continuous environments: VLN-CE's two forms of files, and the input of
+/// scorers.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -18,17 +19,17 @@
 
 namespace enfilade::tasks {
 
-/// A walk through one episode, as a simulator recorded it or a file has it: n + 1 poses, n actions
-/// between them.
+/// The trajectory of one episode, as a simulator recorded it or a file has it: n + 1 poses, n
+/// actions between them.
 struct ContinuousResult {
   std::size_t episode = 0;       ///< index into ContinuousEpisodes::episodes
   std::vector<Vec3f> positions;  ///< world, metres, (n + 1): the start, then after each action
   /// [0, 2 pi), (n + 1); empty if they are not known, as in RxR's form.
   std::vector<Radians> headings;
-  /// (n): 0 stop, 1 forward, 2 left, 3 right, 4 up, 5 down. Files do not have them: those that are
-  /// read were told from the poses around them.
+  /// (n): 0 stop, 1 forward, 2 left, 3 right, 4 up, 5 down. Files do not have them: a reader infers
+  /// them from the poses.
   std::vector<std::uint8_t> actions;
-  /// Whether each action ended in a collision, (n); empty if that is not known, as in files.
+  /// Whether each action ended in a collision, (n); empty if unknown, as in files.
   std::vector<std::uint8_t> collided;
 
   bool stopped() const noexcept {
@@ -48,15 +49,22 @@ enum class ContinuousResultsForm : std::uint8_t {
   kRxr,
 };
 
-/// Reads a results file, checked against its split: one walk an episode, in the order of the
-/// episodes. Either form is read, which it tells apart by itself, packed or not. Told from
-/// poses is which action came between two: stop where `stop` becomes true; else forward where the
-/// position changed; else left or right by the heading; else forward against a wall. A walk of
-/// RxR's form ends with stop. \throws FileError; InvalidInput listing its faults (up to 1000) with
-/// their JSON paths: not JSON, missing, repeated or wrongly typed fields, an episode or instruction
-/// that the split does not have, one that is answered twice or (Coverage::kAll) not at all, no
-/// pose, a position that is not three numbers, a start that is more than 1 cm off the episode's,
-/// poses after stop
+/// Reads a results file, checked against its split: one trajectory per episode, in the order of the
+/// episodes. Either form is recognised and read, packed or not. A trajectory of RxR's form ends
+/// with stop.
+///
+/// The action between two poses is inferred:
+/// - stop where `stop` becomes true
+/// - else forward where the position changed
+/// - else left or right by the heading
+/// - else forward against a wall
+///
+/// \throws FileError
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
+/// - not JSON, missing, repeated or wrongly typed fields
+/// - an unknown episode or instruction, one answered twice or (Coverage::kAll) not at all
+/// - no pose, a position that is not three numbers, poses after stop
+/// - a start that is more than 1 cm off the episode's
 std::vector<ContinuousResult> load_continuous_results(const std::filesystem::path& file,
                                                       const ContinuousEpisodes& episodes,
                                                       Coverage coverage = Coverage::kAll);
@@ -66,17 +74,21 @@ std::vector<ContinuousResult> parse_continuous_results(std::string_view text,
                                                        const ContinuousEpisodes& episodes,
                                                        Coverage coverage = Coverage::kAll);
 
-/// The text of a results file. kR2r: one episode a line, which parse_continuous_results() reads
-/// back equal but for `collided` and for looks up and down, which become steps against a wall.
-/// kRxr: ordered by instruction ids, as the public code does. \throws ArgumentError for an episode
-/// that `episodes` do not have, for walks whose arrays do not fit together or that go on after
-/// stop, for numbers that are not finite, and, kRxr, for an episode without an instruction id;
-/// kR2r, for a walk without headings
+/// The text of a results file.
+/// - kR2r: one episode per line. parse_continuous_results() reads it back equal, except `collided`,
+///   and except actions up and down, which become steps against a wall.
+/// - kRxr: ordered by instruction ids, as the public code does.
+///
+/// \throws ArgumentError for an unknown episode, or numbers that are not finite
+/// \throws ArgumentError for a trajectory whose arrays do not fit together or that goes on after
+/// stop
+/// \throws ArgumentError (kRxr) for an episode without an instruction id
+/// \throws ArgumentError (kR2r) for a trajectory without headings
 std::string to_json(std::span<const ContinuousResult> walks, const ContinuousEpisodes& episodes,
                     ContinuousResultsForm form);
 
-/// A walk that owns what score_continuous() takes. In Habitat's frame, as sums in single precision
-/// depend on the order of the coordinates.
+/// Owns the trajectory that score_continuous() takes. In Habitat's frame, as sums in single
+/// precision depend on the order of the coordinates.
 struct ScoredWalk {
   std::vector<std::array<float, 3>> positions;  ///< Habitat's frame, metres, (n + 1)
   std::vector<std::uint8_t> actions;            ///< (n)
@@ -86,10 +98,11 @@ struct ScoredWalk {
   /// Valid as long as *this.
   ContinuousWalk view() const noexcept { return {positions, actions, goal_distances, collided}; }
 };
-/// \param goal_distances  of each position, metres; infinite: no way
-/// \throws ArgumentError if there are not as many as positions, or the walk's arrays do not fit
+/// \param goal_distances  per position, metres; infinite: out of reach
+/// \throws ArgumentError if there are not as many as positions, or the trajectory's arrays do not
+/// fit
 ScoredWalk to_score(const ContinuousResult& walk, std::vector<double> goal_distances);
-/// An expert's locations, or a reference path, as the reference that score_continuous() takes.
+/// An expert's locations, or a reference path, as score_continuous() takes them.
 std::vector<Point3> reference_to_score(std::span<const Vec3d> points);
 
 }  // namespace enfilade::tasks

@@ -1,4 +1,4 @@
-/// \file  Walks of people who followed instructions (RxR's followers).
+/// \file  Trajectories of people who followed instructions (RxR's followers).
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace enfilade::tasks {
 
-/// A follower's walk after one instruction, with the scores that the data set's authors gave it.
+/// A follower's trajectory for one instruction, with the scores of the data set's authors.
 struct Demonstration {
   std::int64_t demonstration_id = 0, instruction_id = 0, annotator_id = 0;
   std::vector<std::string> path;

@@ -17,9 +17,9 @@
 
 namespace enfilade::tasks {
 
-/// What came of walking through the nodes of a path.
+/// Result of following the nodes of a path.
 struct WalkedNodes {
-  std::string obstacle = {};  ///< why a body cannot walk it, in words; empty: it can
+  std::string obstacle = {};  ///< reason why the body cannot follow it; empty: it can
   std::optional<double> geodesic_distance = {};  ///< from the first node to the last, metres
 };
 
@@ -35,15 +35,15 @@ class EpisodeFloor {
   /// \pre viewpoint < graph.size()
   virtual std::optional<Vec3d> node_of(const graph::NavGraph& graph,
                                        ViewpointIndex viewpoint) const = 0;
-  /// Whether a body can walk from node to node, in their order. \pre not empty; node_of() gave each
+  /// Whether a body can move from node to node, in their order. \pre not empty; node_of() gave each
   virtual WalkedNodes walk(const graph::NavGraph& graph, std::span<const Vec3d> nodes) const = 0;
 };
 
 /// The floor without a mesh: the height of the viewpoint above it is that of the connectivity file.
-/// Everything can be walked, and no geodesic distance is known.
+/// Everything is walkable, and no geodesic distance is known.
 class GuessedFloor final : public EpisodeFloor {
  public:
-  /// What VLN-CE's nodes lie above the floor of the connectivity files, metres: the median over
+  /// Height of VLN-CE's nodes above the floor of the connectivity files, metres: the median over
   /// the 6,643 viewpoints of its version 1-2.
   static constexpr double kAboveFloor = 0.107;
 
@@ -64,9 +64,9 @@ struct DeriveOptions {
   std::uint64_t seed = 1;             ///< of random headings
   double radius = 3;                  ///< of goals, metres \pre 0 or more
   std::string scene_folder = "mp3d";  ///< a scene is "<folder>/<scan>/<scan>.glb"
-  std::int64_t first_id = 1;          ///< of the first episode; the others follow without gaps
-  /// Whose tokens instructions get (InstructionEncoder), and which goes into the file. No value: no
-  /// tokens, and a vocabulary without words.
+  std::int64_t first_id = 1;          ///< id of the first episode; the others follow without gaps
+  /// Encoder of the instructions' tokens, and the vocabulary in the file. No value: no tokens, and
+  /// a vocabulary without words.
   std::optional<InstructionVocabulary> vocabulary = {};
 };
 
@@ -79,18 +79,18 @@ struct DroppedPath {
   friend bool operator==(const DroppedPath&, const DroppedPath&) = default;
 };
 
-/// What derive_continuous() gives.
+/// The result of derive_continuous().
 struct DerivedEpisodes {
-  ContinuousEpisodes episodes;       ///< of each path its instructions, in the order of the file
+  ContinuousEpisodes episodes;       ///< path by path, each path's instructions in file order
   std::vector<DroppedPath> dropped;  ///< in the order of the file
 };
 
-/// An episode for each instruction of each path that a body can walk: a viewpoint has one node
-/// wherever it occurs, a path keeps all its instructions (R2R's fourth ones too) or none. Ids are
-/// numbers, and texts of RxR, as in VLN-CE's files. Paths with hidden goals give episodes with
-/// hidden goals. The floor is asked from one thread, for one scan after the other, once a viewpoint
-/// and once a path. \throws ArgumentError for other annotations than R2R's, R2R-Last's, R4R's and
-/// RxR's; InvalidInput and errors of graph files as look_up_paths(); what the floor throws
+/// An episode for each instruction of each path that a body can follow. A viewpoint has one node in
+/// all paths. A path keeps all its instructions (R2R's fourth ones too) or none. Ids are numbers,
+/// and texts of RxR, as in VLN-CE's files. Paths with hidden goals give episodes with hidden goals.
+/// The floor is called from one thread, scan after scan, once per viewpoint and once per path.
+/// \throws ArgumentError for other annotations than R2R's, R2R-Last's, R4R's and RxR's
+/// \throws InvalidInput and errors of graph files as look_up_paths(); the floor's errors
 DerivedEpisodes derive_continuous(const Annotations& annotations, const graph::GraphSet& graphs,
                                   const EpisodeFloor& floor, const DeriveOptions& options = {});
 

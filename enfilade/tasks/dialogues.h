@@ -1,5 +1,5 @@
-/// \file  Whole dialogues of CVDN: a navigator who looks for something in a building, an oracle who
-/// sees the way there. CVDN's task from dialogue history (Task::kCvdn) was cut from them.
+/// \file  Whole dialogues of CVDN: a navigator who searches an object in a building, an oracle who
+/// sees the shortest path. CVDN's task from dialogue history (Task::kCvdn) was cut from them.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace enfilade::tasks {
 
-/// What a dialogue's file tells of one of its two people. All may be absent.
+/// A dialogue's record of one of its two people. All may be absent.
 struct DialoguePerson {
   std::optional<std::int64_t> id;         ///< `navigator`, `oracle`: the same in all dialogues
   std::string worker;                     ///< `navigator_mturk`, `oracle_mturk`
@@ -25,7 +25,7 @@ struct DialoguePerson {
 struct Dialogue {
   std::int64_t id = 0;  ///< `idx`
   std::string scan;
-  std::string target;  ///< what is looked for: "plant"
+  std::string target;  ///< the searched object: "plant"
   std::string start;   ///< `start_pano`: a viewpoint
   /// \name Empty in test splits, which hide them
   /// @{
@@ -37,9 +37,9 @@ struct Dialogue {
       stops;  ///< `stop_history`: places where the navigator claimed to be there
   /// @}
   DialoguePerson navigator, oracle;
-  std::optional<std::int64_t> problem;  ///< how many of the two reported technical problems, 0 to 2
-  /// `nav_camera` as JSON without blanks, or empty: how the navigator looked around. Its inner form
-  /// is not published, so it is kept as it is.
+  std::optional<std::int64_t> problem;  ///< how many people reported technical problems, 0 to 2
+  /// `nav_camera` as JSON without blanks, or empty: the navigator's views. Its inner form is not
+  /// published, so it is kept unchanged.
   std::string camera;
 
   bool goal_hidden() const noexcept { return ends.empty(); }
@@ -47,18 +47,20 @@ struct Dialogue {
 };
 
 /// Reads a file of dialogues: a list, or lines, packed (".gz") or not. Fields of other names, such
-/// as `R2R_spl`, are read over.
-/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
-/// missing, repeated or wrongly typed fields, a negative id, an `idx` that another dialogue has, an
-/// empty region, steps that are empty or begin elsewhere than at the start, a turn or stop beyond
-/// the steps, a role that is neither "navigator" nor "oracle"; where there is one of `end_panos`,
-/// `nav_steps`, `planner_nav_steps`, `dialog_history`, all four are needed
+/// as `R2R_spl`, are ignored. If there is one of `end_panos`, `nav_steps`, `planner_nav_steps`,
+/// `dialog_history`, all four are needed.
+/// \throws FileError
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
+/// - not JSON, missing, repeated or wrongly typed fields
+/// - a negative id, a repeated `idx`, an empty region
+/// - steps that are empty or do not begin at the start, a turn or stop beyond the steps
+/// - a role that is neither "navigator" nor "oracle"
 std::vector<Dialogue> load_dialogues(const std::filesystem::path& file);
 std::vector<Dialogue> parse_dialogues(std::string_view json, const std::string& file);
 
-/// A list with a dialogue a line; parse_dialogues() reads it back equal.
-/// \throws ArgumentError for what JSON cannot say: an infinite number, text that is not UTF-8; for
-/// a `camera` that is no JSON
+/// A list with one dialogue per line; parse_dialogues() reads it back equal.
+/// \throws ArgumentError for infinite numbers, text that is not UTF-8, and a `camera` that is not
+/// JSON
 std::string to_json(const std::vector<Dialogue>& dialogues);
 
 }  // namespace enfilade::tasks

@@ -13,14 +13,15 @@ using Point3 = std::array<double, 3>;
 /// tied; metres. O(|a| |b|). \pre neither is empty
 double exact_dtw(std::span<const Point3> a, std::span<const Point3> b);
 
-/// The two forms in which the Python package `fastdtw` exists. They disagree: the compiled one
-/// gives the last row of an odd list the bounds of the row before, allows no diagonal step beyond
-/// the end of the row above, and breaks ties in another order.
+/// The two forms of the Python package `fastdtw`. They disagree. In the compiled one, the last row
+/// of an odd list has the bounds of the row before. It allows no diagonal step beyond the end of
+/// the row above. It breaks ties in another order.
 enum class FastDtw : std::uint8_t { kPlain, kCompiled };
 
-/// FastDTW (Salvador and Chan 2007) with radius 1, as that package computes it: both lists are
-/// halved until one has fewer than three points, aligned, and the alignment is refined in a window
-/// around what it was. Never less than exact_dtw(). O(|a| + |b|). \pre neither is empty
+/// FastDTW (Salvador and Chan 2007) with radius 1, as that package computes it. Both lists are
+/// halved until one has fewer than three points, and aligned. Then the alignment is refined in a
+/// window around the coarser one. Never less than exact_dtw(). O(|a| + |b|).
+/// \pre neither is empty
 double fast_dtw(std::span<const Point3> a, std::span<const Point3> b, FastDtw form);
 
 }  // namespace enfilade::tasks

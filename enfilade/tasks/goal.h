@@ -1,5 +1,5 @@
-/// \file  What an episode asks for: a kind of goal for each family of benchmarks. Twice: with the
-/// names of a file, and looked up in a graph.
+/// \file  Goals of episodes, one kind per family of benchmarks. Twice: with the names of a file,
+/// and looked up in a graph.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -35,7 +35,7 @@ struct Direction {
 /// \name Goals with the names of a file
 /// @{
 
-/// R2R-Back: to go to a turning point, to say where that is, and to come back.
+/// R2R-Back: reach a turning point, report it, and return.
 struct NamedTurningPoint {
   std::string viewpoint;
   friend bool operator==(const NamedTurningPoint&, const NamedTurningPoint&) = default;
@@ -43,20 +43,20 @@ struct NamedTurningPoint {
 /// REVERIE: to end where the object is seen, and to name it.
 struct NamedObject {
   std::int64_t id = 0;
-  /// `pos_vps`: the viewpoints that see it, where the file names them, as HM3DAutoVLN's does.
-  /// Empty: ObjectBoxes say which do.
+  /// `pos_vps`: the viewpoints that see it, if the file names them, as HM3DAutoVLN's does. Empty:
+  /// ObjectBoxes have them.
   std::vector<std::string> seen_from = {};
   friend bool operator==(const NamedObject&, const NamedObject&) = default;
 };
 /// CVDN: to come nearer to any viewpoint of a region.
 struct NamedRegion {
-  std::string target;                   ///< what is there: "plant"
+  std::string target;                   ///< the searched object: "plant"
   std::vector<std::string> viewpoints;  ///< `end_panos`; not empty
   std::vector<std::string> player;      ///< `player_path`: the navigator's next steps; may be empty
   std::vector<std::string> planner;     ///< `planner_path`: what the oracle saw; may be empty
   friend bool operator==(const NamedRegion&, const NamedRegion&) = default;
 };
-/// Of SOON: an object in a viewpoint's panorama, as a quadrilateral on the sphere.
+/// SOON: an object in a viewpoint's panorama, as a quadrilateral on the sphere.
 struct NamedBox {
   std::string viewpoint;
   std::string object;
@@ -66,7 +66,7 @@ struct NamedBox {
 };
 /// SOON: to end at a viewpoint that has a box, and to point into it.
 struct NamedBoxes {
-  std::vector<NamedBox> boxes;  ///< in the order of the file; one viewpoint may have several
+  std::vector<NamedBox> boxes;  ///< in the order of the file; one viewpoint may have several.
   /// The path that the released scorer compares with: the first of its item's alternatives that
   /// begin where this one does. Empty: this one.
   std::vector<std::string> first_alternative;
@@ -84,7 +84,7 @@ using NamedGoal =
 struct TurningPoint {
   ViewpointIndex viewpoint;
 };
-/// REVERIE's, as NamedObject, with who sees it.
+/// REVERIE's, as NamedObject, with the viewpoints that see it.
 struct SeenObject {
   std::int64_t id = 0;
   std::vector<ViewpointIndex> seen_from;  ///< ascending; empty if no viewpoint sees it

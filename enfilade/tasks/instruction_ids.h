@@ -1,4 +1,4 @@
-/// \file  What instructions of all benchmarks are called.
+/// \file  Instruction ids of all benchmarks.
 #pragma once
 #include <cstddef>
 #include <string>

@@ -12,9 +12,9 @@
 namespace enfilade::tasks {
 
 /// The words of a text by the rule of Habitat's loader: lower case; a blank before each "'s";
-/// commas and question marks taken out; split on runs of characters that are not letters, digits, _
-/// or -; those runs are kept, without the blanks around them. Bytes above 127 count as letters and
-/// are left as they are.
+/// commas and question marks removed. The text is split on runs of characters that are not letters,
+/// digits, _ or -; those runs are kept, without the blanks around them. Bytes above 127 count as
+/// letters and are not changed.
 std::vector<std::string> tokenize_continuous(std::string_view text);
 
 /// Ids of words by a file's vocabulary. Immutable: any thread.
@@ -24,7 +24,7 @@ class InstructionEncoder {
   static constexpr std::size_t kLength = 200;
 
   /// \throws ArgumentError if the vocabulary has no words, or one twice, or if its unknown or
-  /// padding token (1 and 0 where they are not given) is beyond the range of a token
+  /// padding token (default: 1 and 0) is beyond the range of a token
   explicit InstructionEncoder(const InstructionVocabulary& vocabulary);
 
   /// The ids of a text's words, in their order, padded and cut to `length`.

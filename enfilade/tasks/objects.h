@@ -15,7 +15,7 @@ namespace enfilade::tasks {
 /// An object as one viewpoint's pictures show it.
 struct ViewedObject {
   std::int64_t id = 0;
-  std::string name;  ///< "plant#pot": category, and detail after a number sign where there is one
+  std::string name;  ///< "plant#pot": category, and detail after a number sign.
   /// Views that show it, as MatterSim's viewIndex (0 to 35), in the order of the file.
   std::vector<std::uint8_t> views;
   /// Beside each view, the box in its picture of 640 x 480 pixels and 60 degrees: x, y of the left
@@ -28,7 +28,7 @@ struct ViewedObject {
 /// The objects around the viewpoints of many scans. Immutable after reading: any thread.
 class ObjectBoxes {
  public:
-  /// What is there, for checks against published counts.
+  /// Counts of the boxes, for checks against published counts.
   struct Counts {
     std::size_t viewpoints = 0, without_objects = 0;  ///< of those
     std::size_t objects = 0, without_views = 0;       ///< entries by viewpoint
@@ -37,21 +37,23 @@ class ObjectBoxes {
 
   ObjectBoxes() = default;
 
-  /// One file of all viewpoints. Both forms in use: `{"<scan>_<viewpoint>": {"<viewpoint>":
+  /// One file of all viewpoints. Both usual forms: `{"<scan>_<viewpoint>": {"<viewpoint>":
   /// {"<object>": {...}}}}`, and DUET's and HAMT's `BBoxes.json`, one level less. The viewpoint's
   /// id begins after the last underscore. Fields of objects other than `name`, `visible_pos` and
-  /// `bbox2d` are read over.
-  /// \throws InvalidInput listing its faults with JSON paths: not JSON, missing, repeated or
-  /// wrongly typed fields, other keys than those, a view beyond 35 or given twice, a box without
-  /// four numbers or of negative size, other numbers of boxes than of views
+  /// `bbox2d` are ignored.
+  /// \throws InvalidInput listing its faults with JSON paths:
+  /// - not JSON, missing, repeated or wrongly typed fields, other keys than those
+  /// - a view beyond 35 or given twice
+  /// - a box without four numbers or of negative size, another number of boxes than of views
   static ObjectBoxes parse(std::string_view json, const std::string& file);
   /// A packed or plain file of that kind, or a folder of `<scan>_<viewpoint>.json`, REVERIE's form,
   /// packed (`.json.gz`) or plain. Other names in the folder are read over.
   /// \throws FileError, also for a folder without such files; InvalidInput as above, of all files
   /// in one list, in the order of their names
   static ObjectBoxes load(const std::filesystem::path& file_or_folder);
-  /// From what was made elsewhere: the objects around one viewpoint.
-  /// \throws ArgumentError for a viewpoint that is there already, and for what parse() refuses
+  /// Adds the objects around one viewpoint.
+  /// \throws ArgumentError for a viewpoint that has objects already, and for content that parse()
+  /// refuses
   void add(const std::string& scan, const std::string& viewpoint,
            std::vector<ViewedObject> objects);
 

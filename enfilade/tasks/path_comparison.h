@@ -13,7 +13,7 @@
 
 namespace enfilade::tasks {
 
-/// What the paths with known goals of a set are like, and what tells by which rule they were drawn.
+/// Properties of a set's paths with known goals, and signs of the rule by which they were drawn.
 struct PathFacts {
   std::size_t paths = 0;
   std::size_t buildings = 0;

@@ -15,9 +15,9 @@ namespace enfilade::tasks {
 
 /// Which start and goal are drawn. Both lie in rooms (regions), and in different ones.
 enum class PairRule {
-  /// R2R's, as its paths show (docs/sampling.md): an ordered pair of rooms gives one path at most,
-  /// from a viewpoint of the first to the nearest viewpoint of the second, so that the path ends as
-  /// soon as it is in the room.
+  /// R2R's rule, as its paths show (docs/sampling.md). An ordered pair of rooms gives one path at
+  /// most, from a viewpoint of the first to the nearest viewpoint of the second. So the path ends
+  /// at the first viewpoint in the room.
   kRooms,
   /// Any two viewpoints: many more paths, which come out longer than R2R's.
   kViewpoints,
@@ -32,17 +32,17 @@ struct SamplingOptions {
   std::size_t max_edges = 6;
   double min_length = 5.0;  ///< metres along the path
   std::uint64_t seed = 1;
-  /// What the draws in a scan depend on beside the seed; none: its id. \pre any thread may call it
+  /// Text that seeds the draws in a scan beside the seed; null: its id. \pre any thread may call it
   std::function<std::string(const std::string& scan)> draws_of = {};
   int threads = 0;  ///< 0: all cores; never changes a result
 };
 
-/// Shortest paths within the limits, no start and goal twice, each possible pair of rooms (or of
-/// viewpoints) of a building equally likely, and so each start within a pair of rooms. Headings
-/// are uniform, one for each start viewpoint; headings and distances are rounded as R2R's are.
+/// Shortest paths within the limits, no start and goal twice. Each possible pair of rooms (or of
+/// viewpoints) of a building is equally likely, and so is each start within a pair of rooms.
+/// Headings are uniform, one per start viewpoint; headings and distances are rounded as R2R's are.
 /// Path ids count from 1, buildings in the order of `graphs`; instructions are left empty.
-/// Viewpoints that are in no region of `regions` are neither starts nor goals.
-/// Deterministic: one seed gives the same paths at any thread count.
+/// Viewpoints that are in no region of `regions` are neither starts nor goals. Deterministic: one
+/// seed gives the same paths at any thread count.
 /// \throws ArgumentError for limits that allow nothing; errors of graph files
 std::vector<PathAnnotation> sample_paths(const graph::GraphSet& graphs,
                                          const scan::RegionMap& regions,
@@ -58,14 +58,15 @@ struct SplitOptions {
   std::uint64_t seed = 1;
 };
 
-/// What split_by_building() does with each of these buildings: "train", "val_unseen" or "test".
-/// `val_seen_share` does not matter. \throws ArgumentError likewise
+/// The split that split_by_building() gives each of these buildings: "train", "val_unseen" or
+/// "test". Ignores `val_seen_share`.
+/// \throws ArgumentError as split_by_building()
 std::map<std::string, std::string> splits_of_buildings(std::vector<std::string> scans,
                                                        const SplitOptions& options);
 
 /// "train", "val_seen" (other paths in train's buildings), "val_unseen", "test" (paths cut to their
 /// start, distances dropped; "test_hidden" has them whole). If the numbers of scans do not add up
-/// to those in `paths`, they are scaled in proportion, at least one each where asked for. Paths
+/// to those in `paths`, they are scaled in proportion, at least one for each number above 0. Paths
 /// keep their order.
 /// \throws ArgumentError if there are fewer scans than non-empty shares, or a share outside [0, 1)
 std::map<std::string, Annotations> split_by_building(const std::vector<PathAnnotation>& paths,

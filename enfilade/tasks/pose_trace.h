@@ -14,7 +14,7 @@
 
 namespace enfilade::tasks {
 
-/// Where a camera stood and looked, in our world frame.
+/// Position and direction of a camera, in our world frame.
 struct CameraLook {
   Vec3d position;      ///< metres
   Radians heading;     ///< [0, 2 pi)
@@ -27,10 +27,10 @@ struct CameraLook {
 struct PoseSnapshot {
   std::string viewpoint;             ///< `pano`
   double time = 0;                   ///< seconds from the beginning
-  std::optional<double> audio_time;  ///< followers: what was heard of the guide by then, seconds
+  std::optional<double> audio_time;  ///< followers: played part of the guide's audio, seconds.
   /// Row-major 4 x 4 matrices as the data set's own viewer takes them. `extrinsic` goes from the
-  /// camera's frame (x right, y up, looking along -z) to a world whose y is up: ours is
-  /// (x, -z, y) of it, metres. `intrinsic` is OpenGL's projection matrix.
+  /// camera's frame (x right, y up, looking along -z) to a world whose y is up. Ours is (x, -z, y)
+  /// of it, metres. `intrinsic` is OpenGL's projection matrix.
   std::array<float, 16> extrinsic{}, intrinsic{};
 
   friend bool operator==(const PoseSnapshot&, const PoseSnapshot&) = default;
@@ -44,7 +44,7 @@ inline constexpr std::size_t kMaskWidth = 256;
 /// Views in `feature_weights`: MatterSim's 36.
 inline constexpr std::size_t kMaskViews = 36;
 
-/// A trace. What belongs to a viewpoint of the path is in its order; each may be left out.
+/// A trace. Fields per viewpoint of the path are in its order; each may be left out.
 struct PoseTrace {
   std::vector<PoseSnapshot> snapshots;  ///< in the order of time
   std::size_t viewpoints = 0;           ///< of the path; 0 if none of the following is there
@@ -68,24 +68,28 @@ std::string pose_trace_name(TraceRole role, std::int64_t id);
 
 /// Reads a `.npz`, with stored or deflated arrays. Vectors may have the shape (n,) or (n, 1),
 /// matrices (n, 16) or (n, 4, 4); `text_masks` is `text_mask`, too. A time of the first snapshot
-/// that is not a number is 0, as in the data set's viewer. Arrays of other names are read over.
-/// \throws FileError; InvalidInput listing its faults with places such as `$.pano[3]`: no zip file,
-/// a damaged one, no `pano`, `time`, `extrinsic_matrix` or `intrinsic_matrix`, arrays of more than
-/// 256 MiB or 1,048,576 snapshots, of other types or shapes, or whose lengths differ, an empty
-/// viewpoint, a number that is infinite or not one, or beyond a float in a matrix or weight, time
-/// that goes back
+/// that is not a number is 0, as in the data set's viewer. Arrays of other names are ignored.
+/// \throws FileError
+/// \throws InvalidInput listing its faults with places such as `$.pano[3]`:
+/// - not a zip file, or a damaged one
+/// - no `pano`, `time`, `extrinsic_matrix` or `intrinsic_matrix`
+/// - arrays of more than 256 MiB or 1,048,576 snapshots, of other types or shapes, or whose lengths
+///   differ
+/// - an empty viewpoint, an infinite or NaN number, or one beyond a float in a matrix or weight
+/// - decreasing time
 PoseTrace load_pose_trace(const std::filesystem::path& file);
 /// The same of a file in memory. \param name  for messages
 PoseTrace parse_pose_trace(std::string bytes, const std::string& name);
 
-/// A `.npz` that parse_pose_trace() reads back equal, but that times are rounded to float; of the
-/// shapes and types that the released files have.
-/// \throws ArgumentError for no snapshot, arrays of other sizes than the struct says, an audio time
-/// in some snapshots only, what parse_pose_trace() refuses, and text that is not UTF-8
+/// A `.npz` that parse_pose_trace() reads back equal, except that times are rounded to float. It
+/// has the shapes and types of the released files.
+/// \throws ArgumentError for no snapshot, or arrays of other sizes than the struct's
+/// \throws ArgumentError for an audio time in some snapshots only
+/// \throws ArgumentError for content that parse_pose_trace() refuses, and text that is not UTF-8
 std::string to_npz(const PoseTrace& trace);
 
-/// Where the camera of a snapshot stood and looked. A matrix that is no rigid motion gives the
-/// direction of its looking axis; one without any gives heading and elevation 0.
+/// Position and direction of a snapshot's camera. A matrix that is not a rigid motion gives the
+/// direction of its viewing axis; one without any gives heading and elevation 0.
 CameraLook look_of(const PoseSnapshot& snapshot);
 /// A snapshot of a level camera. Near and far planes of the projection are at 0.1 and 1000 m.
 /// \pre 0 < look.view_angle < pi, look.aspect > 0

@@ -1,4 +1,4 @@
-/// \file  What a data set is like, in numbers: the paper's section 4 for any annotations.
+/// \file  Statistics of a data set: the paper's section 4 for any annotations.
 #pragma once
 #include <cstddef>
 #include <map>
@@ -13,7 +13,7 @@
 
 namespace enfilade::tasks {
 
-/// Of a sample of numbers.
+/// Summary of a sample of numbers.
 struct Summary {
   std::size_t count = 0;
   double mean = 0, deviation = 0;  ///< sample standard deviation
@@ -21,21 +21,22 @@ struct Summary {
 };
 Summary summarise(std::vector<double> values);
 
-/// Largest distance between the distribution functions of two samples (Kolmogorov-Smirnov), in
-/// [0, 1], and the chance of one as large if both came from one distribution (asymptotic formula;
-/// for discrete values too large, i.e. cautious). \pre neither is empty
+/// Largest distance between the distribution functions of two samples (Kolmogorov-Smirnov), in [0,
+/// 1]. Also the chance of one as large if both came from one distribution (asymptotic formula; for
+/// discrete values too large, i.e. cautious).
+/// \pre neither is empty
 struct TwoSample {
   double statistic = 0;
   double p_value = 1;
 };
 TwoSample kolmogorov_smirnov(std::vector<double> a, std::vector<double> b);
 
-/// What some benchmarks have beside paths and words. 0 or empty where a split has none of it.
+/// Facts of some benchmarks beside paths and words. 0 or empty if a split has none.
 struct TaskFacts {
   std::size_t hidden_goals = 0;                  ///< paths whose goal is not in the file
   std::map<std::string, std::size_t> languages;  ///< language -> instructions
   std::size_t objects = 0;                       ///< different ones that are goals, by building
-  std::size_t targets = 0;                       ///< different names of what is looked for
+  std::size_t targets = 0;                       ///< different names of searched objects
   std::size_t boxes = 0;                         ///< of SOON's goals
   Summary goal_viewpoints;  ///< how many satisfy a goal: see the object, are of the region, ...
   Summary turns;            ///< of a dialogue, both people's; instructions without one count 0
@@ -75,8 +76,7 @@ struct DatasetStatistics {
   std::vector<std::pair<std::string, std::size_t>> first_words;
 };
 
-/// \param objects  who sees the objects of REVERIE's goals; without them their viewpoints are not
-///     counted
+/// \param objects  boxes of REVERIE's goals; without them their viewpoints are not counted
 /// \throws as make_episodes() for annotations that do not fit the graphs
 DatasetStatistics compute_statistics(std::span<const Annotations> splits,
                                      const std::shared_ptr<const graph::GraphSet>& graphs,

@@ -1,4 +1,4 @@
-/// \file  Reading of JSON files, with exact places of faults. Internal, as it includes simdjson.
+/// \file  Reading of JSON files, with exact positions of faults. Internal, as it includes simdjson.
 #pragma once
 #include <simdjson.h>
 #include <array>
@@ -32,8 +32,8 @@ class Path {
   std::size_t index_ = 0;
 };
 
-/// Collects what is wrong with one file: the first kMostFaultsKept errors, and as many warnings and
-/// notes. Further ones are counted, so that memory stays bounded whatever the file holds.
+/// Collects the faults of one file: the first kMostFaultsKept errors, and as many warnings and
+/// notes. Further ones are counted, so that memory stays bounded for any file.
 class Faults {
  public:
   explicit Faults(std::string file) : file_(std::move(file)) {}
@@ -44,7 +44,7 @@ class Faults {
   void error(const Path& path, std::string code, std::string message) {
     add(Severity::kError, path, std::move(code), std::move(message));
   }
-  /// Those of a part of the file, which was read by itself, after what is here.
+  /// Appends the faults of a part of the file that was read separately.
   void append(Faults part);
   const std::string& file() const noexcept { return file_; }
   std::size_t errors() const noexcept { return errors_; }  ///< also those that are only counted
@@ -54,8 +54,8 @@ class Faults {
   /// Only the first call counts.
   void stop(const Path& path);
   bool stopped() const noexcept { return !stopped_at_.empty(); }
-  /// What was found, in that order; where more was found than is kept, a last diagnostic for the
-  /// errors, and one for the rest, says how much. *This is empty then.
+  /// The faults, in the order found. If there were more than are kept, a last diagnostic for the
+  /// errors, and one for the rest, gives the number. *This is empty afterwards.
   std::vector<Diagnostic> take();
   /// \throws InvalidInput if there are errors.
   void throw_if_errors();
@@ -86,27 +86,27 @@ class Document {
   Element root_;
 };
 
-/// Reads a text once to see whether it is JSON, in memory for its deepest nesting and its longest
-/// string alone. \throws InvalidInput as Document::parse(), also for more than 1024 levels
+/// Checks in one pass that a text is JSON. Takes memory only for its deepest nesting and its
+/// longest string. \throws InvalidInput as Document::parse(), also for more than 1024 levels
 void check_syntax(std::string_view text, const std::string& name);
-/// What Document::parse() throws for a text that simdjson refused with `code`.
+/// The error of Document::parse() for a text that simdjson refused with `code`.
 InvalidInput not_json(std::string_view text, const std::string& name, simdjson::error_code code);
 std::string_view without_byte_order_mark(std::string_view text);
-/// The place after a string of a JSON text; the text's end if the string does not end.
-/// \param at the place after its first quotation mark
+/// The position after a string of a JSON text; the text's end if the string does not end.
+/// \param at the position after its first quotation mark
 std::size_t skip_string(std::string_view text, std::size_t at);
 
-/// What a text may hold. The memory that a parsed text takes goes by this, not by its length:
+/// Limits of a text's content. They bound the memory of a parsed text, which its length does not:
 /// `[[],[],...]` takes 9 times its bytes in simdjson, and 20 times in nlohmann's library.
 struct Limits {
   std::size_t values = 0;  ///< values and keys; an empty array or object counts as two
   std::size_t depth = 0;   ///< arrays and objects within each other
 };
 /// "more than 1000 values and keys", "more than 16 levels"; empty for a text within its limits.
-/// Whether it is JSON is not looked at. Takes no memory.
+/// Does not check that it is JSON. Takes no memory.
 std::string excess(std::string_view text, const Limits& limits);
 
-/// "number 4.5", "string \"abc\"", "array of 3": what was found, for messages.
+/// "number 4.5", "string \"abc\"", "array of 3": the value found, for messages.
 std::string describe(Element element);
 
 // Each gives the value, or reports "<what was found>, not <what was allowed>" and gives nothing.
@@ -116,7 +116,7 @@ std::optional<bool> boolean(Element element, const Path& path, Faults& faults);
 std::optional<std::string_view> string(Element element, const Path& path, Faults& faults);
 std::optional<simdjson::dom::array> array(Element element, const Path& path, Faults& faults);
 std::optional<simdjson::dom::object> object(Element element, const Path& path, Faults& faults);
-/// An array of strings; "" stands for an element that is none, which is reported.
+/// An array of strings; an element that is not a string is reported, and becomes "".
 std::vector<std::string> strings(Element element, const Path& path, Faults& faults);
 
 /// A field that fields() looks for.

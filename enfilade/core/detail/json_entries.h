@@ -10,9 +10,9 @@
 
 namespace enfilade::json {
 
-/// The entries of a text that is one list, in turn. Only one entry is parsed at a time, so that
-/// beside the text it takes the memory of the largest entry that was parsed: up to 14 times its
-/// bytes. Texts are accepted and refused, with the same messages, as by Document::parse().
+/// Iterates over the entries of a text that is one list. Only one entry is parsed at a time, so
+/// memory beside the text is that of the largest parsed entry: up to 14 times its bytes. Accepts
+/// and refuses the same texts as Document::parse(), with the same messages.
 ///
 ///     Entries entries(text, "results.json", most_bytes);
 ///     if (!entries.is_list(faults)) return;
@@ -32,12 +32,13 @@ class Entries {
   /// Whether the text is a list. If not, that is reported to `faults`, at $.
   /// \throws InvalidInput for a text that is not JSON, and no list either
   bool is_list(Faults& faults);
-  /// Goes to the next entry. False if there are no more; the text was JSON then, but for entries
-  /// that are too large, of which the brackets and strings alone were looked at. \pre is_list()
+  /// Goes to the next entry. False if there are no more. The whole text is JSON then; entries that
+  /// are too large were checked only for brackets and strings.
+  /// \pre is_list()
   /// \throws InvalidInput if the text is not JSON as far as this entry
   bool next();
-  std::size_t index() const noexcept { return index_; }  ///< of the entry \pre next()
-  std::size_t bytes() const noexcept { return bytes_; }  ///< of the entry \pre next()
+  std::size_t index() const noexcept { return index_; }  ///< index of the entry \pre next()
+  std::size_t bytes() const noexcept { return bytes_; }  ///< bytes of the entry \pre next()
   /// Valid until the next call of next(); none if the entry has more than `most_bytes`. \pre next()
   const std::optional<Element>& element() const noexcept { return element_; }
 
@@ -59,9 +60,9 @@ class Entries {
   simdjson::dom::parser parser_;
 };
 
-/// The members of a text that is one object, in turn, repeated ones too. Values are parsed only
-/// where they are asked for, so that a large one can be read by Entries. Texts of which every value
-/// is parsed are accepted and refused, with the same messages, as by Document::parse().
+/// Iterates over the members of a text that is one object, repeated ones too. A value is parsed
+/// only on request, so that Entries can read a large one. If every value is parsed, the same texts
+/// are accepted and refused as by Document::parse(), with the same messages.
 ///
 ///     Members members(text, "walks.json");
 ///     if (!members.is_object(faults)) return;
@@ -78,18 +79,19 @@ class Members {
   /// Whether the text is an object. If not, that is reported to `faults`, at $.
   /// \throws InvalidInput for a text that is not JSON, and no object either
   bool is_object(Faults& faults);
-  /// Goes to the next member. False if there are no more; of values that were not parsed the
-  /// brackets and strings alone were looked at. \pre is_object()
+  /// Goes to the next member. False if there are no more. Values that were not parsed are checked
+  /// only for brackets and strings. \pre is_object()
   /// \throws InvalidInput if the text is not JSON as far as this member's end
   bool next();
   const std::string& key() const noexcept { return key_; }  ///< \pre next()
   /// The text of the value. Valid as long as the whole text. \pre next()
   std::string_view value() const noexcept { return text_.substr(begin_, at_ - begin_); }
-  /// The value, valid until the next call of next() or element(); none if its text has more than
-  /// `most_bytes`. \pre next() \throws InvalidInput if it is not JSON
+  /// The value, valid until the next call of next() or element(). No value if its text has more
+  /// than `most_bytes`. \pre next() \throws InvalidInput if it is not JSON
   std::optional<Element> element(std::size_t most_bytes);
-  /// Reads the whole text for its first fault: what a reader of value() found is told with its
-  /// place in the whole. Returns if there is none. \throws InvalidInput
+  /// Reads the whole text for its first fault. So a fault in a value is reported with its position
+  /// in the whole. Returns if there is none.
+  /// \throws InvalidInput
   void check_whole() const { check_syntax(text_, name_); }
 
  private:

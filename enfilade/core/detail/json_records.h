@@ -38,10 +38,11 @@ class Records {
 
   bool is_lines() const noexcept { return !list_; }
   /// Goes to the next record. False if there are no more.
-  /// \throws InvalidInput if the text is not JSON as far as this record; of lines it names the one
+  /// \throws InvalidInput if the text is not JSON as far as this record; for lines it names the
+  /// line
   bool next();
-  std::size_t index() const noexcept;  ///< of the record, from 0; blank lines have none \pre next()
-  std::size_t bytes() const noexcept;  ///< of the record \pre next()
+  std::size_t index() const noexcept;  ///< from 0; blank lines do not count \pre next()
+  std::size_t bytes() const noexcept;  ///< bytes of the record \pre next()
   /// Valid until the next call of next(); none if it has more than `most_bytes`. \pre next()
   const std::optional<Element>& element() const noexcept;
 
@@ -60,14 +61,14 @@ class Records {
   simdjson::dom::parser parser_;
 };
 
-/// Parts of a text, of whole lines each, for readers that go on in parallel; where they begin does
-/// not depend on threads. One part for a list, which Records reads whole.
+/// Parts of a text, of whole lines each, for parallel readers. The cuts do not depend on the number
+/// of threads. A list is one part, which Records reads whole.
 struct Parts {
   bool is_lines = false;
   std::vector<std::string_view> texts;  ///< of lines: without the byte order mark
   std::vector<Records::Begin> begins;   ///< beside each
 };
-/// \param part_bytes  about so many a part
+/// \param part_bytes  approximate bytes per part
 Parts split_records(std::string_view text, std::size_t part_bytes);
 
 }  // namespace enfilade::json

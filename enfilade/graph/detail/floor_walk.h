@@ -14,7 +14,7 @@ class WalkingDistances {
   explicit WalkingDistances(const mesh::WalkableFloor& floor)
       : floor_(floor), metres_(floor.cells().size(), kFar) {}
 
-  /// Adds one more cell; looks no further than `limit` metres.
+  /// Adds one more cell; searches no further than `limit` metres.
   void add(std::uint32_t cell, double limit);
   double operator[](std::size_t cell) const { return metres_[cell]; }
 
@@ -25,14 +25,14 @@ class WalkingDistances {
   std::vector<double> metres_;
 };
 
-/// The easiest way from any of `from` to any of `to`, cell by cell, ends included; it keeps away
+/// The easiest path from any of `from` to any of `to`, cell by cell, ends included; it keeps away
 /// from walls where there is room. Empty if there is none.
 std::vector<std::uint32_t> find_way(const mesh::WalkableFloor& floor,
                                     const std::vector<std::uint32_t>& from,
                                     const std::vector<std::uint32_t>& to);
 
-/// The pocket of each cell: pieces of floor that only a passage narrower than 1.1 m joins to the
-/// rest, and that are large enough to be a room. Numbered by their first cell.
+/// The pocket of each cell, numbered by their first cell. A pocket is large enough to be a room,
+/// and only a passage narrower than 1.1 m joins it to the rest.
 struct Pockets {
   std::vector<std::uint32_t> of;
   std::uint32_t count = 0;

@@ -13,7 +13,7 @@ class Passage {
   Passage(const mesh::RayTracer& tracer, const mesh::WalkableFloor& floor,
           const EdgeOptions& options);
 
-  /// The edge rule: near enough, in sight, floor all the way, and room for the body.
+  /// The edge rule: near enough, visible, floor all the way, and room for the body.
   bool is_free(const PlacedViewpoint& a, const PlacedViewpoint& b) const;
   bool in_sight(const PlacedViewpoint& a, const PlacedViewpoint& b) const;
 

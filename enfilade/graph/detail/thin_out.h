@@ -19,11 +19,11 @@ struct ThinningInput {
   std::size_t first;
   std::function<PlacedViewpoint(std::uint32_t)> placed;  ///< the viewpoint at a cell
 };
-/// Replaces two viewpoints that see each other from less than `least` metres by one, at a cell of
-/// `candidates` (best first) or at one of the two, if nothing is lost: their neighbours stay
-/// connected, and no pocket is left without a viewpoint. The first `first` viewpoints, which were
-/// chosen for their surroundings, move by half of `least` at most, on foot; two of them are never
-/// replaced by one.
+/// Replaces two viewpoints less than `least` metres apart, in view of each other, by one. That is
+/// at a cell of `candidates` (best first) or at one of the two. Does so only if nothing is lost:
+/// their neighbours stay connected, and no pocket is left without a viewpoint. The first `first`
+/// viewpoints were chosen for their surroundings. They move by half of `least` at most, along the
+/// floor; two of them are never replaced by one.
 void thin_out(const ThinningInput& input, std::vector<std::uint32_t>& cells);
 
 }  // namespace enfilade::graph::detail

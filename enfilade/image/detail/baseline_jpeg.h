@@ -1,6 +1,6 @@
 /// \file  The structure of a baseline JPEG file (ITU-T T.81): headers, tables, entropy-coded part.
-/// Internal. Nothing here throws: what is not baseline, or damaged, gives no value, and is left to
-/// libjpeg-turbo, which says what is wrong.
+/// Internal. Nothing here throws. A file that is damaged or not baseline gives no value;
+/// libjpeg-turbo then reads it or reports its fault.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -64,8 +64,8 @@ struct Intervals {
   std::vector<std::uint8_t> bytes;  ///< one interval after the other, then kPadding zeros
   std::vector<std::size_t> begin;   ///< where each begins; then the end of the last
 
-  /// What a decoder may read beyond the end before it finds that it is there: a block, at most 64
-  /// codes of 16 bits with 16 bits after them.
+  /// Bytes that a decoder may read beyond the end before it notices: a block, at most 64 codes of
+  /// 16 bits with 16 bits after them.
   static constexpr std::size_t kPadding = 512;
   std::size_t count() const { return begin.size() - 1; }
 };

@@ -6,7 +6,7 @@
 
 namespace enfilade::image::detail {
 
-/// Of chroma of half the resolution: the rows around a row of pixels.
+/// The rows of chroma of half the resolution around a row of pixels.
 struct ChromaRows {
   const std::uint8_t* near = nullptr;  ///< the row of chroma that the pixels lie in
   const std::uint8_t* far = nullptr;   ///< the next one, above or below
@@ -33,8 +33,8 @@ const BlockKernels& block_kernels() noexcept;
 /// Their plain twins.
 const BlockKernels& scalar_block_kernels() noexcept;
 
-/// Of the "slow integer" transform (libjpeg's jidctint.c: Loeffler, Ligtenberg and Moschytz 1989),
-/// in 8192ths.
+/// Constants of the "slow integer" transform (libjpeg's jidctint.c: Loeffler, Ligtenberg and
+/// Moschytz 1989), in 8192ths.
 struct TransformConstants {
   static constexpr int kBits = 13;
   static constexpr int kFirst = kBits - 2;       ///< bits that the first pass drops
@@ -44,8 +44,8 @@ struct TransformConstants {
                                 k1961 = 16069, k2053 = 16819, k2562 = 20995, k3072 = 25172;
 };
 
-/// Of the conversion of colours, in 65536ths (libjpeg's jdcolor.c): R = Y + 1.402 Cr, G = Y -
-/// 0.34414 Cb - 0.71414 Cr, B = Y + 1.772 Cb.
+/// Constants of the conversion of colours, in 65536ths (libjpeg's jdcolor.c): R = Y + 1.402 Cr, G =
+/// Y - 0.34414 Cb - 0.71414 Cr, B = Y + 1.772 Cb.
 struct ColourConstants {
   static constexpr std::int32_t k0344 = 22554, k0714 = 46802, k1402 = 91881, k1772 = 116130;
 };

@@ -1,8 +1,8 @@
 /// \file  Huffman codes of a baseline JPEG, of several intervals at once. Internal.
 ///
-/// The next code of an interval begins where the last one ended, so a decoder mostly waits: for a
-/// table to say how long a code was. Intervals do not depend on each other, so a lane goes through
-/// each of them, and the lanes take turns.
+/// The next code of an interval begins where the last one ended. So a decoder mostly waits for a
+/// table to give the length of a code. Intervals do not depend on each other. A lane decodes one
+/// interval, and the lanes take turns.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace enfilade::image::detail {
 
-/// What the bits ahead mean, packed into 32 bits: the length of code and extra bits (0: not known,
-/// or damaged), how many coefficients to skip, the value of the one after them.
+/// The meaning of the next bits, packed into 32 bits. It has the length of code and extra bits (0:
+/// not known, or damaged), the number of coefficients to skip, and the value of the next.
 using Meaning = std::uint32_t;
 constexpr Meaning meaning(std::uint32_t length, std::uint32_t skip, std::int32_t value) {
   return length | skip << 8U | static_cast<std::uint32_t>(value) << 16U;
@@ -22,7 +22,7 @@ constexpr Meaning meaning(std::uint32_t length, std::uint32_t skip, std::int32_t
 constexpr std::uint32_t length_of(Meaning m) { return m & 0xFFU; }
 constexpr std::uint32_t skip_of(Meaning m) { return m >> 8U & 0xFFU; }
 constexpr std::int32_t value_of(Meaning m) { return static_cast<std::int32_t>(m) >> 16; }
-/// An end of block skips so many: the block is complete, whatever it had before.
+/// The number that an end of block skips. It completes the block from any coefficient.
 inline constexpr std::uint32_t kEndOfBlock = 128;
 
 /// A table of codes.
@@ -33,7 +33,8 @@ class HuffmanTable {
 
   /// Does nothing if it has the same codes already.
   void set(const HuffmanSpec& spec);
-  /// Of the code that begins with the upper bit of `bits`, of which at least 32 are the file's.
+  /// The meaning of the code that begins with the upper bit of `bits`, of which at least 32 are the
+  /// file's.
   Meaning at(std::uint64_t bits) const {
     const Meaning quick = quick_[bits >> (64 - kQuickBits)];
     return length_of(quick) != 0 ? quick : search(bits);
@@ -51,15 +52,15 @@ class HuffmanTable {
   std::array<std::int32_t, 17> first_{};   // by bits - 1: number of the first symbol - its code
 };
 
-/// Multipliers of coefficients in the file's order, and where they go; those beyond a block's end
-/// (in damaged files, and after an end of block) are 0 and go to the place behind it.
+/// Multipliers of coefficients in the file's order, and their places in the block. Those beyond a
+/// block's end (in damaged files, and after an end of block) are 0 and go to the place behind it.
 struct Coefficients {
   static constexpr std::size_t kMost = 256;
   std::array<std::int16_t, kMost> quant{};
   static const std::array<std::uint8_t, kMost> kPlace;
 };
 
-/// What a block is read with.
+/// The tables that a block is read with.
 struct BlockTables {
   const HuffmanTable* dc = nullptr;
   const HuffmanTable* ac = nullptr;
@@ -100,9 +101,9 @@ struct Lane {
   std::size_t piece = 0;                ///< of `tables`, the one of the block that is being read
   std::size_t left = 0;                 ///< blocks that are not complete
   std::uint32_t k = 0;                  ///< next coefficient of the block
-  /// Of the block that is being read, in rows, dequantized; but the first one is the difference to
-  /// the last block's of the component, as in the file. \pre all 0 before, and kBlock more values
-  /// behind the last block may be written
+  /// The block that is being read, in rows, dequantized. Its first coefficient is the difference to
+  /// the component's last block, as in the file.
+  /// \pre all 0 before; kBlock more values behind the last block may be written
   std::int16_t* block = nullptr;
   std::uint8_t* ends = nullptr;  ///< where k goes when the block is complete: is_sound_end()
 };

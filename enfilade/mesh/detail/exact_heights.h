@@ -28,7 +28,7 @@ struct Cells {
 /// Moves each cell to the highest surface at its centre that is near its height. Recast's cells
 /// have the height of the highest surface anywhere in them, such as the next stair. If there is no
 /// surface (a crack between triangles), the cell is lowered by half a level, the mean error.
-/// \param step how far a cell may lie above what is at its middle
+/// \param step how far a cell may lie above the surface at its middle
 void set_exact_heights(const Mesh& mesh, const Lattice& lattice, double step, Cells& floor);
 
 }  // namespace enfilade::mesh::detail

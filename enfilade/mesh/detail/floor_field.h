@@ -1,5 +1,5 @@
-/// \file  The walkable places of a mesh in Recast's heightfields: what the floor's cells and its
-/// polygons are both made from.
+/// \file  The walkable cells of a mesh in Recast's heightfields. Both the floor's cells and its
+/// polygons are made from them.
 #pragma once
 #include <Recast.h>
 
@@ -15,7 +15,7 @@ namespace enfilade::mesh::detail {
 
 using CompactField = std::unique_ptr<rcCompactHeightfield, void (*)(rcCompactHeightfield*)>;
 
-/// The span that is none.
+/// No span.
 inline constexpr std::uint32_t kNoSpan = std::numeric_limits<std::uint32_t>::max();
 
 /// \throws ArgumentError for options out of range; InvalidInput for what check() calls an error
@@ -47,11 +47,11 @@ class Field {
   }
 
   rcCompactHeightfield& recast() { return *field_; }
-  /// Nobody may be there any more.
+  /// Removes the span from the floor.
   void close(std::uint32_t span) { field_->areas[span] = RC_NULL_AREA; }
-  /// Takes away the places where the body would touch something, as Recast measures distances:
-  /// along rows and diagonals of cells, to whole cells. \throws InvalidInput (`no-floor`) if none
-  /// is left; Error if memory is short
+  /// Removes the cells where the body would touch an obstacle, as Recast measures distances: along
+  /// rows and diagonals of cells, to whole cells.
+  /// \throws InvalidInput (`no-floor`) if none is left; Error if memory is short
   void erode(const WalkableOptions& options);
   /// The same with straight distances to the middles of the cells that are not floor.
   void erode_straight(const WalkableOptions& options);

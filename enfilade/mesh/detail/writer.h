@@ -1,4 +1,4 @@
-/// \file  What the writers of mesh files share. Internal.
+/// \file  Shared parts of the writers of mesh files. Internal.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -129,18 +129,18 @@ class Baker {
   std::array<Directions, 4> directions_;
 
   // By place, that is, half a light point.
-  std::vector<Vec3f> start_;  ///< where its rays start, but for the step off the surface
+  std::vector<Vec3f> start_;  ///< origin of its rays, without the step off the surface
   std::vector<float> area_;
   std::vector<Vec3f> colour_;
   std::vector<std::uint8_t> outside_;  ///< 1: only of surfaces that are in no room
-  std::vector<float> room_;  ///< harmonic mean of distances to what is around, on the tighter side
+  std::vector<float> room_;  ///< harmonic mean of distances to surfaces, on the tighter side
   // By light point.
   std::vector<State> state_;
   std::vector<Vec3f> direct_, indirect_, sun_;  ///< irradiance
-  std::vector<Vec3f> found_;  ///< of indirect_, the part that surfaces do not send
+  std::vector<Vec3f> found_;                    ///< the part of indirect_ that surfaces do not send
   // Indirect light in two parts. Light from near surfaces (the shade below a table) is taken from a
   // point's own rays. Light from far surfaces changes little from point to point, but few rays find
-  // it (a patch of sun), so that it is averaged over neighbours.
+  // it (a patch of sun). So it is averaged over neighbours.
   std::vector<Vec3f> near_;       ///< irradiance
   std::vector<Vec3f> far_;        ///< mean radiance
   std::vector<float> far_share_;  ///< of rays

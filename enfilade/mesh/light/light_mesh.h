@@ -38,7 +38,7 @@ class LightMesh {
   Vec3f position(LightPoint p) const { return positions_[p / 2]; }
   /// Points away from the side's surface; length 1.
   Vec3f normal(LightPoint p) const { return p % 2 == 0 ? normals_[p / 2] : -normals_[p / 2]; }
-  /// Ends of the edge whose midpoint it is. \pre it is not a triangle's corner
+  /// Ends of the edge whose midpoint is `p`. \pre it is not a triangle's corner
   std::array<LightPoint, 2> ends(LightPoint p) const {
     return {ends_[p / 2][0] ^ (p & 1U), ends_[p / 2][1] ^ (p & 1U)};
   }

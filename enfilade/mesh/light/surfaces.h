@@ -16,9 +16,9 @@ class Surfaces {
   const Material& material(std::uint32_t triangle) const {
     return mesh_.materials[mesh_.triangle_material[triangle]];
   }
-  /// Of the triangle's plane, on its front; length 1.
+  /// Normal of the triangle's plane, on its front; length 1.
   Vec3f normal(std::uint32_t triangle) const { return normals_[triangle]; }
-  /// For shading, on the front; length 1.
+  /// Shading normal, on the front; length 1.
   Vec3f normal(std::uint32_t triangle, float u, float v) const;
   Vec3f position(std::uint32_t triangle, float u, float v) const;
   /// Diffuse reflectance, averaged over about `footprint` metres.

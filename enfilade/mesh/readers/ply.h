@@ -40,7 +40,7 @@ struct File {
 File parse(std::string_view bytes, const std::string& file,
            std::span<const std::string_view> wanted);
 
-/// Names that geometry() looks for.
+/// Names that geometry() reads.
 std::span<const std::string_view> geometry_properties();
 /// Positions, colours (sRGB in files), normals, and polygons as fans.
 struct Geometry {

@@ -15,7 +15,7 @@ namespace enfilade::render::cpu {
 
 /// Kernels work on pieces of a row of at most this many pixels, in buffers on the stack.
 inline constexpr std::size_t kBlock = 1024;
-/// Kernels may write so many values beyond the pixels that they were asked for.
+/// Number of values that kernels may write beyond the requested pixels.
 inline constexpr std::size_t kSlack = 64;
 
 /// Values of a piece of a row, before they are packed into the caller's format.
@@ -51,7 +51,7 @@ struct TapRun {
   std::size_t from, count;
 };
 
-/// Some places, and the address that they are from; read like a TapRun's.
+/// Offsets, and the address that they count from; read like a TapRun's.
 struct PlaceRun {
   const std::uint8_t* base;
   const Places& places;
@@ -79,7 +79,7 @@ struct NearestFace {
   std::uint32_t size;
 };
 
-/// A piece of a block's row whose taps are to be made.
+/// A piece of a block's row whose taps are to be computed.
 struct TapPart {
   FaceLine line;
   Piece piece;
@@ -87,10 +87,9 @@ struct TapPart {
   std::size_t at;  ///< where the block has the piece
 };
 
-/// A block whose taps are made while another one is drawn, where there are registers enough: their
-/// divisions keep a unit busy that drawing does not need. Asks memory for the texels, too. Writes
-/// whole registers: what comes beyond a part's end leads anywhere, and is overwritten by the next
-/// part.
+/// A block whose taps are computed while another one is drawn, where there are registers enough.
+/// Their divisions keep a unit busy that drawing does not need. Prefetches the texels, too. Writes
+/// whole registers: values beyond a part's end are arbitrary, and the next part overwrites them.
 struct Ahead {
   std::span<const TapPart> parts;
   Taps& taps;      ///< not those that are drawn
@@ -102,8 +101,8 @@ struct PlanarScale {
   std::array<float, 3> factor, offset;
 };
 
-/// How many of a block's texels memory is asked for ahead: those of each 16th pixel, or of each 8th
-/// and of the row below.
+/// How many of a block's texels are prefetched: those of each 16th pixel, or of each 8th and of the
+/// row below.
 enum class Ask { kLittle, kMuch };
 
 struct Kernels {
@@ -120,8 +119,8 @@ struct Kernels {
                         std::uint16_t* out);
   void (*draw_planar32)(const TapRun&, const Ahead&, const PlanarScale&, std::size_t plane,
                         float* out);
-  /// Of layers of 16 and 32 bits, the texels that hold the points `from` .. from + count - 1; asks
-  /// memory for them. Writes the same places of `out`, and whole registers, as `taps` does.
+  /// For layers of 16 and 32 bits: finds the texels that hold the points `from` .. from + count -
+  /// 1, and prefetches them. Writes the same entries of `out`, and whole registers, as `taps` does.
   void (*places16)(const Points&, std::size_t from, std::size_t count, const NearestFace&,
                    Places& out);
   void (*places32)(const Points&, std::size_t from, std::size_t count, const NearestFace&,
@@ -144,7 +143,7 @@ struct Kernels {
   /// A copy that leaves the caches to the texels; visible to other threads after stream_end().
   void (*stream)(std::byte* out, const std::byte* from, std::size_t bytes);
   void (*stream_end)();
-  // Depth: `factor[k]` turns a ray's length into what is asked for.
+  // Depth: `factor[k]` turns a ray's length into the requested measure.
   void (*pack_metres)(const std::uint16_t* units, const float* factor, std::size_t count,
                       float* out);
   void (*pack_units)(const std::uint16_t* units, const float* factor, std::size_t count,
@@ -157,10 +156,10 @@ struct Kernels {
 };
 
 const Kernels& scalar_kernels() noexcept;
-/// The fastest ones here: for the best instruction set that this machine has, with gathers or
-/// without, as a short measurement at the first call says. All give the same bytes.
+/// The fastest kernels here: for the best instruction set of the processor, with or without
+/// gathers. A short measurement at the first call decides. All give the same bytes.
 const Kernels& simd_kernels() noexcept;
-/// Those of one of cpu_targets(); empty: the fastest. \throws ArgumentError for another name
+/// The kernels of one of cpu_targets(); empty: the fastest. \throws ArgumentError for another name
 const Kernels& simd_kernels(const std::string& target);
 
 struct KernelVariant {

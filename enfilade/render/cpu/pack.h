@@ -11,9 +11,9 @@
 
 namespace enfilade::render::cpu {
 
-/// Where blocks are written before they go to memory past the caches, which takes whole cache
-/// lines. Copied only when the next block is being prepared: a load that reads what several stores
-/// have just written waits until they all have left the processor's store buffer.
+/// Buffer for blocks before they go to memory past the caches, in whole cache lines. It is copied
+/// only when the next block is prepared. A load that reads the bytes of several recent stores waits
+/// until all have left the processor's store buffer.
 class Staging {
  public:
   explicit Staging(const Kernels& kernels) : kernels_(kernels) {}
@@ -21,7 +21,7 @@ class Staging {
   std::byte* take(std::size_t bytes);
   /// Has flush() copy that.
   void send(std::byte* to, const std::byte* from, std::size_t bytes);
-  /// Copies what was sent, and ends the block.
+  /// Copies the buffered bytes, and ends the block.
   void flush();
 
  private:
@@ -87,7 +87,7 @@ class Packer {
   PlanarScale scale_{};  // of colour
 };
 
-/// What planar formats multiply with and add.
+/// Factors and summands of planar formats.
 PlanarScale planar_scale(const Normalisation& normalisation) noexcept;
 
 /// For each pixel 1 / the length of its ray: what turns a distance along it into a z-distance.

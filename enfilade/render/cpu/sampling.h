@@ -20,13 +20,13 @@ inline TexelPoint texel_point(const FaceLine& line, std::uint32_t column) {
 
 /// The colour texels around a point, and how to weigh them.
 struct Tap {
-  std::int32_t offset;  ///< bytes from the face's cells to the left upper one
-  /// Bits 0-7 and 8-15: weights of the left and the right texels, 255 in all; bits 16-31: that of
+  std::int32_t offset;  ///< bytes from the face's cells to the left upper texel.
+  /// Bits 0-7 and 8-15: weights of the left and the right texels, 255 in all. Bits 16-31: weight of
   /// the lower texels in 2^-15, times 128 / 255, of kWholeWeight in all.
   std::uint32_t weights;
 };
 
-/// What turns columns into strips: x / 18 = x * 3641 / 65536 for all x up to kLargestCellFace.
+/// Converts columns to strips: x / 18 = x * 3641 / 65536 for all x up to kLargestCellFace.
 inline constexpr std::int32_t kStripFactor = 3641;
 /// Bytes from the end of a strip's first line of 18 texels to the next strip's.
 inline std::int32_t strip_step(std::uint32_t size) {

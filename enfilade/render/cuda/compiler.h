@@ -10,16 +10,16 @@ namespace enfilade::render::cuda {
 /// The text of detail/pixels.h and kernels.h, embedded by the build.
 extern const std::string_view kKernels;
 
-/// What to compile: macros that kernels.h asks for.
+/// Input of a compilation: macros of kernels.h.
 struct Source {
   std::vector<std::string> definitions;  ///< "EN_COLOUR=1", ...
 };
 
-/// The runtime compiler of CUDA 11.2 or later, as it is found: already loaded (by PyTorch, say),
-/// the file that ENFILADE_NVRTC names, the system's, that of /usr/local/cuda.
+/// The runtime compiler of CUDA 11.2 or later. The first of: already loaded (for example by
+/// PyTorch), the file that ENFILADE_NVRTC names, the system's, that of /usr/local/cuda.
 class Compiler {
  public:
-  /// \throws Error that says where it was looked for, and how to get it
+  /// \throws Error with the searched places, and how to get it
   Compiler();
 
   const std::string& version() const noexcept { return version_; }  ///< "12.9"
@@ -40,8 +40,8 @@ class Compiler {
   std::vector<int> capabilities_;
 };
 
-/// Compiled images, kept in a folder: $XDG_CACHE_HOME/enfilade/cuda or ~/.cache/enfilade/cuda. The
-/// compiler is not even loaded while all that is asked for is there. Where nothing can be written,
+/// Compiled images, cached in a folder: $XDG_CACHE_HOME/enfilade/cuda or ~/.cache/enfilade/cuda.
+/// The compiler is not even loaded while all requested images are there. If nothing can be written,
 /// each process compiles for itself.
 class Images {
  public:

@@ -1,5 +1,5 @@
-/// \file  The part of CUDA's driver API that drawing needs, loaded when it is first asked for: no
-/// build needs CUDA's headers, and a machine without a card says so.
+/// \file  The part of CUDA's driver API that the renderer needs, loaded at its first use. No build
+/// needs CUDA's headers; without a card, an Error reports it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -67,8 +67,8 @@ struct Api {
 };
 // NOLINTEND(readability-identifier-naming)
 
-/// The driver's functions, initialised. \throws Error that says what is missing: the library, one
-/// of its functions, or a card
+/// The driver's functions, initialised.
+/// \throws Error naming what is missing: the library, one of its functions, or a card
 const Api& api();
 
 /// \throws Error "CUDA: DOING: TEXT (NAME)" unless the result is success
@@ -105,8 +105,8 @@ class Current {
   Current& operator=(const Current&) = delete;
 };
 
-/// While this lives, the thread may allocate although a stream of it is captured: what is made then
-/// is no part of the graph.
+/// While this lives, the thread may allocate although a stream of it is captured; the allocations
+/// are not part of the graph.
 class RelaxedCapture {
  public:
   RelaxedCapture();
@@ -152,7 +152,7 @@ Stream make_stream();
 Event make_event();  ///< without timing
 /// \throws Error naming the bytes if the card has no room
 Memory allocate(std::size_t bytes);
-/// Of the host, mapped so that copies need no detour.
+/// Memory of the host, mapped so that copies need no detour.
 PinnedMemory allocate_pinned(std::size_t bytes);
 
 /// Where memory is.

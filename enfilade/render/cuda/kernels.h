@@ -1,5 +1,5 @@
-/// \file  The kernels of the CUDA back end. NVRTC compiles this text, behind detail/pixels.h, for
-/// the card; as plain C++ it is its own twin, in which lanes, warps and blocks are loops
+/// \file  The kernels of the CUDA back end. NVRTC compiles this text, after detail/pixels.h, for
+/// the card. As plain C++ it is its own twin, in which lanes, warps and blocks are loops
 /// (kernels_test.cpp). It includes nothing on the card.
 #pragma once
 #if !defined(__CUDACC_RTC__)
@@ -31,8 +31,8 @@ struct DeviceView {
 struct Job {
   const DeviceView* views;
   u32 width, height;
-  u32 bands;       ///< of a view: ceil(height / kBandRows)
-  u32 size_layer;  ///< the layer whose size of faces all that are drawn here have
+  u32 bands;       ///< per view: ceil(height / kBandRows)
+  u32 size_layer;  ///< the layer whose size of faces all drawn here have
   u8* colour;
   u8* depth;
   u8* classes;
@@ -45,23 +45,23 @@ enum ColourKind : u32 { kNoColour, kRgb, kBgr, kRgba, kPlanar16, kPlanar32 };
 enum DepthKind : u32 { kNoDepth, kMetres, kUnits, kLegacyMetres, kLegacyUnits };
 enum ClassKind : u32 { kNoClasses, kClass8, kClass16 };
 
-/// What a kernel draws. Clamped: colour is filtered within faces only.
+/// The outputs of a kernel. Clamped: colour is filtered within faces only.
 template <u32 Colour, u32 Depth, u32 Classes, bool Instances, bool Clamped = false>
 struct Variant {
   static constexpr u32 kColour = Colour, kDepth = Depth, kClasses = Classes;
   static constexpr bool kClamped = Clamped;
   static constexpr bool kInstances = Instances;
   static constexpr bool kNearest = Depth != kNoDepth || Classes != kNoClasses || Instances;
-  // Drawing waits for texels most of the time, so as many warps as their registers allow: blocks
-  // that a multiprocessor should hold, and groups of pixels under way in each, as measured on an
-  // H200 (docs/design/cuda.md).
+  // Drawing waits for texels most of the time, so as many warps as their registers allow. The
+  // blocks that a multiprocessor should hold, and the groups of pixels under way in each, were
+  // measured (docs/design/cuda.md).
   static constexpr u32 kBlocks = kNearest ? 6 : 8;
   static constexpr u32 kUnrolled = Colour == kPlanar16 || Colour == kPlanar32 ? 1 : 2;
 };
 
-// --- Colour on the card: strips of 16 texels of 4 bytes, R G B less 128 and nothing, border
-// included; a strip's rows follow each other, so that a line of 128 bytes holds 16 x 2 texels, the
-// texel below is 64 bytes on, and a view turned by any angle reads few lines.
+// --- Colour on the card: strips of 16 texels of 4 bytes (R G B less 128, and one unused), border
+// included. A strip's rows follow each other. So a line of 128 bytes holds 16 x 2 texels, the texel
+// below is 64 bytes on, and a view turned by any angle reads few lines.
 
 #if !defined(EN_STRIP_BITS)
 #define EN_STRIP_BITS 4
@@ -182,7 +182,7 @@ EN_PIXELS u32 texel_number(u32 step, u32 x, u32 y) {
 /// \param face its first texel  \param step strip_step() of its size
 EN_PIXELS u32 sample_colour(const u32* face, u32 step, TexelPoint p) {
   const u32 x = static_cast<u32>(p.x), y = static_cast<u32>(p.y);
-  // texel_number() of both, but for the right one's place behind the left one.
+  // texel_number() of both, except the right one's place after the left one.
   const u32 row = (x >> 16) + (y >> 16 << kStripBits);
   const u32* left = face + (row + (x >> (16 + kStripBits)) * step);
   const u32* right = face + (row + ((x + 65536) >> (16 + kStripBits)) * step);
@@ -197,8 +197,8 @@ EN_PIXELS u32 sample_colour(const u32* face, u32 step, TexelPoint p) {
   const u32 bottom_rg = pick_bytes(bottom_left, bottom_right, 0x5140);
   const u32 top_b = pick_bytes(top_left, top_right, 0x0062);
   const u32 bottom_b = pick_bytes(bottom_left, bottom_right, 0x0062);
-  // scale15(scale15(top, upper) + scale15(bottom, lower), 256) + 128, with the sums of all
-  // roundings, and the 128, added at once: both are whole multiples of what is cut off later.
+  // scale15(scale15(top, upper) + scale15(bottom, lower), 256) + 128. The sums of all roundings,
+  // and the 128, are added at once: both are multiples of the bits cut off later.
   const auto channel = [&](i32 top, i32 bottom) {
     const i32 from_top = top * upper + ((1 << 14) + ((64 + (128 << 7)) << 15));
     const i32 from_bottom = bottom * lower + (1 << 14);
@@ -223,7 +223,7 @@ EN_PIXELS void store_bytes(PerLane<u32>& rgb, PerLane<u8*>& out, u8* first, u32 
     each_lane([&](u32 lane) { rgb[lane] = pick_bytes(rgb[lane], 0, 0x4012); });
   }
   if (words) {
-    // Of the 24 words that 32 pixels fill, lane k writes the k-th.
+    // Lane k writes the k-th of the 24 words that 32 pixels fill.
     each_lane([&](u32 lane) {
       const u32 pixel = lane * 4 / 3, into = lane % 3;
       const u32 a = from_lane(rgb, pixel), b = from_lane(rgb, pixel + 1);
@@ -369,7 +369,7 @@ struct RowPiece {
 };
 EN_PIXELS u32 end_of(const RowPiece& piece) { return piece.end_and_face >> 3; }
 
-/// What the threads of a block share.
+/// The data that the threads of a block share.
 struct Band {
   Crossing crossings[kCrossings];
   RowPiece pieces[kBandRows][kMostStretches];

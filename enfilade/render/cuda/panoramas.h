@@ -21,9 +21,9 @@ struct OnCard {
   std::array<std::uint32_t, scan::kLayers> sizes{};
 };
 
-/// Keeps whole layers of panoramas, six faces each; the panorama that was used least recently goes
-/// first. What views need is claimed, then brought in together, so that faces are decoded in
-/// parallel. For one thread, in its device's context.
+/// Keeps whole layers of panoramas, six faces each; the least recently used panorama goes first.
+/// The panoramas that views need are claimed, then brought in together, so that faces are decoded
+/// in parallel. For one thread, in its device's context.
 class Panoramas {
  public:
   /// \param bytes of the card that may be used; one turn's first panorama is kept in any case
@@ -33,16 +33,16 @@ class Panoramas {
   Panoramas(const Panoramas&) = delete;
   Panoramas& operator=(const Panoramas&) = delete;
 
-  /// Panoramas are kept for what is claimed until the next call.
+  /// Claimed panoramas are kept until the next call.
   void begin_turn() noexcept;
   /// The panorama with these layers, perhaps still to be brought in; null if no more fit into this
-  /// turn. Valid until the next turn. \throws as PanoramaSet::source(); LookupError for a layer
-  /// that it lacks
+  /// turn. Valid until the next turn.
+  /// \throws as PanoramaSet::source(); LookupError for a layer that it lacks
   const OnCard* claim(ScanIndex scan, ViewpointIndex viewpoint, scan::LayerMask layers);
-  /// Whether all that was claimed in this turn is on the card.
+  /// Whether all panoramas claimed in this turn are on the card.
   bool complete() const noexcept { return missing_.empty(); }
-  /// Uploads what is not. What `stream` does next comes behind it. \throws as FaceCache::acquire(),
-  /// Error
+  /// Uploads the missing ones. Later work of `stream` runs after it.
+  /// \throws as FaceCache::acquire(); Error
   void bring_in(StreamHandle stream);
 
   std::size_t bytes() const noexcept { return used_; }  ///< of the card's, now
@@ -81,7 +81,7 @@ class Panoramas {
   std::uint64_t turn_ = 0;
   std::list<Entry> entries_;  // the most recently used first
   std::unordered_map<std::uint64_t, std::list<Entry>::iterator> places_;
-  // What removed panoramas had, for others of the same size: freeing would wait for the card.
+  // Memory of removed panoramas, for others of the same size: freeing would wait for the card.
   std::vector<std::pair<std::size_t, Memory>> spare_;
   std::vector<Missing> missing_;
   std::array<Stage, kStages> stages_;

@@ -6,8 +6,8 @@
 
 namespace enfilade::render::cuda {
 
-/// \throws ArgumentError if config.cuda_device names no card; Error that says what is missing, or
-/// with CUDA's or NVRTC's words
+/// \throws ArgumentError if there is no card config.cuda_device
+/// \throws Error naming the missing part, or with the message of CUDA or NVRTC
 std::unique_ptr<Renderer> make_cuda_renderer(std::shared_ptr<FaceCache> faces,
                                              const RendererConfig& config);
 

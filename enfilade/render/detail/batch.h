@@ -20,9 +20,9 @@ struct PreparedView {
   std::array<std::array<std::uint32_t, kCubeFaces>, scan::kLayers> face{};
 };
 
-/// Views that are drawn together: those whose faces fit into the cache at once. Holds these faces
-/// until it is destroyed or filled anew. Its vectors keep their memory, so that a renderer that has
-/// one allocates nothing.
+/// Views that are drawn together, as their faces fit into the cache at once. Holds these faces
+/// until it is destroyed or filled again. Its vectors keep their memory, so that a renderer that
+/// has one allocates nothing.
 class Batch {
  public:
   explicit Batch(std::shared_ptr<FaceCache> cache) : cache_(std::move(cache)) {}
@@ -30,9 +30,11 @@ class Batch {
   Batch(const Batch&) = delete;
   Batch& operator=(const Batch&) = delete;
 
-  /// Takes as many of the first views as have their faces within `bytes`, at least one, and makes
-  /// the faces ready. \returns how many it took
-  /// \pre validate() was called  \throws as FaceCache::acquire()
+  /// Takes as many of the first views as have their faces within `bytes`, at least one. Makes the
+  /// faces ready.
+  /// \returns the number of views taken
+  /// \pre validate() was called
+  /// \throws as FaceCache::acquire()
   std::size_t fill(const Camera& camera, std::span<const View> views, const Outputs& outputs,
                    std::size_t bytes);
   /// All faces of one panorama, whatever the view shows of them.

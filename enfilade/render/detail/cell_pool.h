@@ -7,9 +7,9 @@
 
 namespace enfilade::render::detail {
 
-/// Hands out pieces of memory from blocks of 2 MiB pages, where the system has them: drawing reads
-/// texels all over a panorama, and one page table entry then serves 512 times as many. A block is
-/// given back to the system when none of its pieces is used. Not for several threads at once.
+/// Allocates pieces of memory from blocks of 2 MiB pages, where the system has them. Drawing reads
+/// texels all over a panorama, and one page table entry then serves 512 times as many. A block goes
+/// back to the system when none of its pieces is used. Not for several threads at once.
 class CellPool {
   struct Block;
 

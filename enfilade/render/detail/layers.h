@@ -33,7 +33,7 @@ inline scan::LayerMask layers_of(const Outputs& outputs) noexcept {
       unsigned{outputs.classes.has_value()} << 2U | unsigned{outputs.instances.has_value()} << 3U);
 }
 
-/// \throws ArgumentError if a stream is asked for, which only CUDA has
+/// \throws ArgumentError if a stream is requested, which only CUDA has
 inline void refuse_stream(const Outputs& outputs) {
   if (outputs.stream) throw ArgumentError("outputs.stream: only the back end cuda has streams");
 }

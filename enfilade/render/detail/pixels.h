@@ -1,5 +1,5 @@
-/// \file  Where pixels meet the faces of a cube, and what their texels weigh: the arithmetic that
-/// all back ends have in common, one function a step. Freestanding: the CPU's code includes it, and
+/// \file  The texels of a pixel in the faces of a cube, and their weights. This is the arithmetic
+/// that all back ends share, one function per step. Freestanding: the CPU's code includes it, and
 /// the CUDA back end compiles the same text for the card, without any header. Nothing here may be
 /// contracted into fused operations, or pictures would differ in bits (docs/design/kernels.md).
 #pragma once
@@ -55,10 +55,10 @@ EN_PIXELS u32 face_towards(const Vector& d) {
   return d.z < 0 ? 1 : 3;
 }
 
-/// A row's pixels as a face sees them. For column j, with D = d0 + j d1, the pixel's point on the
-/// face is ((x0 + j x1) / D, (y0 + j y1) / D), in 65536ths of a texel from the middle of the first
-/// texel of the face's border; D is positive where the face is met. Single precision: what all
-/// kernels compute with, so that they agree to the bit.
+/// A row's pixels projected to a face. For column j, with D = d0 + j d1, the pixel's point on the
+/// face is ((x0 + j x1) / D, (y0 + j y1) / D). The unit is 65536ths of a texel from the middle of
+/// the first texel of the face's border. D is positive where the face is met. Single precision: all
+/// kernels compute in it, so that they agree to the bit.
 struct FaceLine {
   float x0, x1, y0, y1, d0, d1;
 };
@@ -104,8 +104,8 @@ struct Rows {
   u32 begin, end;
 };
 
-/// The columns origin + row * slope at which two parts of the direction are of equal size, and the
-/// rows in which the third part is not larger: in the others no face ends there.
+/// The columns origin + row * slope at which two parts of the direction are of equal size. Also the
+/// rows in which the third part is not larger; in the others no face ends there.
 struct Crossing {
   double origin, slope;
   Rows rows[2];
@@ -118,7 +118,7 @@ EN_PIXELS u32 row_number(double row) {
   return static_cast<u32>(row < 0 ? 0 : row > kMostRows ? kMostRows : row);
 }
 
-// The rows in which |part| <= |limit|, and perhaps one more at each end: a cut too many does no
+// The rows in which |part| <= |limit|, and perhaps one more at each end. A needless cut does no
 // harm, and rounding must not hide a corner, where both are equal.
 EN_PIXELS void rows_within(double part0, double part1, double limit0, double limit1, Rows rows[2]) {
   const double origins[2] = {limit0 - part0, limit0 + part0};
@@ -150,8 +150,9 @@ EN_PIXELS void rows_within(double part0, double part1, double limit0, double lim
   }
 }
 
-/// The crossing of one of the pairs of planes in which faces meet: a = b or a = -b, for a part a
-/// of the direction and the next one. Without rows if no row crosses it. \pre number < kCrossings
+/// The crossing of one of the pairs of planes in which faces meet: a = b or a = -b. Here a is a
+/// part of the direction and b the next one. Without rows if no row crosses it.
+/// \pre number < kCrossings
 EN_PIXELS Crossing find_crossing(const Rays& rays, u32 number) {
   Crossing out = {0, 0, {{0, 0}, {0, 0}}};
   const u32 a = number / 2, b = (a + 1) % 3, c = (a + 2) % 3;
@@ -172,7 +173,7 @@ struct Stretch {
   u32 begin, end;
   u32 face;  ///< index(CubeFace)
 };
-/// Of a row: pieces between six crossings.
+/// Pieces of a row between six crossings.
 inline constexpr u32 kMostStretches = 7;
 
 EN_PIXELS bool has_row(const Rows& rows, u32 row) { return row >= rows.begin && row < rows.end; }
@@ -208,10 +209,9 @@ EN_PIXELS void plan_row(const Crossing* crossings, const Rays& rays, u32 row, u3
   if (stretch.end > 0) take(stretch);
 }
 
-/// A point of a face in 65536ths of a texel from the middle of the first texel of its border: a
-/// texel's number and the place between it and the next are the upper and the lower 16 bits of one
-/// number. Points of the face itself are at least half a texel away from where numbers end, so
-/// rounding needs no clamp.
+/// A point of a face in 65536ths of a texel from the middle of the first texel of its border. The
+/// upper 16 bits are a texel's number, the lower the position between it and the next. Points of
+/// the face itself are at least half a texel inside the range, so rounding needs no clamp.
 struct TexelPoint {
   i32 x, y;
 };
@@ -219,7 +219,7 @@ struct TexelPoint {
 /// 1 / x, rounded to nearest. \pre x and 1 / x are normal numbers
 EN_PIXELS float reciprocal(float x) {
 #if defined(__CUDACC_RTC__)
-  // What the compiler's own division does, without its check for numbers that are not normal.
+  // The compiler's own division, without its check for numbers that are not normal.
   float guess;
   asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(guess) : "f"(x));
   return __fmaf_rn(guess, -__fmaf_rn(x, guess, -1.0F), guess);
@@ -251,7 +251,7 @@ EN_PIXELS i32 scale15(i32 a, i32 b) { return (a * b + (1 << 14)) >> 15; }
 
 /// All that the upper and the lower texels weigh: 2^15 * 128 / 255, rounded.
 inline constexpr i32 kWholeWeight = 16448;
-/// What the right texels weigh, of 255 in all.
+/// Weight of the right texels, of 255 in all.
 EN_PIXELS u32 right_weight(TexelPoint p) {
 #if defined(__CUDACC_RTC__)
   return __byte_perm(static_cast<u32>(p.x), 0, 0x4441);  // one instruction for two
@@ -259,7 +259,7 @@ EN_PIXELS u32 right_weight(TexelPoint p) {
   return static_cast<u32>(p.x) >> 8 & 255;
 #endif
 }
-/// What the lower texels weigh, of kWholeWeight in all: scale15((y & 0xFFFF) >> 1, kWholeWeight),
+/// Weight of the lower texels, of kWholeWeight in all: scale15((y & 0xFFFF) >> 1, kWholeWeight),
 /// with 64 = kWholeWeight / 257 taken out.
 EN_PIXELS u32 lower_weight(TexelPoint p) {
   static_assert(kWholeWeight == 64 * 257);

@@ -1,4 +1,4 @@
-/// \file  Which process, so that others can tell whether it still runs.
+/// \file  Identity of a process, so that others can check whether it still runs.
 #pragma once
 #include <cstdint>
 

@@ -20,18 +20,18 @@ struct SharedKey {
   friend bool operator==(const SharedKey&, const SharedKey&) = default;
 };
 
-/// Faces in slots of a file. The file is cut into segments, and each segment into slots of one
-/// size when a face of that size first needs one. A table tells each slot's face, whether it is
-/// complete, when it was last used, and who has pinned it. When all slots are taken, the face is
-/// replaced that has been used least recently among those that nobody has pinned.
+/// Faces in slots of a file. The file is cut into segments. A segment is cut into slots of one size
+/// when a face of that size first needs one. A table has for each slot its face, whether it is
+/// complete, its last use, and which processes have pinned it. When all slots are taken, the least
+/// recently used face without a pin is replaced.
 ///
 /// Any process may be killed at any instruction. The table is changed under a lock that the kernel
-/// hands on when its owner dies, in an order of stores each of which leaves it sound; pins and
-/// unfinished faces of processes that have ended are dropped. Nobody waits for ever for a process
-/// that was stopped: callers then get no room, and use their own memory.
+/// hands on when its owner dies. The order of stores leaves it sound after each store. Pins and
+/// unfinished faces of processes that have ended are dropped. A stopped process makes no other wait
+/// for ever: callers then get no room, and use their own memory.
 ///
-/// A forked child must not use its parent's: it makes one of its own (is_forked()). Pins that it
-/// has inherited do nothing when they are given back.
+/// A forked child must not use its parent's: it makes one of its own (is_forked()). Releasing
+/// inherited pins has no effect.
 ///
 /// All functions may be called from any thread at once.
 class SharedCells {
@@ -64,7 +64,7 @@ class SharedCells {
     bool unfinished_ = false;
   };
 
-  /// What claim() found.
+  /// Outcome of claim().
   enum class Found : std::uint8_t {
     kReady,      ///< the face, complete
     kMine,       ///< a slot: the caller has to decode the face into it, then call finish()
@@ -90,10 +90,10 @@ class SharedCells {
 
   /// Whether this was made by the parent of this process.
   bool is_forked() const noexcept;
-  /// With more of them at a time, the others are told kNoRoom.
+  /// Processes at a time; further ones get kNoRoom.
   static constexpr std::size_t kMostUsers = 512;
 
-  /// Finds the face, or a slot for it. Does not wait for who decodes it.
+  /// Finds the face, or a slot for it. Does not wait for another process that decodes it.
   /// \param bytes of the face's cells, a multiple of 64
   Claim claim(const SharedKey& key, std::size_t bytes) noexcept;
   /// As claim(), but waits until `limit` while the face is decoded elsewhere.

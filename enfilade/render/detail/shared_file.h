@@ -8,29 +8,29 @@
 
 namespace enfilade::render::detail {
 
-/// What each such file begins with.
+/// The beginning of each such file.
 struct SharedFileHead {
   std::uint64_t magic = 0, version = 0;
   std::uint64_t bytes = 0;  ///< of the file
   std::uint64_t boot = 0;   ///< a hash of the machine's boot id: locks and pins do not outlive it
 };
 
-/// Mapped, readable and writable. The file appears under its name only when it is complete and all
-/// its memory is there, so that no access to it can fail later, whatever else fills the disk. It
-/// must not be truncated while it is mapped, as no mapped file; it may be removed or renamed.
+/// A file mapped readable and writable. It appears under its name only when it is complete and all
+/// its memory is allocated. So no access to it can fail later, even on a full disk. While it is
+/// mapped it must not be truncated, like any mapped file; it may be removed or renamed.
 class SharedFile {
  public:
   /// Opens the file, or makes it. \param bytes of the file
   /// \param initialise is called with the new file's bytes, all 0 after the head
-  /// \throws FileError naming the path, and what to do, if there is another kind of file, one of
-  /// another user, version or size, or no room for it
+  /// \throws FileError naming the path and the remedy, for another kind of file, one of another
+  /// user, version or size, or if the disk is full
   SharedFile(std::filesystem::path path, std::size_t bytes,
              const std::function<void(std::uint8_t*)>& initialise);
   ~SharedFile();
   SharedFile(const SharedFile&) = delete;
   SharedFile& operator=(const SharedFile&) = delete;
 
-  /// Of the files' layout, cells (image/face_cells.h) included: a new one for each change.
+  /// Version of the files' layout, cells (image/face_cells.h) included: a new one for each change.
   static constexpr std::uint64_t kVersion = 1;
 
   const std::filesystem::path& path() const noexcept { return path_; }
@@ -38,7 +38,7 @@ class SharedFile {
   std::size_t size() const noexcept { return size_; }
   /// Whether the path still names this file.
   bool is_named() const noexcept;
-  /// Removes the name, if it is this file's. The memory is freed when nobody maps it any more.
+  /// Removes the name, if it is this file's. The memory is freed with the last mapping.
   void remove() const noexcept;
 
  private:

@@ -9,8 +9,9 @@
 
 namespace enfilade::render::detail {
 
-/// Makes keys of the faces of a set. Each source is asked for its state() once, at its first face.
-/// Not for several threads at once. \pre the set lives as long
+/// Makes keys of the faces of a set. Calls each source's state() once, at its first face. Not for
+/// several threads at once.
+/// \pre the set lives as long
 class SharedKeys {
  public:
   explicit SharedKeys(const scan::PanoramaSet& panoramas);

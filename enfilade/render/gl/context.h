@@ -74,11 +74,11 @@ class Current {
   EGLSurface previous_draw_, previous_read_;
 };
 
-/// Makes the context of a way, or throws an Error that says why not.
+/// Makes the context of a way; throws an Error with the reason if it cannot.
 using Open = std::function<std::shared_ptr<Context>(const Way&)>;
 
-/// The context of a device by index or UUID, or, if `device` is empty, of the first way that works.
-/// \throws ArgumentError listing the devices if there is none of that name; Error
+/// The context of a device by index or UUID; if `device` is empty, of the first way that works.
+/// \throws ArgumentError listing the devices if the name is unknown; Error
 std::shared_ptr<Context> find_context(const std::string& device, const Open& open);
 
 /// Likewise, after another process has tried the device (set_gl_trial()). \throws as find_context()
@@ -87,7 +87,7 @@ std::shared_ptr<Context> make_context(const std::string& device);
 /// All ways, opened one after the other; see gl_devices().
 std::vector<GlDevice> list_devices(const Open& open);
 
-/// \throws Error if OpenGL has noted one, naming it and what was being done
+/// \throws Error if OpenGL has recorded one, naming it and the operation
 void check_gl(std::string_view doing);
 
 /// "GL_INVALID_ENUM (0x0500)": an error, or a framebuffer's status.

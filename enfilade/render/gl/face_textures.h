@@ -58,14 +58,14 @@ class FacePool {
   std::unordered_map<FaceKey, std::list<Slot>::iterator, detail::FaceKeyHash> places_;
 };
 
-/// All pools of a renderer. What views need is claimed view by view, then brought in from the face
-/// cache in one go, so that faces are decoded in parallel.
+/// All pools of a renderer. Faces are claimed view by view, then brought in from the face cache at
+/// once, so that they are decoded in parallel.
 class FaceTextures {
  public:
   /// `bytes`: of all pools together; six faces of each are kept in any case.
   FaceTextures(std::shared_ptr<FaceCache> faces, std::size_t bytes);
 
-  /// Slots are kept for what is claimed until the next call.
+  /// Slots of claimed faces are kept until the next call.
   void begin_turn() noexcept;
   /// The panorama's faces' sizes, 0 where it lacks a layer. \throws FileError, InvalidInput
   const scan::FaceSizes& sizes(ScanIndex scan, ViewpointIndex viewpoint);
@@ -73,7 +73,8 @@ class FaceTextures {
   void prepare(scan::Layer layer, std::uint32_t size);
   /// \returns the face's slot; -1 if no more faces fit in this turn. \pre prepare()
   std::int32_t claim(const FaceKey& key, std::uint32_t size);
-  /// Uploads what was claimed in this turn and is not there. \throws as FaceCache::acquire(), Error
+  /// Uploads the claimed faces of this turn that are missing.
+  /// \throws as FaceCache::acquire(), Error
   void bring_in();
   GLuint texture(scan::Layer layer, std::uint32_t size) { return pool(layer, size)->texture(); }
 

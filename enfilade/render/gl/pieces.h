@@ -29,8 +29,8 @@ class Piece {
   std::size_t count_ = 0;
 };
 
-/// What a pixel's ray is on the axes of a face: for the pixel with its middle at (x, y), the parts
-/// along right, down and forward are each c[0] + c[1] x + c[2] y.
+/// A pixel's ray on the axes of a face. For the pixel with its middle at (x, y), the parts along
+/// right, down and forward are each c[0] + c[1] x + c[2] y.
 struct FaceForms {
   std::array<double, 3> right{}, down{}, forward{};
 };
@@ -41,7 +41,7 @@ FaceForms face_forms(const Camera& camera, const PixelRays& rays, CubeFace face)
 Piece piece_of(const Camera& camera, const FaceForms& forms, double margin);
 
 /// Finds the pixels with middles less than `distance` (< 0.5 pixels) from where two faces could
-/// meet: there a piece's edge is not exact enough to tell which face they show. Returns their
+/// meet. A piece's edge is not exact enough there to decide the pixel's face. Returns their
 /// middles.
 void find_pixels_at_edges(const Camera& camera, const PixelRays& rays, double distance,
                           std::vector<PicturePoint>& pixels);

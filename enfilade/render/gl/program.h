@@ -28,7 +28,7 @@ struct Vertex {
   std::array<std::int32_t, scan::kLayers> slots;  ///< layers of the face textures
 };
 
-/// What a program does.
+/// The variant of a program.
 struct ProgramKey {
   scan::LayerMask layers = 0;
   bool clamped = false;  ///< Legacy::clamped_edges
@@ -37,9 +37,9 @@ struct ProgramKey {
 /// Links each program at its first use. Belongs to the context that is current then.
 class Programs {
  public:
-  /// Makes the program current and tells it the faces' sizes (border not counted) by layer.
-  /// Colour is sampled from texture unit 0, depth 1, class 2, instance 3; outputs have these
-  /// numbers too. \throws Error with the compiler's or linker's log
+  /// Makes the program current and sets the faces' sizes (border not counted) by layer. Colour is
+  /// sampled from texture unit 0, depth 1, class 2, instance 3; outputs have these numbers too.
+  /// \throws Error with the compiler's or linker's log
   void use(const ProgramKey& key, const scan::FaceSizes& sizes);
 
  private:

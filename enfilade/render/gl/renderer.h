@@ -8,8 +8,8 @@
 namespace enfilade::render::gl {
 
 /// A renderer with an OpenGL context of its own, current only while it draws.
-/// \throws ArgumentError if config.gl_device names no device, with a list of those there are; Error
-/// with EGL's or OpenGL's words if no device, context or shader can be had
+/// \throws ArgumentError if there is no device config.gl_device, with a list of devices
+/// \throws Error with the message of EGL or OpenGL if no device, context or shader works
 std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
                                            const RendererConfig& config);
 /// Likewise, with this context; config.gl_device does not matter.

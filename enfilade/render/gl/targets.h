@@ -20,8 +20,9 @@ class Target {
   /// Starts to copy the first rows into the buffers. Does not wait where the driver can copy by
   /// itself. \throws Error
   void start_reading(std::uint32_t rows);
-  /// What was drawn, by layer; waits for it. Rows from the top, no padding. Valid until
-  /// finish_reading(). \throws Error
+  /// The rendered pictures, by layer; waits for them. Rows from the top, no padding. Valid until
+  /// finish_reading().
+  /// \throws Error
   std::array<const std::byte*, scan::kLayers> map();
   /// \throws Error if the driver lost the pixels meanwhile
   void finish_reading();

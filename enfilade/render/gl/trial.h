@@ -8,9 +8,10 @@
 
 namespace enfilade::render::gl {
 
-/// The name of the way that draws on this device (empty: on the first that works); no value if
-/// there is nobody to try it (set_gl_trial()). Each device is tried once; further calls remember.
-/// \throws Error, ArgumentError as make_context(); Error if its driver crashed or hung
+/// The name of the way that works on this device (empty: on the first that works). No value without
+/// a trial process (set_gl_trial()). Each device is tried once; the result is remembered.
+/// \throws ArgumentError listing the devices if the name is unknown
+/// \throws Error if no context can be made, or if the driver crashed or hung
 std::optional<std::string> tried_way(const std::string& device);
 
 /// All devices, tried each time; no value as tried_way().

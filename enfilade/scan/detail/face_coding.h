@@ -1,10 +1,13 @@
 /// \file  Lossless compression of faces of depth, classes and instances.
 ///
-/// A face's n x n values are (1) predicted from their neighbours, row by row, and the difference to
-/// the prediction kept, modulo 2^bits; (2) differences of either sign folded to small numbers: 0,
-/// -1, 1, -2, ... become 0, 1, 2, 3, ...; (3) split into planes, all lowest bytes first; (4)
-/// compressed by zstd as one frame. Source of (1) to (3): what PNG's filters and Blosc's shuffle
-/// do. The choices and figures: docs/design/store.md.
+/// A face's n x n values are
+/// (1) predicted from their neighbours, row by row; the difference to the prediction is stored,
+/// modulo 2^bits. Differences of either sign are then
+/// (2) folded to small numbers: 0, -1, 1, -2, ... become 0, 1, 2, 3, ...,
+/// (3) split into planes, all lowest bytes first, and
+/// (4) compressed by zstd as one frame.
+/// Source of (1) to (3): PNG's filters and Blosc's shuffle. The choices and measurements:
+/// docs/design/store.md.
 #pragma once
 #include <cstdint>
 #include <span>

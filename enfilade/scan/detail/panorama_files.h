@@ -36,7 +36,7 @@ class KindOfFiles {
   bool contains(std::string_view name) const;
   /// The file, or at most that many bytes from its start.
   std::optional<FoundFile> read(std::string_view name, std::size_t bytes = std::string::npos) const;
-  /// The places where it was looked for, one a line, indented.
+  /// The paths that were tried, one per line, indented.
   std::string tried(std::string_view name) const;
   std::string state() const;  ///< as FileTree's
 
@@ -53,7 +53,7 @@ class SkyboxFiles {
   /// Edge length of a face, from headers alone; 0 if there is no such picture (none of six faces).
   /// \throws FileError, InvalidInput
   std::uint32_t size(Layer layer, const std::string& viewpoint) const;
-  /// No value if there is none. \throws FileError, InvalidInput
+  /// No value if there is no file. \throws FileError, InvalidInput
   std::optional<image::CubeMap<std::uint8_t>> colour(const std::string& viewpoint) const;
   std::optional<image::CubeMap<std::uint16_t>> strip_16(Layer layer,
                                                         const std::string& viewpoint) const;
@@ -61,7 +61,7 @@ class SkyboxFiles {
   /// As PanoramaSource's; no value also if there are no pictures.
   std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
       const std::string& viewpoint) const;
-  /// The places where a layer's files were looked for, one a line, indented.
+  /// The paths that were tried for a layer's files, one per line, indented.
   std::string tried(Layer layer, const std::string& viewpoint) const;
   std::string state() const { return files_.state(); }
 
@@ -82,9 +82,10 @@ class UndistortedDepth {
   /// Whether there are a camera and its picture. The first call reads the cameras of all
   /// viewpoints. \throws FileError, InvalidInput
   bool contains(const std::string& viewpoint) const;
-  /// Builds the sky-box and fills its holes, on this thread alone, as callers process many
-  /// viewpoints in parallel. \pre contains(eye.viewpoint) \throws FileError if a camera's picture
-  /// is missing; InvalidInput
+  /// Builds the sky-box and fills its holes, on the calling thread only, as callers process many
+  /// viewpoints in parallel.
+  /// \pre contains(eye.viewpoint)
+  /// \throws FileError if a camera's picture is missing; InvalidInput
   image::CubeMap<std::uint16_t> read(const PanoramaPose& eye,
                                      const image::CubeMap<std::uint8_t>& colour) const;
   std::string tried(const std::string& viewpoint) const;

@@ -81,7 +81,7 @@ struct ViewpointRow {
 };
 static_assert(sizeof(ViewpointRow) == 128);
 
-/// What opening a store reads.
+/// The parts of a store that are read when it is opened.
 struct Catalogue {
   Header header;
   std::string scan;
@@ -93,7 +93,7 @@ struct Catalogue {
 
 /// XXH3, 64 bits, seed 0.
 std::uint64_t checksum(image::Bytes bytes);
-/// Of a Header or RecordHeader: of all but its last eight bytes.
+/// Checksum of a Header or RecordHeader: all except its last eight bytes.
 template <class T>
 std::uint64_t checksum_of(const T& header) {
   return checksum({reinterpret_cast<const std::uint8_t*>(&header), sizeof(T) - 8});
@@ -103,8 +103,8 @@ std::uint64_t checksum_of(const T& header) {
 /// \throws InvalidInput naming `file`
 Catalogue read_catalogue(image::Bytes bytes, const std::string& file);
 
-/// The record at an offset if there is a whole one: its checksum is right, and its faces (whose
-/// checksums are not compared) lie in the file and right after one another.
+/// The record at an offset; no value unless it is whole. Its checksum must be right. Its faces
+/// (whose checksums are not compared) must lie in the file and right after one another.
 std::optional<RecordHeader> read_record(image::Bytes bytes, std::uint64_t offset);
 
 }  // namespace enfilade::scan::detail

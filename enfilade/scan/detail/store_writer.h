@@ -28,9 +28,9 @@ struct EncodedPanorama {
 /// Writes `<file>.part` and renames it to `<file>` when it is whole. One process at a time.
 class StoreWriter {
  public:
-  /// Continues a part of the same fingerprint: keeps as many of its records as are whole and are
-  /// `plan`'s first, and cuts off the rest. Any other part, and all if the fingerprint is 0, is
-  /// begun anew. \throws FileError, also if another process is writing it
+  /// Continues a part of the same fingerprint. Keeps the whole records that are `plan`'s first, and
+  /// cuts off the rest. Any other part, and any part if the fingerprint is 0, is overwritten.
+  /// \throws FileError, also if another process is writing it
   StoreWriter(const std::filesystem::path& file, std::uint64_t fingerprint,
               std::span<const PlannedPanorama> plan);
 

@@ -4,10 +4,12 @@
 /// headings stay. So this is the function of the libraries of that time: e_atan2f.c and s_atanf.c,
 /// Ian Lance Taylor's single-precision conversions of fdlibm, which carry this notice:
 ///
+/// \code{.txt}
 ///   Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
 ///   Developed at SunPro, a Sun Microsystems, Inc. business.
 ///   Permission to use, copy, modify, and distribute this software is freely granted, provided
 ///   that this notice is preserved.
+/// \endcode
 ///
 /// Changed: it has no branches, so that a compiler can run a loop over it in vector registers. Its
 /// branching twin is the oracle in atan2f_test.cpp.
@@ -69,7 +71,8 @@ inline float atan2f_fdlibm(float y, float x) noexcept {
       std::bit_cast<float>(y_bits & kMagnitude) / std::bit_cast<float>(x_bits & kMagnitude);
   const float angle = atanf_fdlibm(select(y_is_zero, 0.0F, quotient));  // not 0 / 0
 
-  // Into the quadrant of (x, y). On the y axis the sign of a zero x says nothing, unless y is zero.
+  // Into the quadrant of (x, y). On the y axis the sign of a zero x has no meaning, unless y is
+  // zero.
   const std::int32_t behind = mask(x_bits < 0) & (y_is_zero | ~x_is_zero);
   const float turned = select(behind, kPi - (angle - kPiLow), angle);
   return std::bit_cast<float>(std::bit_cast<std::int32_t>(turned) ^ (y_bits & ~kMagnitude));

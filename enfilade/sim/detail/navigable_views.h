@@ -26,10 +26,10 @@ struct NavigableRow {
   double* distance;
 };
 
-/// The neighbours that a few agents see, worked on together: the arithmetic of all of them runs in
-/// vector registers, and nothing branches on what random agents do. Used in rounds of clear(),
-/// add() for each agent, compute(), write() for each in the same order. Allocates only in the
-/// constructor.
+/// The neighbours in view of a few agents, computed together. The arithmetic of all of them runs in
+/// vector registers, and nothing branches on the actions of random agents. Used in rounds of
+/// clear(), add() for each agent, compute(), write() for each in the same order. Allocates only in
+/// the constructor.
 class NavigableViews {
  public:
   NavigableViews(std::size_t agents, std::size_t max_navigable);

@@ -13,9 +13,9 @@
 
 namespace enfilade::tasks::formats {
 
-/// `path_id`, `scan`, `heading`, `path` and `instructions`, and `distance` if there is one. Fields
-/// of other names are left to the caller. A `path_id` that is a text, as in files that were made
-/// from other buildings than Matterport3D's, becomes the entry's id; its number is `record` then.
+/// Reads `path_id`, `scan`, `heading`, `path`, `instructions`, and an optional `distance`. Fields
+/// of other names are left to the caller. A `path_id` that is a text, as in files from other
+/// buildings than Matterport3D's, becomes the entry's id; then its number is `record`.
 PathAnnotation read_r2r_entry(json::Element element, std::size_t record, const json::Path& path,
                               json::Faults& faults);
 
@@ -35,7 +35,7 @@ class PathIds {
 /// \param complete  whether those could be read, so that others can be compared with them
 using ReadMore = std::function<void(json::Element element, bool complete, PathAnnotation& entry,
                                     const json::Path& path, json::Faults& faults)>;
-/// read_r2r_entry(), what is read beside, and a look whether `ids` has its path_id.
+/// read_r2r_entry(), further fields, and a check whether `ids` has its path_id.
 PathAnnotation read_entry(json::Element element, std::size_t record, const ReadMore& read_more,
                           PathIds& ids, const json::Path& path, json::Faults& faults);
 
@@ -56,11 +56,11 @@ nlohmann::ordered_json r2r_fields(const PathAnnotation& entry);
 /// Adds `instr_encodings`.
 void add_encodings(const PathAnnotation& entry, nlohmann::ordered_json& fields);
 
-/// What stands in one line of the text for a path.
+/// The content of a path's line.
 using FieldsOf = std::function<nlohmann::ordered_json(const PathAnnotation&)>;
-/// A list with an entry a line. \throws ArgumentError for text that is not UTF-8
+/// A list with one entry per line. \throws ArgumentError for text that is not UTF-8
 std::string list_of_entries(const Annotations& annotations, const FieldsOf& fields_of);
-/// JSON Lines. \throws as above
+/// JSON Lines. \throws ArgumentError for text that is not UTF-8
 std::string lines_of_entries(const Annotations& annotations, const FieldsOf& fields_of);
 
 }  // namespace enfilade::tasks::formats

@@ -1,4 +1,4 @@
-/// \file  What readers of annotations share. Internal, as it includes simdjson.
+/// \file  Shared functions of readers of annotations. Internal, as it includes simdjson.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -20,20 +20,19 @@
 
 namespace enfilade::tasks::formats {
 
-/// Of a record: the longest real ones, RxR's with their timed words, have some 30 kB.
+/// Limit of a record; the longest real ones, RxR's with their timed words, have some 30 kB.
 inline constexpr std::size_t kMostRecordBytes = std::size_t{1} << 22U;
 
-/// Reads each record of a list or of lines; one that is too large is a fault ("too-large"), and
-/// after kMostFaultsKept errors the rest is not read. `read(element, path)` is called for the
-/// others. \throws InvalidInput if the text is not JSON
+/// Reads each record of a list or of lines; `read(element, path)` is called for each. A too large
+/// record is a fault ("too-large") instead. After kMostFaultsKept errors the rest is not read.
+/// \throws InvalidInput if the text is not JSON
 template <class Read>
 void for_each_record(std::string_view text, json::Faults& faults, const Read& read);
 
-/// The same by all threads, for files of hundreds of megabytes: `read(element, path, faults)` is
-/// called at the same time for several records, with a Faults for some of them, and gives what
-/// becomes of each. What was read and what was found are in the order of the file, and do not
-/// depend on the number of threads. A record that is too large gives Value(). A list is read by one
-/// thread.
+/// The same on all threads, for files of hundreds of megabytes. `read(element, path, faults)` is
+/// called for several records at the same time, with a Faults shared by some of them, and returns a
+/// value for each. Values and faults are in the order of the file, and do not depend on the number
+/// of threads. A too large record gives Value(). A list is read by one thread.
 template <class Value, class Read>
 std::vector<Value> read_in_parallel(std::string_view text, json::Faults& faults, const Read& read);
 
@@ -126,7 +125,7 @@ void for_each_record(std::string_view text, json::Faults& faults, const Read& re
   if (!any && records.is_lines()) refuse_empty(faults);
 }
 
-// What came of a part of a file.
+// Results of a part of a file.
 template <class Value>
 struct PartRead {
   explicit PartRead(const std::string& file) : faults(file) {}

@@ -10,19 +10,20 @@
 
 namespace enfilade::tasks::formats {
 
-/// Reads guide annotations, an instruction a line; also HAMT's with `instr_encoding`. Each line
-/// becomes a path with one instruction, whose details have the language and the timed words, if
-/// there are any. Instruction ids are `<path_id>_<instruction_id>`; of test lines, which have no
-/// `path_id` and a path of the start alone, `<instruction_id>`, which is their path_id, too. Lines
-/// of one `path_id` are a group. `split`, `annotator_id` and `edit_distance` are read over.
+/// Reads guide annotations, one instruction per line; also HAMT's with `instr_encoding`. Each line
+/// becomes a path with one instruction, whose details have the language and any timed words.
+/// Instruction ids are `<path_id>_<instruction_id>`. Test lines have no `path_id`, and only the
+/// start as their path; their id is `<instruction_id>`, which is their path_id, too. Lines of one
+/// `path_id` are a group. `split`, `annotator_id` and `edit_distance` are ignored.
 /// \throws InvalidInput listing its faults with JSON paths (the index counts records from 0):
-/// missing or wrongly typed fields, a negative id, an empty path, more than the start where there
-/// is no path_id, an unknown language, an instruction_id that another line has
+/// - missing or wrongly typed fields, a negative id, an empty path, an unknown language
+/// - more than the start without a path_id
+/// - a repeated instruction_id
 Annotations parse_rxr_guide(std::string_view lines, const std::string& file, std::string split);
 
-/// Reads follower annotations, a walk a line.
+/// Reads follower annotations, one trajectory per line.
 /// \throws InvalidInput listing its faults with JSON paths: missing or wrongly typed fields, a
-/// negative id, an empty path, a demonstration_id that another line has
+/// negative id, an empty path, a repeated demonstration_id
 std::vector<Demonstration> parse_rxr_followers(std::string_view lines, const std::string& file);
 
 /// Followers' lines: parse_rxr_followers() reads them back equal, if there are any.
@@ -30,10 +31,10 @@ std::vector<Demonstration> parse_rxr_followers(std::string_view lines, const std
 /// UTF-8, naming the demonstration
 std::string to_rxr_followers(std::span<const Demonstration> walks);
 
-/// A guide's lines: what parse_rxr_guide() gave is read back equal, if it is not empty.
+/// A guide's lines: a result of parse_rxr_guide() is read back equal, if it is not empty.
 /// `edit_distance` and `annotator_id` are not in the model, and are left out.
-/// \throws ArgumentError for other annotations than RxR's, and for what JSON cannot say: an
-/// infinite number, text that is not UTF-8
+/// \throws ArgumentError for other annotations than RxR's, infinite numbers, and text that is not
+/// UTF-8
 std::string to_rxr_guide(const Annotations& annotations);
 
 }  // namespace enfilade::tasks::formats

@@ -15,7 +15,7 @@
 namespace enfilade::tasks::formats {
 
 /// The viewpoint where an answer of the released form begins: the first text in its `path`. No
-/// value: there is none, which reading it reports.
+/// value if it is missing; reading the answer reports that.
 std::optional<std::string_view> soon_start(json::Element answer);
 
 /// Episodes by entry, instruction and start. The episodes have to outlive it.
@@ -28,9 +28,9 @@ class SoonEntries {
   /// Whether `id` is an entry's, or that with "_" and the number of an instruction behind it.
   bool knows(std::string_view id) const { return !instructions_of(id).empty(); }
 
-  /// What find() says.
+  /// The result of find().
   struct Found {
-    std::optional<std::size_t> episode;  ///< index of the one that is meant
+    std::optional<std::size_t> episode;  ///< index of the episode
     bool any = false;                    ///< whether a path of the entry begins there
   };
   /// The first episode of entry `id` that begins at `start` and has no answer yet: instruction by

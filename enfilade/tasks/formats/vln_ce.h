@@ -1,5 +1,5 @@
-/// \file  What readers and writers of VLN-CE's files share: points, ids, and fields that the model
-/// has no place for. Internal, as it includes simdjson.
+/// \file  Shared functions of readers and writers of VLN-CE's files: points, ids, and fields that
+/// the model does not have. Internal, as it includes simdjson.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
