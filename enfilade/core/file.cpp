@@ -98,14 +98,17 @@ void make_folder(const fs::path& path) {
   if (code) fail(path, "make the folder", code.value());
 }
 
+bool is_unfinished(const fs::path& path) {
+  const std::string ending = path.extension().string();
+  return ending.size() > kPart.size() && ending.starts_with(kPart) &&
+         ending.find_first_not_of("0123456789", kPart.size()) == std::string::npos;
+}
+
 void remove_unfinished(const fs::path& folder) {
   std::error_code code;
   std::vector<fs::path> found;
   for (const auto& entry : fs::directory_iterator(folder, code)) {
-    const std::string ending = entry.path().extension().string();
-    const bool is_part = ending.size() > kPart.size() && ending.starts_with(kPart) &&
-                         ending.find_first_not_of("0123456789", kPart.size()) == std::string::npos;
-    if (is_part && entry.is_regular_file(code)) found.push_back(entry.path());
+    if (is_unfinished(entry.path()) && entry.is_regular_file(code)) found.push_back(entry.path());
   }
   for (const fs::path& file : found) {
     if (!fs::remove(file, code) && code) fail(file, "remove", code.value());

@@ -24,6 +24,9 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 /// \throws FileError naming the path and the system's reason (a file of this name, ...).
 void make_folder(const std::filesystem::path& path);
 
+/// Whether the name is one of write_file_atomically()'s temporary files: "homes.json.part4711".
+bool is_unfinished(const std::filesystem::path& path);
+
 /// Removes the temporary files that write_file_atomically() leaves in a folder (not in its
 /// subfolders) if its process is killed. The folder need not exist. \pre no other process is
 /// writing there

@@ -209,6 +209,15 @@ void write_list(const fs::path& file, const HomeSetOptions& options, const Homes
   write_changed(file, sets::to_json(list));
 }
 
+// Whether a folder has files, except those that another shard is about to put in place.
+bool has_files(const fs::path& folder) {
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    if (!is_unfinished(entry.path())) return true;
+  }
+  return false;
+}
+
 // The homes that earlier runs with the same options made. A folder without a list has none; it must
 // be new, empty or left by a killed run, and gets an empty list.
 Homes claim(const fs::path& folder, const HomeSetOptions& options) {
@@ -224,7 +233,7 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
     }
     return homes;
   }
-  if (fs::is_directory(folder, code) && !fs::is_empty(folder, code)) {
+  if (has_files(folder)) {
     const fs::path marker = folder / "README.md";
     if (!fs::exists(marker, code) || !read_file(marker).starts_with(kMarker)) {
       throw FileError(folder.string() +

@@ -91,6 +91,14 @@ TEST(HomeSet, GoesOnWhereItWasAndRefusesWhatIsNotItsOwn) {
   EXPECT_THROW(read_home_list(folder.path()), InvalidInput);
 }
 
+// A shard that begins beside another sees its first file half written, or what is left of a kill.
+TEST(HomeSet, AFolderWithNothingButUnfinishedFilesIsEmpty) {
+  const TemporaryFolder folder("homes");
+  write_file_atomically(folder.path() / "README.md.part4711", "half");
+  write_homes(folder.path(), tiny(1, 0));
+  EXPECT_EQ(read_home_list(folder.path()).size(), 1U);
+}
+
 TEST(HomeSet, SomeHomesHaveStairsIfAskedFor) {
   const TemporaryFolder folder("homes"), flats("flats");
   HomeSetOptions options = tiny(3, 0);
