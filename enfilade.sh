@@ -44,7 +44,7 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
   docs  [ARGS]                  build the documentation: build/docs/index.html; with the examples'
                                 output where a build has them; ARGS go to tools/docs/site.py
   bench [ARGS]                  build and run the benchmarks; ARGS go to each of them
-  lint  [--fix] [FILES]         clang-format, clang-tidy and the shell scripts (all, or those FILES);
+  lint  [--fix] [FILES]         clang-format, clang-tidy, shell scripts, commit subjects (all, or FILES);
                                 --fix lays the sources out instead of complaining
   help                          this text
 
@@ -400,6 +400,13 @@ lint_shell() {
   return $status
 }
 
+# Subjects since the first commit under the rule (CONTRIBUTING.md): at most 72 characters.
+lint_subjects() {
+  local first=5b2ef47e
+  git rev-parse -q --verify "$first^{commit}" >/dev/null 2>&1 || return 0
+  ! git log --no-merges --format='%h %s' "$first..HEAD" | awk 'length($0) - length($1) - 1 > 72' | grep .
+}
+
 lint_tidy() {  # lint_tidy FILE...: clang-tidy on these sources of the preset ci, or on all of ours
   local log=build/ci/tidy.log ours="^$root/(enfilade|apps|bench|examples|python|tests)/"
   log_to build/ci/build.log cmake --preset ci -DEN_BUILD_BENCH=ON -DEN_UNITY=OFF \
@@ -436,6 +443,8 @@ command_lint() {
   grep -E '\.(h|cpp)$' <<<"$files" | xargs -r clang-format-16 "${layout[@]}" || status=1
   say "shell scripts"
   lint_shell || status=1
+  say "commit subjects"
+  lint_subjects || status=1
   # run-clang-tidy takes each name as a regular expression; with none, it takes every source.
   sources=$(grep '\.cpp$' <<<"$files") || true
   if ((all)) || [[ -n $sources ]]; then
