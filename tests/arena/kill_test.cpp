@@ -13,6 +13,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
+#include "tests/support/kills.h"
 #include "tests/support/process.h"
 #include "tests/support/small_homes.h"
 #include "tests/support/temporary_folder.h"
@@ -23,7 +24,6 @@ namespace EN_UNIT {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kParallel = 4;
-constexpr int kKills = 20;
 
 class AskKill : public ::testing::Test {
  protected:
@@ -68,15 +68,15 @@ TEST_F(AskKill, TheRunGoesOnAndNothingIsAskedTwice) {
                                        .silence = 0.01});
   Rng rng(20);
   int killed = 0;
-  for (int k = 0; k < kKills; ++k) {
+  for (int k = 0; k < kills(); ++k) {
     const std::size_t until = model.answers() + 1 + rng.below(12);
     Process run(words(model, "killed"));
     killed += run.killed_when([&] { return model.answers() >= until; }) ? 1 : 0;
   }
-  EXPECT_EQ(killed, kKills);  // 60 episodes of six answers: it never came to its end
+  EXPECT_EQ(killed, kills());  // 60 episodes of six answers: it never came to its end
   EXPECT_EQ(Process(words(model, "killed")).wait(), 0);
   // Lost is at most what was on its way when it was killed.
-  EXPECT_LE(model.repeats(), kKills * kParallel);
+  EXPECT_LE(model.repeats(), static_cast<std::size_t>(kills()) * kParallel);
   const std::size_t answered = model.answers() - model.repeats();
 
   const arena::StandIn fresh(world(), {.rule = arena::Rule::kRandom});

@@ -180,7 +180,7 @@ TEST_F(RankedTraining, RandomRanksKilledTheWeightsAreTheSameToTheBit) {
   int kills = 0, named = 0;
   const int wanted = tests::kills(), most = 3 * wanted;
   for (int attempt = 0; kills < wanted && attempt < most; ++attempt) {
-    const int size = attempt % 2 == 0 ? 2 : 4;
+    const int size = attempt % 2 == 0 ? 4 : 2;
     Run run(training(killed, killing), size);
     const int victim = static_cast<int>(rng.below(static_cast<std::uint64_t>(size)));
     // Some before they are connected, the others in the middle of training.
@@ -212,7 +212,7 @@ TEST_F(RankedTraining, RandomRanksKilledTheWeightsAreTheSameToTheBit) {
     }
   }
   EXPECT_EQ(kills, wanted);
-  EXPECT_GT(named, wanted);  // of some two that live on each time
+  EXPECT_GE(named, wanted);  // by one of the three or the one that live on
   RecordProperty("named", named);
   run(training(killed, options), 4);
   expect_same(whole, killed);
