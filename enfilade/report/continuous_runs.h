@@ -1,4 +1,4 @@
-/// \file  Results files of walks in continuous space, scored.
+/// \file  Results files of continuous trajectories, with their scores.
 #pragma once
 #include <map>
 #include <memory>
@@ -21,7 +21,7 @@ struct ContinuousRun {
   std::string agent;  ///< "random-2"
   std::string split;
   std::vector<tasks::ContinuousResult> walks;  ///< in the order of the split's episodes
-  std::vector<tasks::ContinuousScore> scores;  ///< of each walk
+  std::vector<tasks::ContinuousScore> scores;  ///< per trajectory
   tasks::ContinuousMeasures measures;
 };
 
@@ -34,10 +34,11 @@ struct ContinuousRuns {
   std::vector<std::string> left_out;  ///< a sentence for each file that could not be scored
 };
 
-/// Reads and scores every results file, with bootstrap intervals. Those of splits whose goals are
-/// hidden are left out, and `left_out` says so. \param found  by find_continuous_runs()
-/// \throws FileError, also for navigation meshes that are not there; InvalidInput listing what is
-/// wrong with a results file
+/// Reads and scores every results file, with bootstrap intervals. Files of splits with hidden goals
+/// are listed in `left_out` instead.
+/// \param found  by find_continuous_runs()
+/// \throws FileError, also for missing navigation meshes; InvalidInput listing the faults of a
+/// results file
 ContinuousRuns score_continuous_runs(const RunDirectory& found,
                                      const agents::ContinuousBenchmark& benchmark,
                                      const dataset::Dataset& data, const Progress& progress = {});

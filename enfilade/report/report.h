@@ -1,4 +1,5 @@
-/// \file  The report: one HTML page that shows what was trained, how well it does, and on what.
+/// \file  The report: one HTML page about what was trained, how well it performs, and on which
+/// data.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -14,16 +15,16 @@
 
 namespace enfilade::report {
 
-/// What the report is about, and what a page can hold.
+/// Subject and limits of the report.
 struct ReportConfig {
   std::vector<std::filesystem::path> runs;  ///< as find_runs() takes them
-  tasks::Task task = tasks::Task::kR2r;     ///< what the results are of
-  /// What they are of where agents walk freely; `task` does not count then. The page has a table,
-  /// training, where agents stop, and maps of walks.
+  tasks::Task task = tasks::Task::kR2r;     ///< benchmark of the results.
+  /// The benchmark of continuous agents; then `task` does not count. The page has a table,
+  /// training, where agents stop, and maps of trajectories.
   std::optional<agents::ContinuousBenchmark> continuous;
   std::string title = "Vision-and-language navigation";
-  /// Named facts for its head, in order, such as {"machine", "..."}; what the data and the runs say
-  /// of themselves comes before them.
+  /// Named facts for its head, in order, such as {"machine", "..."}. They follow the facts of the
+  /// data and the runs.
   std::vector<std::pair<std::string, std::string>> facts;
   std::size_t examples = 3;            ///< paths at random, with their instructions
   std::size_t panoramas = 16;          ///< buildings, at most
@@ -31,10 +32,11 @@ struct ReportConfig {
 };
 
 /// An HTML document of a few megabytes that needs no other file and no network. A part whose input
-/// is missing (no pictures, no model) says so in its place. The same input gives the same page, but
-/// for the random word that names its own scripts to the browser.
+/// is missing (no pictures, no model) says so in its place. The same input gives the same page,
+/// except the random word that names its own scripts to the browser.
 /// \throws as find_runs(), score_runs(), score_continuous_runs(), models::load_training_log() and
-/// models::load_attention(); Error if this build has no D3; errors of broken panoramas
+/// models::load_attention()
+/// \throws Error if this build has no D3; errors of broken panoramas
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress = {});
 

@@ -1,4 +1,4 @@
-/// \file  The table of each benchmark: agents by splits, with intervals, beside what was published.
+/// \file  The table of each benchmark: agents by splits, with intervals, beside published results.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -18,21 +18,21 @@ namespace enfilade::report {
 struct TableColumn {
   std::string_view metric;  ///< its name in JSON and CSV: "success"
   std::string_view label;   ///< "SR (%)"
-  double scale = 1;         ///< 100 for what is shown in per cent
+  double scale = 1;         ///< 100 for columns in per cent
   int digits = 2;           ///< after the point
   std::string_view scored =
       {};            ///< what table_scorer() calls its mean; empty: tasks/metrics.h has it
   double least = 0;  ///< the smallest value that is possible
 };
-/// What the published tables of a benchmark show, in their order: of R2R TL NE SR OSR SPL; of
-/// REVERIE SR OSR SPL RGS RGSPL; and so on (docs/report.md). All of them have "success".
+/// The columns of a benchmark's published tables, in their order. R2R has TL NE SR OSR SPL, REVERIE
+/// SR OSR SPL RGS RGSPL, and so on (docs/report.md). All have "success".
 std::span<const TableColumn> table_columns(tasks::Task task = tasks::Task::kR2r) noexcept;
-/// Those of walks in continuous space, by the names of tasks::continuous_measures().
+/// Columns of continuous benchmarks, by the names of tasks::continuous_measures().
 std::span<const TableColumn> continuous_columns() noexcept;
 /// The name of the public scorer behind the columns; empty for R2R, which has our own metrics.
 std::string_view table_scorer(tasks::Task task) noexcept;
 
-/// A figure that somebody published for a split called "val unseen", as it stands in their text.
+/// A published value for a split called "val unseen", as in its text.
 struct PublishedResult {
   tasks::Task task;
   std::string_view agent;
@@ -54,15 +54,15 @@ struct PublishedRow {
   double oracle_success = 0;     ///< OSR, [0, 1]
 };
 
-/// The row of an agent by the name that it has here; "student-forcing" is "student", "-1" at the
-/// end (a seed) is not part of the name. An ablation ("student-language") has no row.
+/// The published row of an agent by its name here. "student-forcing" is "student", "-1" at the end
+/// (a seed) is not part of the name. An ablation ("student-language") has no row.
 std::optional<PublishedRow> published_row(std::string_view agent, std::string_view split) noexcept;
 
 /// How many instructions the paper's split has; 0 for one that it does not have. Figures of another
 /// number of episodes are of another data set, and no published row belongs beside them.
 std::size_t published_episodes(std::string_view split) noexcept;
 
-/// What a published row has in a column; none for SPL.
+/// A published row's value in a column; no value for SPL.
 std::optional<double> published_value(const PublishedRow& row, std::string_view metric) noexcept;
 
 /// One agent on one split.
@@ -71,11 +71,11 @@ struct TableRow {
   std::string split;
   std::vector<std::string> runs;  ///< "student-1", "student-2"; at least one
   std::size_t episodes = 0;       ///< of the split, or of its language
-  std::string language = {};      ///< of RxR's rows by language: "hi-IN"; empty: all
-  /// By column, in the metric's own unit (metres, shares). Of one run: its mean and the bootstrap
-  /// interval over paths. Of several: the mean of their means and Student's interval of it over
-  /// runs, clipped to the values that are possible. It shows how much runs differ by their seeds,
-  /// not by the choice of paths.
+  std::string language = {};      ///< for RxR's rows by language: "hi-IN"; empty: all.
+  /// By column, in the metric's own unit (metres, shares). One run: its mean and the bootstrap
+  /// interval over paths. Several runs: the mean of their means, and its Student's interval over
+  /// runs, clipped to possible values. It shows how much runs differ by their seeds, not by the
+  /// choice of paths.
   std::vector<tasks::MeanInterval> values;
   /// Of R2R, only where the episodes are those of the paper's split.
   std::optional<PublishedRow> published;
@@ -84,18 +84,18 @@ struct TableRow {
 /// The table of a benchmark: rows of agents by split.
 struct ResultsTable {
   std::string benchmark = "r2r";    ///< "r2r", "reverie", "r2r-ce", ...
-  std::string title = "R2R";        ///< as people write it
-  std::optional<tasks::Task> task;  ///< none of walks in continuous space
+  std::string title = "R2R";        ///< title for people
+  std::optional<tasks::Task> task;  ///< no value for continuous benchmarks
   std::span<const TableColumn> columns;
   bool synthetic = false;      ///< of made-up buildings: nothing published belongs beside them
   std::vector<TableRow> rows;  ///< by split (train, val_seen, val_unseen, others), then agent
   std::vector<std::string> left_out;  ///< as ScoredRuns::left_out
 };
 
-/// Rows of one agent's runs become one, with an interval over runs. Of RxR each is followed by rows
-/// of its languages.
+/// The runs of one agent become one row, with an interval over runs. For RxR each is followed by
+/// rows of its languages.
 ResultsTable make_table(const ScoredRuns& runs, bool synthetic);
-/// The same of walks in continuous space: TL NE SR OSR SPL nDTW SDTW, by VLN-CE's measures
+/// The same for continuous trajectories: TL NE SR OSR SPL nDTW SDTW, by VLN-CE's measures
 /// (tasks/continuous_score.h).
 ResultsTable make_table(const ContinuousRuns& runs, bool synthetic);
 
@@ -105,16 +105,18 @@ tasks::MeanInterval student_interval(std::span<const double> samples);
 
 /// For people, in columns.
 std::string to_text(const ResultsTable& table);
-/// {"task" (its benchmark), "scorer", "source", "synthetic", "columns": [{"metric", "label",
-/// "scale", "digits"}], "notes", "rows": [{"agent", "split", "language"?, "runs", "episodes",
-/// "interval", metric:
-/// {"mean", "low", "high", "published"?}}], "published": [{"agent", "source", metric: value}],
-/// "left_out"}; shares in [0, 1]. What isn't finite is null. Of R4R and RxR `ndtw` and
-/// `ndtw_collapsed` are both there.
+/// The table as JSON:
+/// - "task" (its benchmark), "scorer", "source", "synthetic", "notes", "left_out"
+/// - "columns": [{"metric", "label", "scale", "digits"}]
+/// - "rows": [{"agent", "split", "language"?, "runs", "episodes", "interval", metric: {"mean",
+///   "low", "high", "published"?}}]
+/// - "published": [{"agent", "source", metric: value}]
+///
+/// Shares in [0, 1]. A number that isn't finite is null. R4R and RxR have both `ndtw` and
+/// `ndtw_collapsed`.
 std::string to_json(const ResultsTable& table);
-/// A line for each row, as RFC 4180 has it: agent, split, (of RxR language,) runs, episodes,
-/// synthetic, then mean, low, high and published of each metric (empty where there is none); shares
-/// in [0, 1].
+/// A line per row, as in RFC 4180: agent, split, (RxR: language,) runs, episodes, synthetic. Then
+/// mean, low, high and published of each metric (empty if missing); shares in [0, 1].
 std::string to_csv(const ResultsTable& table);
 /// A GitHub-flavoured table, for a README.
 std::string to_markdown(const ResultsTable& table);

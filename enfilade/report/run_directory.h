@@ -1,4 +1,4 @@
-/// \file  What agents left behind: results files, model directories, their logs.
+/// \file  Files of runs: results files, model directories, their logs.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -13,20 +13,20 @@
 
 namespace enfilade::report {
 
-/// A results file and what its name says about it.
+/// A results file and the parts of its name.
 struct ResultsFile {
   std::filesystem::path file;
   std::string agent;  ///< "random", "student-2"
   std::string split;  ///< "val_unseen"
 };
 
-/// What training made: config.json, log.jsonl, results/.
+/// Files of a training: config.json, log.jsonl, results/.
 struct ModelDirectory {
   std::filesystem::path folder;
   std::string agent;  ///< the folder's name: "student-2"
 };
 
-/// What was found in the folder of a run.
+/// The files found in the folder of a run.
 struct RunDirectory {
   std::vector<ResultsFile> results;      ///< shortest, reference, random, teacher, student, others
   std::vector<ModelDirectory> models;    ///< likewise
@@ -36,32 +36,36 @@ struct RunDirectory {
 /// "student-2" and "student" are runs of one agent, with different seeds: the name without them.
 std::string_view without_seed(std::string_view agent) noexcept;
 
-/// Whether an agent knows the goal: "shortest", "reference".
+/// Whether an agent uses the goal: "shortest", "reference".
 bool is_oracle(std::string_view agent) noexcept;
 
-/// Which benchmark the results are of that are named or lie in the named folders, by the fields
-/// that only its results have. No value if the first of them could be of several, or if there is
-/// none. \throws FileError for what is not there or cannot be read
+/// The benchmark of the results that are named or lie in the named folders, by the fields that only
+/// its results have. No value if the first of them could be of several, or if there is none.
+/// \throws FileError for files that are missing or cannot be read
 std::optional<tasks::Task> find_task_of_runs(std::span<const std::filesystem::path> named);
 
-/// What is named: a results file "<agent>_<split>.json"; a model directory (a folder with
-/// config.json), whose results are "results/<split>.json"; or a folder with any of these, in
-/// itself, in results/ and in models/. A split is what `data` has annotations of, of that
-/// benchmark. A file of another name is passed over where a folder was named, and one of walks in
-/// continuous space. \throws FileError for
-/// what is not there; LookupError for a file whose name says no split of `data`, for one agent and
-/// split in two files, or where there is nothing at all
+/// The runs of the named files and folders. Each is one of:
+/// - a results file "<agent>_<split>.json"
+/// - a model directory (a folder with config.json), whose results are "results/<split>.json"
+/// - a folder with any of these, in itself, in results/ and in models/
+///
+/// A split is one of that benchmark with annotations in `data`. In a folder, files of other names
+/// and continuous results are skipped.
+/// \throws FileError for missing files
+/// \throws LookupError for a file whose name has no split of `data`, for one agent and split in two
+/// files, or for no results
 RunDirectory find_runs(std::span<const std::filesystem::path> named, const dataset::Dataset& data,
                        tasks::Task task = tasks::Task::kR2r);
 
-/// The same of walks in continuous space, whose splits are those of VLN-CE's files in the folder of
-/// `data`. In a folder, results of the graph are passed over, as find_runs() does with these.
+/// The same for continuous trajectories, whose splits are those of VLN-CE's files in the folder of
+/// `data`. In a folder, results of the graph are skipped.
 /// \throws as find_runs()
 RunDirectory find_continuous_runs(std::span<const std::filesystem::path> named,
                                   const dataset::Dataset& data,
                                   const agents::ContinuousBenchmark& benchmark);
-/// The benchmark of walks in continuous space whose results are named or lie in the named folders,
-/// by their first record; none if results of the graph come first. \throws as find_task_of_runs()
+/// The benchmark of the named continuous results, or of those in the named folders, by their first
+/// record. Null if results of the graph come first.
+/// \throws FileError for files that are missing or cannot be read
 const agents::ContinuousBenchmark* find_continuous_benchmark_of_runs(
     std::span<const std::filesystem::path> named);
 

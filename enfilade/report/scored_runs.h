@@ -17,13 +17,14 @@
 
 namespace enfilade::report {
 
-/// What the episodes of a split are worth.
+/// The scores of a split's episodes.
 struct Scores {
-  /// Of each episode, by tasks/metrics.h. Where the goal is not to end near the path's last
-  /// viewpoint, `success`, `nav_error`, `oracle_success`, `oracle_error`, `shortest` and `spl` are
-  /// of the goal that there is (tasks/goal_distance.h), answers aside but for R2R-Back's.
+  /// Per episode, by tasks/metrics.h. If the goal is not to end near the path's last viewpoint,
+  /// some fields refer to the actual goal (tasks/goal_distance.h), without answers except
+  /// R2R-Back's. These are `success`, `nav_error`, `oracle_success`, `oracle_error`, `shortest` and
+  /// `spl`.
   tasks::Score ours;
-  /// By table_scorer(); none of R2R.
+  /// By table_scorer(); no value for R2R.
   std::optional<tasks::TaskScore> by_task;
 };
 
@@ -45,9 +46,9 @@ struct ScoredRuns {
   std::vector<std::string> left_out;  ///< a sentence for each file that could not be scored
 };
 
-/// Reads and scores every results file, with bootstrap intervals. Those of splits whose goals are
-/// hidden are left out, and `left_out` says so. The benchmark is that of `found`.
-/// \throws FileError; InvalidInput listing what is wrong with a results file
+/// Reads and scores every results file, with bootstrap intervals. Files of splits with hidden goals
+/// are listed in `left_out` instead. The benchmark is that of `found`.
+/// \throws FileError; InvalidInput listing the faults of a results file
 ScoredRuns score_runs(const RunDirectory& found, const dataset::Dataset& data,
                       const Progress& progress = {});
 

@@ -1,4 +1,4 @@
-/// \file  The part of the page that shows walks in continuous space.
+/// \file  The part of the page that shows continuous trajectories.
 #pragma once
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
@@ -7,9 +7,9 @@
 
 namespace enfilade::report::parts {
 
-/// Maps from above of a split's episodes with all agents' walks, of each agent its first run: so
-/// many best, worst and median ones of the last agent that is no oracle. Of val_unseen, if there is
-/// a run on it.
+/// Maps from above of a split's episodes with the trajectories of all agents' first runs. Shows
+/// `of_a_kind` best, worst and median ones of the last agent that is not an oracle. The split is
+/// val_unseen, if there is a run on it.
 nlohmann::ordered_json walks_part(const ContinuousRuns& runs, std::size_t of_a_kind,
                                   bool synthetic);
 
