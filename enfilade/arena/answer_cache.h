@@ -1,5 +1,5 @@
-/// \file  Answers of models by the content of what they were asked, so that a run can be continued,
-/// and done again for nothing.
+/// \file  Cache of models' responses by request, so that a run can be continued, and replayed at no
+/// cost.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -18,8 +18,8 @@ struct KeptAnswer {
   int attempts = 1;    ///< requests that were made for it
 };
 
-/// A folder of answers, one file each, which holds the request too, with its pictures by their
-/// keys. Any number of threads and processes may use one; what is there is complete, whenever a
+/// A folder of responses, one file each. A file has the request too, with its pictures by their
+/// keys. Any number of threads and processes may use one; its files are complete, also after a
 /// process was killed.
 class AnswerCache {
  public:

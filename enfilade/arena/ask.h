@@ -21,23 +21,23 @@
 
 namespace enfilade::arena {
 
-/// How a model is asked.
+/// Settings of the requests to a model.
 struct AskConfig {
   ChatConfig chat;
-  /// None: as the folder's run has it; in a new folder as the prompt has it, or, where the server
-  /// refuses tools, JSON by a schema, or, where it refuses that, text.
+  /// No value: as in the folder's run. In a new folder as the prompt has it; JSON by a schema if
+  /// the server refuses tools; text if it refuses that, too.
   std::optional<Answers> answers = {};
   Limits limits;
   std::uint32_t picture_size = 512;  ///< pixels
   std::string words = "none";        ///< what makes the world's words: what a run is, in run.json
   std::size_t parallel = 1;          ///< episodes at once, 1 to 256; changes nothing in results
-  int attempts = 6;                  ///< requests for one answer before an episode is given up
-  double first_wait = 1;             ///< seconds after the first that failed; doubled each time
-  /// Tokens, in and out, after which no new answer is asked for; none: no limit.
+  int attempts = 6;                  ///< requests for one response before an episode is given up
+  double first_wait = 1;             ///< seconds after the first failure; doubled each time
+  /// Tokens, in and out, after which no new request is sent; no value: no limit.
   std::optional<std::int64_t> most_tokens = {};
 };
 
-/// What answers cost. Of those that a run has, each counted once, whoever asked for them when.
+/// Cost of responses. Each response of a run counts once, also if it was cached.
 struct Ledger {
   std::size_t answers = 0, pictures = 0;
   std::int64_t prompt_tokens = 0, answer_tokens = 0;
@@ -54,26 +54,29 @@ double money_of(const Ledger& ledger, const Price& price);
 
 /// How a run went.
 struct AskReport {
-  std::size_t episodes = 0;           ///< that were to be walked
+  std::size_t episodes = 0;           ///< requested episodes
   std::size_t done = 0;               ///< of these, also in earlier runs
-  Answers answers = Answers::kTools;  ///< the form that was asked for
-  std::size_t mistakes = 0;           ///< calls that could not be carried out, in all done
+  Answers answers = Answers::kTools;  ///< the form of the answers
+  std::size_t mistakes = 0;           ///< invalid calls in all finished episodes
   std::map<Ending, std::size_t> endings;
   std::vector<std::string> given_up;  ///< a sentence an episode
   Ledger ledger;
 };
 
-/// Asks a model for every step of some episodes, and writes into a folder:
-/// `transcripts/<id>.jsonl` (a line for the episode, one a step, one for the end), `results.json`
-/// as the benchmark has it, of all episodes that are done, and `run.json`, what the run is. Nothing
-/// in them depends on time, machine or other runs. A folder that has some of it is continued:
-/// episodes with a transcript are left as they are, and answers in the cache are not asked again.
+/// Evaluates a model on some episodes, step by step, and writes into a folder:
+/// - `transcripts/<id>.jsonl`: a line for the episode, one per step, one for the end
+/// - `results.json`: all finished episodes, in the benchmark's form
+/// - `run.json`: the run's settings
+///
+/// Their content does not depend on time, computer or other runs. A folder with some of it is
+/// continued: episodes with a transcript are skipped, and cached responses are not requested again.
 /// \param sights for pictures; may be empty if the prompt has none
 /// \param which indices of episodes, each once
-/// \param endpoint null: nothing is asked, and an answer that is not in the cache is an error
-/// \throws ArgumentError for values out of range; InvalidInput for a folder of another run, naming
-/// what differs, and for a refusal that waiting does not change; FileError, also if another process
-/// works in the folder
+/// \param endpoint null: nothing is sent, and a response that is not in the cache is an error
+/// \throws ArgumentError for values out of range
+/// \throws InvalidInput for a folder of another run, naming the differences, and for a refusal that
+/// waiting does not change
+/// \throws FileError, also if another process works in the folder
 AskReport ask(const World& world, const Sights& sights, const std::vector<std::size_t>& which,
               const Prompt& prompt, const AskConfig& config, Endpoint* endpoint, AnswerCache& cache,
               const std::filesystem::path& folder, const Progress& progress = {});

@@ -1,5 +1,5 @@
 /// \file  Conversations with language models, in the form of OpenAI's chat completions, which most
-/// servers speak (vLLM, Ollama, llama.cpp, SGLang, OpenAI and others).
+/// servers support (vLLM, Ollama, llama.cpp, SGLang, OpenAI and others).
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -17,7 +17,7 @@
 
 namespace enfilade::arena {
 
-/// What is said with each request.
+/// Fields of each request.
 struct ChatConfig {
   std::string model;                             ///< as the server names it; not empty
   double temperature = 0;                        ///< 0 to 2
@@ -25,16 +25,16 @@ struct ChatConfig {
   std::optional<std::int64_t> most_tokens = {};  ///< of an answer (`max_tokens`); none: not sent
 };
 
-/// What a model said.
+/// A model's response.
 struct ChatAnswer {
   Reading reading;
   std::string text;                ///< `content`; may be empty
-  std::int64_t prompt_tokens = 0;  ///< as the server counts; 0: it does not say
+  std::int64_t prompt_tokens = 0;  ///< by the server's count; 0: not reported
   std::int64_t answer_tokens = 0;  ///< likewise
 };
 
 /// The message of any chat completion: text and tokens, no reading.
-/// \throws InvalidInput for what is none, which is a fault of the server
+/// \throws InvalidInput if `body` is not a chat completion
 ChatAnswer read_completion(std::string_view body);
 
 /// One conversation about one episode. A plain object: one thread at a time.
@@ -51,10 +51,10 @@ class Chat {
   /// step. \param pictures  of the observation, with their keys beside
   std::string ask(const Observation& seen, const std::vector<PictureOrder>& pictures,
                   const std::vector<std::string>& keys);
-  /// Reads the body of the answer to the last request. \throws InvalidInput for what is no chat
-  /// completion with a message, which is a fault of the server
+  /// Reads the response to the last request.
+  /// \throws InvalidInput if `body` is not a chat completion with a message
   ChatAnswer read(std::string_view body) const;
-  /// Ends the step: the answer and what came of it become part of the conversation.
+  /// Ends the step: the answer and its feedback become part of the conversation.
   void close(std::string_view body, const ChatAnswer& answer, const Observation& after);
 
   /// The pictures of the last request, by key.

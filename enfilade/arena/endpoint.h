@@ -1,4 +1,4 @@
-/// \file  Where a model is asked: a server on the network.
+/// \file  A model's endpoint: a server on the network.
 #pragma once
 #include <memory>
 #include <optional>
@@ -18,7 +18,7 @@ class EndpointError : public Error {
   EndpointError(int status, const std::string& message, std::optional<double> wait = {})
       : Error(message), status_(status), wait_(wait) {}
   int status() const noexcept { return status_; }
-  /// Seconds after which the server wants to be asked again (`Retry-After`).
+  /// Seconds after which the server accepts a retry (`Retry-After`).
   std::optional<double> wait() const noexcept { return wait_; }
   /// Whether the same request may succeed later: no connection, 408, 409, 425, 429, 5xx.
   bool passes() const noexcept;
@@ -31,7 +31,7 @@ class EndpointError : public Error {
 /// Where a request comes from. It is no part of the body, so the model does not get it.
 struct RequestOrigin {
   std::string episode;      ///< "r2r/val_unseen/1_0"
-  std::vector<Call> calls;  ///< those of the episode that were carried out
+  std::vector<Call> calls;  ///< accepted calls of the episode
 };
 
 /// Something that answers chat requests.
@@ -53,10 +53,11 @@ struct HttpEndpointConfig {
   std::string key = {};  ///< sent as `Authorization: Bearer`, and never shown; empty: none
   double timeout = 120;  ///< seconds to wait for an answer, (0, 3600]
 };
-/// Keeps a connection for each thread that asks, and sends the origin as `X-Enfilade-Episode` and
-/// `X-Enfilade-Calls` ("go_to B; stop"). \throws ArgumentError naming the field, for a URL
-/// that is not http:// or https://, or has a user, a password or a query in it, or a key with bytes
-/// that are not printable ASCII
+/// Keeps a connection per thread, and sends the origin as `X-Enfilade-Episode` and
+/// `X-Enfilade-Calls` ("go_to B; stop").
+/// \throws ArgumentError naming the field, for a URL that is not http:// or https://, or that has a
+/// user, a password or a query
+/// \throws ArgumentError for a key with bytes that are not printable ASCII
 std::unique_ptr<Endpoint> make_http_endpoint(const HttpEndpointConfig& config);
 
 }  // namespace enfilade::arena

@@ -1,4 +1,5 @@
-/// \file  The Model Context Protocol: an assistant walks episodes with the tools of its program.
+/// \file  The Model Context Protocol: an assistant steps through episodes with the tools of its
+/// program.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -14,20 +15,20 @@
 
 namespace enfilade::arena {
 
-/// What an assistant plays.
+/// Episodes and settings of a server.
 struct McpConfig {
   std::vector<std::size_t> episodes;  ///< in this order; those with a transcript are left out
   Limits limits = {};
   Pictures pictures = Pictures::kNone;
   std::uint32_t picture_size = 512;
-  std::string version = {};           ///< of the program, told to the assistant's
+  std::string version = {};           ///< version of the program, sent to the assistant's
   std::filesystem::path folder = {};  ///< transcripts/ and results.json, as ask() writes them
 };
 
-/// The protocol's server for one assistant, whatever carries the messages. Speaks the revision of
-/// 2026-07-28 (`server/discover`, nothing to remember) and those from 2024-11-05 to 2025-11-25
-/// (`initialize`). Tools: `begin` starts the next episode, then those of the session, whose values
-/// are enumerated as they are now. One thread at a time.
+/// The protocol's server for one assistant, over any transport. Supports the revision of 2026-07-28
+/// (`server/discover`, stateless) and those from 2024-11-05 to 2025-11-25 (`initialize`). Tools:
+/// `begin` starts the next episode, then those of the session, whose current values are enumerated.
+/// One thread at a time.
 class McpServer {
  public:
   /// \param sights for pictures; may be empty if there are none
@@ -37,9 +38,9 @@ class McpServer {
   McpServer(const McpServer&) = delete;
   McpServer& operator=(const McpServer&) = delete;
 
-  /// Takes a message, JSON-RPC 2.0, and gives what is to be sent: an answer, then perhaps a
-  /// notification that the tools have changed. Empty for notifications. Never throws for what
-  /// anybody sends; FileError where a transcript cannot be written
+  /// Takes a message, JSON-RPC 2.0, and returns the messages to send: a response, then perhaps a
+  /// notification that the tools have changed. Empty for notifications. Never throws for the
+  /// content of a message; FileError if a transcript cannot be written
   std::vector<std::string> handle(std::string_view message);
 
   std::size_t done() const noexcept;  ///< episodes with a transcript

@@ -13,15 +13,15 @@ struct McpHttpConfig {
   int port = 8001;                 ///< 0: any that is free
 };
 
-/// `POST /mcp`, "Streamable HTTP" of the revisions from 2025-03-26 on: an answer is JSON, or, where
-/// a notification comes with it, a stream of events. One assistant at a time: `initialize` gives it
-/// a session, which ends those before it (404); the revision of 2026-07-28 has none. Pages of other
-/// sites are refused (403), by `Origin` and by `Host`. It is for one's own machine: whoever reaches
-/// the port walks. Only in builds with EN_WITH_WEB.
+/// `POST /mcp`, "Streamable HTTP" of the revisions from 2025-03-26 on. A response is JSON, or, with
+/// a notification, a stream of events. One assistant at a time: `initialize` gives it a session,
+/// which ends earlier ones (404); the revision of 2026-07-28 has none. Pages of other sites are
+/// refused (403), by `Origin` and by `Host`. It is for local use: any program that reaches the port
+/// can step the episode. Only in builds with EN_WITH_WEB.
 class McpHttp {
  public:
-  /// Listens when this returns. \param server outlives it; nobody else calls it meanwhile
-  /// \throws ArgumentError if the port is taken or the host is no interface
+  /// Listens when this returns. \param server outlives it; no other caller uses it meanwhile
+  /// \throws ArgumentError if the port is taken or the host is not an interface
   McpHttp(McpServer& server, const McpHttpConfig& config);
   ~McpHttp();  ///< stops
   McpHttp(const McpHttp&) = delete;

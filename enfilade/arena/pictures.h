@@ -1,4 +1,4 @@
-/// \file  What a session shows in pictures: described first, drawn only if somebody looks.
+/// \file  Pictures of a session: described first, rendered on request only.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -30,7 +30,7 @@ struct NamedDirection {
 
 /// A picture before it is drawn. Two that are equal show the same, to the bit.
 struct PictureOrder {
-  std::string caption;  ///< "B": the place that it looks to, "ahead"; of a strip empty
+  std::string caption;  ///< "B": the place in its direction; "ahead"; empty for a strip
   Standpoint from;      ///< of a strip the heading of its second quarter
   bool strip = false;
   std::uint32_t size = 512;           ///< pixels: height, of a strip a quarter of the width

@@ -1,4 +1,4 @@
-/// \file  Episodes walked one after another by somebody who decides elsewhere: an assistant over a
+/// \file  Episodes stepped through one after another by an outside caller: an assistant over a
 /// protocol, a loop in Python, a person.
 #pragma once
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace enfilade::arena {
 
-/// What is walked, and what is kept of it.
+/// The episodes, and the files that are written.
 struct PlayConfig {
   std::vector<std::size_t> episodes;  ///< in this order; those with a transcript are left out
   Limits limits = {};
@@ -29,10 +29,10 @@ struct PlayConfig {
   std::filesystem::path folder = {};
 };
 
-/// What came of a call.
+/// Result of a call.
 struct Outcome {
   bool carried_out = false;
-  std::optional<Ending> ending = {};  ///< of the episode; none: it goes on
+  std::optional<Ending> ending = {};  ///< of the episode; no value: it goes on
   std::string told;                   ///< a sentence
 };
 
@@ -47,20 +47,22 @@ struct Outcome {
 class Play {
  public:
   /// \param sights for pictures; may be empty if there are none
-  /// \throws ArgumentError for null, no episode, an index out of range, limits or sizes out of
-  /// range, pictures without sights; FileError, also if another process works in the folder
+  /// \throws ArgumentError for null, no episode, an index, limits or sizes out of range, or
+  /// pictures without sights
+  /// \throws FileError, also if another process works in the folder
   Play(std::unique_ptr<World> world, Sights sights, Prompt prompt, PlayConfig config);
   ~Play();
   Play(const Play&) = delete;
   Play& operator=(const Play&) = delete;
 
-  /// Begins the next episode that is not done; false: all are. One that is being walked is given up
-  /// and begins again. \throws as World::start()
+  /// Begins the next unfinished episode; false: all are finished. An episode in progress is dropped
+  /// and begins again.
+  /// \throws as World::start()
   bool begin();
-  /// Begins an episode, also one that is done: then it is walked anew, and what is walked last
-  /// counts. \throws ArgumentError for one that is not of PlayConfig::episodes; as begin()
+  /// Begins an episode, also a finished one; the last trajectory counts.
+  /// \throws ArgumentError for one that is not in PlayConfig::episodes; as begin()
   void begin_at(std::size_t episode);
-  /// The one that is being walked; null before begin() and when it has ended.
+  /// The session in progress; null before begin() and after its end.
   const Session* session() const noexcept;
 
   /// The prompt's texts for the session. \pre session() != nullptr
@@ -70,12 +72,13 @@ class Play {
   /// \throws as Painter
   std::vector<std::string> draw();
 
-  /// Reads an answer: of kTools a JSON object of `name` and `arguments`, as a tool call of OpenAI's
-  /// form has them; else as read_answer_json() and read_answer_text().
+  /// Reads an answer: for kTools a JSON object of `name` and `arguments`, as in a tool call of
+  /// OpenAI's form. Else as read_answer_json() and read_answer_text().
   Reading read(std::string_view answer) const;
-  /// Carries out what was read; what could not be read is a mistake, and does nothing else. When
-  /// the episode ends, transcript and results are written. \pre session() != nullptr
-  /// \throws FileError where they cannot be
+  /// Performs a call. An unreadable answer is a mistake, and does nothing else. At the episode's
+  /// end, transcript and results are written.
+  /// \pre session() != nullptr
+  /// \throws FileError if they cannot be written
   Outcome call(const Reading& reading);
 
   Answers answers() const noexcept;
@@ -84,7 +87,7 @@ class Play {
   const std::vector<std::size_t>& episodes() const noexcept;  ///< PlayConfig::episodes
   /// Of all that are done, as the benchmark's results files have them. \throws FileError
   std::string results() const;
-  /// The same of one that this object has walked. \throws ArgumentError if it has not
+  /// The same for one that this object has finished. \throws ArgumentError for others
   std::string result(std::size_t episode) const;
 
  private:

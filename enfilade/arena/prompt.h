@@ -1,4 +1,4 @@
-/// \file  Prompts: what a model is told at the start and at each step, from template files.
+/// \file  Prompts: a model's messages at the start and at each step, from template files.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace enfilade::arena {
 
-/// How a model's answer says what to do.
+/// The form of a model's answer.
 enum class Answers : std::uint8_t {
   kTools,  ///< by a tool call of the chat's protocol
   kJson,   ///< by JSON that fits answer_schema()
@@ -24,10 +24,10 @@ constexpr std::array<std::string_view, 3> names_of(Answers /*enum*/) {
   return {"tools", "json", "text"};
 }
 
-/// What of the steps before is sent again at each step.
+/// The part of earlier steps that is sent again at each step.
 enum class Memory : std::uint8_t {
   kAll,   ///< the whole conversation
-  kLast,  ///< nothing: the template has to tell what counts (`history`, `map`)
+  kLast,  ///< nothing: the template itself must include it (`history`, `map`)
 };
 constexpr std::array<std::string_view, 2> names_of(Memory /*enum*/) { return {"all", "last"}; }
 
@@ -38,12 +38,13 @@ struct PastStep {
   std::string told;     ///< what came of it
 };
 
-/// The step that `reading` was. \param told what came of it
+/// The step of `reading`. \param told its feedback
 PastStep past_step(const Reading& reading, std::string told);
 
-/// A template: a head of lines "name: value", then, each after a line "---", the text of the start
-/// and that of a step, in Mustache (docs/arena.md has the names that it can use).
+/// A template: a head of lines "name: value", then two texts in Mustache (docs/arena.md lists the
+/// names). Each follows a line "---": the text of the start, and that of a step.
 ///
+/// \code{.txt}
 ///     pictures: strip          none, strip or places
 ///     answers: tools           tools, json or text
 ///     memory: all              all or last
@@ -52,6 +53,7 @@ PastStep past_step(const Reading& reading, std::string told);
 ///     You are in a building. Follow this instruction: {{instruction}}
 ///     ---
 ///     {{#places}}{{name}}: {{turn_words}}, {{distance}} m{{/places}}
+/// \endcode
 ///
 /// Immutable: any thread.
 class Prompt {
@@ -59,10 +61,12 @@ class Prompt {
   /// One that is built in: "text", "marks", "navgpt", "mapgpt". \throws LookupError listing them
   static Prompt named(std::string_view name);
   static std::vector<std::string> names();
-  /// What users write: a file if it has an extension, else a name. \throws as load(), named()
+  /// Opens a user's choice: a file if it has an extension, else a name.
+  /// \throws as load(), named()
   static Prompt open(const std::string& name_or_file);
-  /// \throws FileError; InvalidInput naming file and line: an unknown name in the head, a value
-  /// that is not possible, no two texts, a tag that is not closed
+  /// \throws FileError
+  /// \throws InvalidInput naming file and line: an unknown name or an invalid value in the head,
+  /// other than two texts, a tag that is not closed
   static Prompt load(const std::filesystem::path& file);
   /// \param file  for messages
   static Prompt parse(std::string_view text, const std::string& file, std::string name);
@@ -77,9 +81,9 @@ class Prompt {
   Memory memory() const noexcept;
   std::uint32_t kept_pictures() const noexcept;
 
-  /// What is said once, at the start. \param answers  how the model is to answer
+  /// The message at the start. \param answers  the form of the model's answers
   std::string start(const Observation& seen, Answers answers, const Limits& limits) const;
-  /// What is said at a step.
+  /// The message of a step.
   std::string step(const Observation& seen, Answers answers, const Limits& limits,
                    std::span<const PastStep> past) const;
 

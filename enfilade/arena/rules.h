@@ -1,4 +1,5 @@
-/// \file  Rules that walk a session without a model: what a stand-in answers by, and baselines.
+/// \file  Rules that step through a session without a model: answers of a mock server, and
+/// baselines.
 #pragma once
 #include <array>
 #include <cstdint>

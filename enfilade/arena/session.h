@@ -1,5 +1,5 @@
-/// \file  Sessions: one episode, walked step by step by whoever reads texts and looks at pictures:
-/// a language model, a program, a person. Everything that the goal would tell stays inside.
+/// \file  One episode, stepped through text and images by a model, program or person. Anything that
+/// would give the goal away stays inside.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -17,14 +17,14 @@
 
 namespace enfilade::arena {
 
-/// What can be done. Each has one argument at most, and all values that the argument may have are
-/// listed with each observation, so that nothing has to be parsed and nobody stops by mistake.
+/// The tools. Each has one argument at most. Each observation lists all values of the argument, so
+/// that nothing has to be parsed and no agent stops by mistake.
 enum class Tool : std::uint8_t {
   kGoTo,      ///< place: one that can be reached in one step
   kBackTo,    ///< place: one that was visited before; along known ways
   kLook,      ///< direction: turns without a step
-  kMove,      ///< actions, in continuous space: one to four of them, in order
-  kTurnBack,  ///< of R2R-Back: says that the way back begins here; the last time counts
+  kMove,      ///< actions, in continuous environments: one to four of them, in order
+  kTurnBack,  ///< R2R-Back: marks the turning point; the last call counts
   kAnswer,    ///< object, of REVERIE: names it and stops
   kStop,
 };
@@ -37,20 +37,20 @@ std::string_view name_of(Tool tool) noexcept;
 struct ToolUse {
   Tool tool = Tool::kStop;
   std::string_view argument;         ///< its name: "place"; empty: it has none
-  std::vector<std::string> allowed;  ///< its values. Of kMove: of each part
+  std::vector<std::string> allowed;  ///< its values. For kMove: those of each part.
   bool list = false;                 ///< 1 to kMostMoves values
 };
-/// Of kMove: actions a call.
+/// Most actions per call of kMove.
 inline constexpr std::size_t kMostMoves = 4;
 
-/// What is asked for, as it was read from somebody.
+/// A tool call parsed from an answer.
 struct Call {
   std::string tool;
   std::string argument;  ///< of a list: its values with commas between; empty: none
   friend bool operator==(const Call&, const Call&) = default;
 };
 
-/// A neighbour of the place where one stands. Angles as one looks now.
+/// A neighbour of the current viewpoint. Angles relative to the current view.
 struct Place {
   std::string name;          ///< "A", ..., "Z", "AA", ...: in the order of first sight, to the end
   Radians turn;              ///< to the right positive, [-pi, pi)
@@ -74,13 +74,13 @@ struct MappedPlace {
   std::vector<std::string> leads_to;
 };
 
-/// What is known at a step. Angles in radians, lengths in metres.
+/// The observation at a step. Angles in radians, lengths in metres.
 struct Observation {
   std::string instruction;
-  std::uint32_t step = 0;        ///< calls that were carried out
+  std::uint32_t step = 0;        ///< accepted calls
   Radians heading;               ///< clockwise from the building's +y, [0, 2 pi)
-  Radians elevation;             ///< of the look, up positive
-  std::string what;              ///< what is ahead, in words, in continuous space; empty: not known
+  Radians elevation;             ///< of the view, up positive
+  std::string what;              ///< the view ahead in words (continuous); empty: unknown
   std::string here;              ///< the name of the place; empty in continuous space
   std::vector<Place> places;     ///< in the order of their turns, from left to right
   std::vector<Thing> things;     ///< of REVERIE
@@ -91,7 +91,7 @@ struct Observation {
 
 /// When a session ends on its own.
 struct Limits {
-  std::uint32_t steps = 30;     ///< calls that were carried out, >= 1
+  std::uint32_t steps = 30;     ///< accepted calls, >= 1
   std::uint32_t mistakes = 10;  ///< calls that were not, one after another, >= 1
 };
 
@@ -109,10 +109,10 @@ constexpr std::array<std::string_view, 3> names_of(Ending /*enum*/) {
 }
 std::string_view name_of(Ending ending) noexcept;
 
-/// What was walked, as results files have it.
+/// The trajectory, in the form of results files.
 using Walked = std::variant<tasks::Trajectory, tasks::ContinuousResult>;
 
-/// Where somebody stands and looks, for those who draw what is seen from there.
+/// Position and direction of a session, for rendering its view.
 struct Standpoint {
   std::string scan;
   /// Names the place in it, equally on all machines that have the same data set: a viewpoint's id,
@@ -137,9 +137,9 @@ class Session {
 
   /// Valid until the next call().
   const Observation& observation() const noexcept { return seen_; }
-  /// Carries out a call. One that is impossible or that nobody understands changes nothing but
-  /// Observation::told, which says what would be possible, and counts as a mistake.
-  /// \returns whether it was carried out; false also when it is over
+  /// Performs a call. An impossible or unknown one counts as a mistake. It changes nothing except
+  /// Observation::told, which lists the possible calls.
+  /// \returns whether it was accepted; false also after the end
   bool call(const Call& call);
   /// An answer from which no call could be read: a mistake. \param why a sentence for its author
   void misread(std::string_view why);
@@ -154,9 +154,9 @@ class Session {
 
  protected:
   explicit Session(const Limits& limits) : limits_(limits) {}
-  /// Carries out a call that observation().tools allow, and tells what came of it.
+  /// Performs a call that observation().tools allow, and reports its result.
   virtual void carry_out(Tool tool, const std::vector<std::string>& values) = 0;
-  /// Fills places, tools, ... from where one stands. `told` is kept.
+  /// Fills places, tools, ... from the current position. `told` is kept.
   virtual void look_around(Observation& seen) = 0;
   void begin() { look_around(seen_); }
   void tell(std::string text) { seen_.told = std::move(text); }
@@ -171,7 +171,7 @@ class Session {
   std::uint32_t mistakes_ = 0, in_a_row_ = 0;
 };
 
-/// Where a session on a graph stands and looks.
+/// Location and direction of a session on a graph.
 struct GraphPose {
   graph::Location location;
   Radians heading, elevation;
@@ -181,8 +181,8 @@ struct GraphPose {
 class GraphSession : public Session {
  public:
   virtual GraphPose pose() const = 0;
-  /// For oracles and for those who draw maps: what a name stands for. \pre the place was seen; the
-  /// object is one of Observation::things
+  /// The viewpoint or object of a name, for oracles and maps.
+  /// \pre the place was seen; the object is one of Observation::things
   virtual ViewpointIndex viewpoint_of(std::string_view place) const = 0;
   virtual std::int64_t object_of(std::string_view thing) const = 0;
 
@@ -190,7 +190,7 @@ class GraphSession : public Session {
   using Session::Session;
 };
 
-/// A session in continuous space. `walked()` is a tasks::ContinuousResult.
+/// A session in a continuous environment. `walked()` is a tasks::ContinuousResult.
 class ContinuousSession : public Session {
  public:
   virtual continuous::Pose pose() const = 0;

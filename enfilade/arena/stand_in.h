@@ -1,5 +1,5 @@
-/// \file  A server that answers as a language model would, by a rule: for tests, and for trying out
-/// what asks models. Only in builds with EN_WITH_WEB.
+/// \file  A mock server that answers like a language model, by a rule: for tests, and for trying
+/// out clients. Only in builds with EN_WITH_WEB.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace enfilade::arena {
 
-/// What may go wrong with an answer.
+/// Faults of a response.
 enum class Fault : std::uint8_t {
   kServerError,   ///< status 500, the first time
   kRateLimit,     ///< status 429 with Retry-After: 0, the first time
@@ -26,20 +26,20 @@ enum class Fault : std::uint8_t {
 /// How it answers.
 struct StandInConfig {
   Rule rule = Rule::kOracle;
-  std::uint64_t seed = 1;  ///< of Rule::kRandom
-  /// One request of so many has a fault, in the order of this list; empty: none.
+  std::uint64_t seed = 1;  ///< for Rule::kRandom.
+  /// One request in this many has a fault, in the order of this list; empty: none.
   std::vector<Fault> faults = {};
   std::uint32_t one_in = 3;
   double silence = 1;      ///< seconds
   /// Answers before it refuses every request with status 503; 0: no limit.
   std::size_t most_answers = 0;
-  std::string key = {};    ///< asked for as `Authorization: Bearer`; empty: anybody may ask
+  std::string key = {};    ///< required as `Authorization: Bearer`; empty: no key
   bool with_tools = true;  ///< false: requests with `tools` are refused with status 400
 };
 
-/// POST /v1/chat/completions on a free port of 127.0.0.1. Finds the episode and what was done in it
-/// in the headers that make_http_endpoint() sends, so that it keeps nothing between requests, and
-/// gives equal answers to equal requests. Which requests have faults depends on their bytes alone.
+/// POST /v1/chat/completions on a free port of 127.0.0.1. Reads the episode and its calls from the
+/// headers that make_http_endpoint() sends. So it keeps nothing between requests, and gives equal
+/// responses to equal requests. The bytes of a request alone decide whether it has a fault.
 class StandIn {
  public:
   /// Listens when this returns. \throws Error if no port is free

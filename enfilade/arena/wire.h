@@ -10,26 +10,28 @@
 
 namespace enfilade::arena {
 
-/// {"instruction", "step", "heading", "elevation", "what"?, "here"?, "places": [{"name", "turn",
-/// "elevation", "distance", "visited", "seen_before", "what"?}], "things": [{"name", "category",
-/// "turn", "elevation"}], "map": [{"name", "leads_to"}], "told", "tools": [{"tool", "argument"?,
-/// "allowed", "list"?}]}. Lists that a task does not have are left out.
+/// The observation as JSON; lists that a task does not have are left out:
+/// - "instruction", "step", "heading", "elevation", "what"?, "here"?, "told"
+/// - "places": [{"name", "turn", "elevation", "distance", "visited", "seen_before", "what"?}]
+/// - "things": [{"name", "category", "turn", "elevation"}]
+/// - "map": [{"name", "leads_to"}]
+/// - "tools": [{"tool", "argument"?, "allowed", "list"?}]
 std::string to_json(const Observation& seen);
 
-/// What a tool does, in a sentence for a model.
+/// A tool's effect, in a sentence for a model.
 std::string_view purpose_of(Tool tool) noexcept;
-/// The tools as they can be used now: [{"name", "description", "parameters"}], the last a JSON
+/// The tools with their current values: [{"name", "description", "parameters"}]. The last is a JSON
 /// Schema of an object with at most one property, whose values are enumerated.
 std::string functions_json(const Observation& seen);
 /// A JSON Schema for an answer without tools: an object of "thought", "tool" and "argument" (null
-/// where the tool has none), of values that are possible now. For servers that take
-/// `response_format`. Not each pair of the last two is possible: servers support no more.
+/// if the tool has none), of currently possible values. For servers that take `response_format`.
+/// Some pairs of the last two are impossible: servers support no stricter schema.
 std::string answer_schema(const Observation& seen);
 
-/// A call that was read from what somebody wrote, or why none was.
+/// A call parsed from an answer, or the reason why there is none.
 struct Reading {
   std::optional<Call> call;
-  std::string thought;  ///< what was written beside it
+  std::string thought;  ///< text beside the call
   std::string fault;    ///< a sentence without a full stop; empty if there is a call
 };
 /// \param arguments  JSON: an object with the tool's argument, {"place": "B"}; what it holds beside

@@ -1,4 +1,4 @@
-/// \file  What a view holds, in words: for models that do not see.
+/// \file  Descriptions of views, in words: for models without vision.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -17,8 +17,8 @@ namespace enfilade::arena {
 class Words {
  public:
   virtual ~Words() = default;
-  /// What is seen from there, in a view as Pictures::kPlaces has it; empty: nothing that has a
-  /// name. Equal views give equal words.
+  /// Description of a view of Pictures::kPlaces at `from`; empty if no object in it has a name.
+  /// Equal views give equal words.
   virtual std::string of(const Standpoint& from) = 0;
 };
 
@@ -26,12 +26,13 @@ class Words {
 using WordsSource = std::function<std::unique_ptr<Words>()>;
 
 /// From pictures of classes and instances (mpcat40): "bed, chair (2), window", the largest first.
-/// Walls, floors, ceilings and what has no name are left out, and so is what takes less than a
-/// two-hundredth of the view. \throws from of(): ArgumentError without such pictures, naming what
-/// is missing; as Painter::draw()
+/// Walls, floors, ceilings, objects without a name, and those below a two-hundredth of the view are
+/// left out.
+/// \throws from of(): ArgumentError without such pictures, naming what is missing; as
+/// Painter::draw()
 WordsSource label_words(Sights sights);
 
-/// How a captioner is asked.
+/// Settings of the captions.
 struct CaptionConfig {
   ChatConfig chat = {};  ///< its model
   std::string question =
@@ -41,11 +42,12 @@ struct CaptionConfig {
   double first_wait = 1;             ///< seconds after the first that failed; doubled each time
 };
 
-/// From a model that looks at pictures, one sentence each; kept as other answers are, so that it is
-/// asked once for each picture, ever. A caption is data, as everything in an observation is: line
-/// ends in it become blanks, and 300 bytes are kept at most.
-/// \param endpoint null: nobody is asked, and a caption that is not in the cache is an error.
-/// Endpoint and cache outlive all words \throws from of(): what arena::ask() leaves an episode for
+/// From a vision model, one sentence each. Captions are cached as other responses are, so each
+/// picture is sent only once. A caption is data, as everything in an observation is: line ends in
+/// it become blanks, and 300 bytes are kept at most.
+/// \param endpoint null: nothing is sent, and a caption that is not in the cache is an error.
+/// Endpoint and cache outlive all words
+/// \throws from of(): errors for which arena::ask() gives up an episode
 WordsSource caption_words(Sights sights, CaptionConfig config, Endpoint* endpoint,
                           AnswerCache& cache);
 

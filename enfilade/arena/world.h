@@ -1,4 +1,4 @@
-/// \file  What can be walked: the episodes of a split, on a graph or in continuous space.
+/// \file  The episodes of a split for sessions, on a graph or in continuous environments.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -22,24 +22,25 @@ namespace enfilade::arena {
 enum class Rule : std::uint8_t;
 class Follower;
 
-/// What an episode's path is like, for those who choose some of a split.
+/// Size of an episode's path, for choosing a part of a split.
 struct PathSize {
   std::string scan;
   std::size_t places = 0;  ///< viewpoints, or points of the reference path; hidden goals: the start
   double length = 0;       ///< metres
 };
 
-/// Episodes of one split, in order. Outlives its sessions. One thread at a time: they share what
-/// they look up.
+/// Episodes of one split, in order. Outlives its sessions. One thread at a time: they share their
+/// caches.
 ///
-///     arena::GraphWorld world(std::make_shared<const
-///     tasks::EpisodeSet>(data.episodes("val_seen"))); const auto session = world.start(0);
+///     auto episodes = std::make_shared<const tasks::EpisodeSet>(data.episodes("val_seen"));
+///     arena::GraphWorld world(episodes);
+///     const auto session = world.start(0);
 class World {
  public:
   virtual ~World() = default;
   World& operator=(const World&) = delete;
 
-  /// Of the same episodes, for another thread.
+  /// A copy with the same episodes, for another thread.
   virtual std::unique_ptr<World> another() const = 0;
 
   virtual std::string_view task() const noexcept = 0;  ///< "r2r", "r2r-ce"
@@ -52,17 +53,19 @@ class World {
   /// Index of an episode's id; of ids that are there twice, the first. None: there is no such id.
   std::optional<std::size_t> find(std::string_view id) const;
 
-  /// Begins an episode. \throws ArgumentError for an episode that there is not, limits out of
-  /// range; SOON, whose answers no tool can give; in continuous space LookupError for
-  /// a building that is not there, ActionError for a start off the floor; errors of files
+  /// Begins an episode.
+  /// \throws ArgumentError if `episode >= size()`, for limits out of range, and for SOON, whose
+  /// answers no tool can give
+  /// \throws LookupError (continuous) for a missing building
+  /// \throws ActionError (continuous) for a start off the floor; errors of files
   virtual std::unique_ptr<Session> start(std::size_t episode, const Limits& limits = {}) = 0;
-  /// A rule's way through a session that has just begun (rules.h). \param seed of Rule::kRandom
+  /// A rule that steps through a session at its start (rules.h). \param seed for Rule::kRandom
   /// \param session outlives it \pre it is of this world
   /// \throws ArgumentError for Rule::kOracle where the goal is hidden
   virtual std::unique_ptr<Follower> follow(Rule rule, const Session& session,
                                            std::uint64_t seed = 1) const = 0;
 
-  /// What results files of the benchmark have of one walk, JSON.
+  /// The entry of one trajectory in the benchmark's results files, JSON.
   /// \pre a session of this world has walked it
   virtual std::string result(const Walked& walked) const = 0;
   /// A whole results file of such entries.
@@ -84,7 +87,7 @@ class GraphWorld : public World {
   explicit GraphWorld(std::shared_ptr<const tasks::EpisodeSet> episodes, WordsSource words = {});
   const tasks::EpisodeSet& episodes() const noexcept { return *episodes_; }
   agents::PanoramaCache& panoramas() noexcept { return panoramas_; }
-  /// What is seen from there; empty without words. \throws as Words::of()
+  /// Description of the view there; empty without words. \throws as Words::of()
   const std::string& words_of(const Standpoint& from);
   /// As start(), with what only sessions on graphs have.
   std::unique_ptr<GraphSession> start_on_graph(std::size_t episode, const Limits& limits = {});
@@ -119,7 +122,7 @@ class FreeWorld : public World {
   /// \throws ArgumentError for a world without episodes or buildings
   FreeWorld(agents::ContinuousWorld world, const agents::ContinuousSetup& setup,
             WordsSource words = {});
-  /// Of a split in a folder of data, without the experts' walks, which no session needs.
+  /// From a split in a folder of data, without the experts' trajectories, which no session needs.
   /// \throws as agents::load_continuous_split(), Buildings
   static std::unique_ptr<FreeWorld> open(const agents::ContinuousSetup& setup,
                                          const std::filesystem::path& data,

@@ -19,7 +19,7 @@ struct CurvePoint {
   tasks::MeanInterval spl;      ///< likewise
 };
 
-/// A curve, and what its reader has to know.
+/// A curve, with its explanations.
 struct ScalingCurve {
   std::string title;
   bool synthetic = false;  ///< model homes: said on the picture
@@ -29,9 +29,9 @@ struct ScalingCurve {
   std::vector<std::pair<std::string, std::string>> facts;
 };
 
-/// Success in per cent over the number of buildings, whose axis is logarithmic; a dot an agent with
-/// its interval, and the line through the means of the seeds. \throws ArgumentError for no point,
-/// or one with no building
+/// Success in per cent over the number of buildings, whose axis is logarithmic. A dot per agent
+/// with its interval, and the line through the means of the seeds.
+/// \throws ArgumentError for no point, or one without a building
 std::string scaling_curve_svg(const ScalingCurve& curve);
 
 /// One HTML document with the curve, a table of its points and the facts; needs no other file.

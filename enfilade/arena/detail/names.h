@@ -1,4 +1,4 @@
-/// \file  Names of places: letters in the order of first sight.
+/// \file  Names of neighbouring viewpoints: letters in the order of first sight.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -10,23 +10,23 @@
 
 namespace enfilade::arena::detail {
 
-/// What was asked for cannot be had now; other things can.
+/// The response cannot be had now; others may be.
 class GivenUp : public Error {
  public:
   using Error::Error;
 };
 
-/// How long somebody waits for an answer.
+/// Attempts and back-off of requests.
 struct Patience {
   int attempts = 6;       ///< requests before it is given up
-  double first_wait = 1;  ///< seconds after the first that failed; doubled each time, 60 at most
-  /// Waits so many seconds. \returns false if nobody wants the answer any more
+  double first_wait = 1;  ///< seconds after the first failure; doubled each time, at most 60.
+  /// Waits for a number of seconds. \returns false if the response is no longer needed
   std::function<bool(double seconds)> pause;
 };
 
-/// Sends a body until an answer comes that `read` takes; it throws InvalidInput for what is no
-/// answer. \throws GivenUp after the last attempt; InvalidInput for a refusal that waiting does not
-/// change
+/// Sends a body until a response comes that `read` accepts; it throws InvalidInput for others.
+/// \throws GivenUp after the last attempt
+/// \throws InvalidInput for a refusal that waiting does not change
 KeptAnswer post_patiently(Endpoint& endpoint, std::string_view body, const RequestOrigin& origin,
                           const Patience& patience,
                           const std::function<void(std::string_view answer)>& read);

@@ -1,4 +1,4 @@
-/// \file  Draws what is seen from a session's standpoint, on graphs and in continuous space.
+/// \file  Renders the view at a session's standpoint, on graphs and in continuous environments.
 #pragma once
 #include <memory>
 #include <span>
@@ -21,7 +21,7 @@ struct Gaze {
 /// The camera of a single view: 60 degrees on graphs, 90 in continuous space.
 Camera camera_for(const Standpoint& from, std::uint32_t size);
 
-/// Keeps a renderer, or the eyes of the buildings that were looked at last. One thread at a time.
+/// Keeps a renderer, or the mesh renderers of the buildings used last. One thread at a time.
 class Sight {
  public:
   /// \throws as dataset::Dataset::faces()

@@ -1,4 +1,4 @@
-/// \file  Small things done to texts that somebody wrote.
+/// \file  Small functions for texts that models and users wrote.
 #pragma once
 #include <algorithm>
 #include <cctype>
@@ -14,7 +14,7 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// Whether two texts are equal but for the case of ASCII letters.
+/// Whether two texts are equal, ignoring the case of ASCII letters.
 inline bool is_same(std::string_view one, std::string_view other) {
   const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
   return std::ranges::equal(one, other, {}, lower, lower);

@@ -14,7 +14,7 @@ namespace enfilade::arena::detail {
 class Transcript {
  public:
   explicit Transcript(const Session& session);
-  /// \param before what was known when it was called  \param call null: none could be read
+  /// \param before the observation before the call  \param call null: none could be read
   /// \param more fields of the line, before `told`
   void add(const Observation& before, const Call* call, const Session& after,
            const nlohmann::ordered_json& more = nlohmann::ordered_json::object());

@@ -1,4 +1,4 @@
-/// \file  The parts of the page that speak of the data alone.
+/// \file  The parts of the page about the data only.
 #pragma once
 #include <memory>
 #include <nlohmann/json_fwd.hpp>

@@ -11,31 +11,35 @@
 
 namespace enfilade::report::parts {
 
-/// One run, and what is recorded of it beside its trajectories.
+/// One run, and its records beside its trajectories.
 struct RunRecord {
   const ScoredRun* run = nullptr;
   std::optional<models::RecordedSplit> recorded;
 };
 
-/// What the gallery is about.
+/// The subject of the gallery.
 struct GalleryRun : RunRecord {
-  std::string no_attention;  ///< a sentence: why there is nothing recorded
-  /// To be seen beside it, if it or any of them chooses among viewpoints: other models on the same
-  /// split of which something is recorded.
+  std::string no_attention;  ///< a sentence: why nothing is recorded.
+  /// Shown beside it, if it or any of them chooses among viewpoints: other models on the same split
+  /// with records.
   std::vector<RunRecord> others;
 
   bool shows_decisions() const;  ///< whether any chooses among viewpoints
 };
 
-/// The run that most is to be seen of: of a model rather than of an agent that learns nothing (of
-/// one that chooses among viewpoints, of these the one that arrives most often; then of
-/// student-forcing rather than another), on val_unseen rather than another split. None if there is
-/// no run. \throws as load_recorded_split()
+/// The run with most to show; no value if there is none. The first of these rules that differs:
+/// - a trained model, not another agent
+/// - a model that chooses among viewpoints
+/// - student-forcing
+/// - val_unseen, then val_seen
+/// - success, if the model chooses among viewpoints
+///
+/// \throws as load_recorded_split()
 std::optional<GalleryRun> choose_run(const ScoredRuns& runs, const RunDirectory& found);
 
-/// `each` of the best (arrived, by the shortest way, from afar), of the worst (stopped farthest
-/// from the goal) and at random; of each path once. Of those with something recorded, if there
-/// are any.
+/// `each` of the best, of the worst and at random; one episode per path. Only those with records,
+/// if there are any. The best are successes by the shortest path, from afar; the worst stopped
+/// farthest from the goal.
 std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
                                            const tasks::EpisodeSet& episodes, std::size_t each);
 

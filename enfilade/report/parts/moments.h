@@ -11,7 +11,7 @@
 
 namespace enfilade::report::parts {
 
-/// Where the agent is, and what it does next. What it points to is the recorded file's.
+/// The agent's pose and its next action. Pointers are into the recorded file.
 struct Moment {
   ViewpointIndex viewpoint;
   Radians heading, elevation;
@@ -33,9 +33,10 @@ std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
 std::vector<Moment> moments_of(const models::EpisodeDecisions& decisions,
                                const graph::NavGraph& graph, const tasks::Trajectory& trajectory);
 
-/// {"v", "heading", "elevation", "action", "attention"}, and of a decision {"choices": [{"v" (null:
-/// stop), "p", "map", "view", "heading", "elevation" (of neighbours)}], "chosen", "way", "share",
-/// "nodes": [[v, visited, stop]], "object"}. \throws LookupError for unknown viewpoints
+/// {"v", "heading", "elevation", "action", "attention"}. A decision also has {"choices": [{"v"
+/// (null: stop), "p", "map", "view", "heading", "elevation" (of neighbours)}], "chosen", "way",
+/// "share", "nodes": [[v, visited, stop]], "object"}.
+/// \throws LookupError for unknown viewpoints
 nlohmann::ordered_json moment_json(const Moment& moment, const graph::NavGraph& graph);
 
 /// A value as the page has it: rounded to a multiple of `unit`.

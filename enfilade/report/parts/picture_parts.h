@@ -28,8 +28,8 @@ struct PictureSize {
 /// \throws errors of broken pictures
 std::optional<std::string> view_uri(const dataset::Dataset& data, const render::View& view,
                                     PictureSize size, std::span<const draw::Outline> outlines = {});
-/// All directions, half as high as wide; the middle column looks along the view's heading.
-/// \param band of it, around the horizon, so much from bottom to top
+/// All directions, half as high as wide; the middle column is at the view's heading.
+/// \param band the shown part around the horizon, from bottom to top
 std::optional<std::string> panorama_uri(const dataset::Dataset& data, const render::View& view,
                                         std::uint32_t width, Radians band = degrees(180));
 /// A sentence for where a picture would be. It names no folder: pages are handed around.

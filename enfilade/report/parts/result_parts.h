@@ -1,4 +1,4 @@
-/// \file  The parts of the page that speak of scores and training.
+/// \file  The parts of the page about scores and training.
 #pragma once
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
