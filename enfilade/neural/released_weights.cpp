@@ -3,16 +3,23 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <filesystem>
 #include <map>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/neural/core/known_vocabularies.h"
+#include "enfilade/models/subwords.h"
+#include "enfilade/models/train_config.h"
 #include "enfilade/neural/duet/duet_network.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
+#include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::neural {
 namespace {
@@ -21,7 +28,75 @@ namespace fs = std::filesystem;
 using features::NamedArray;
 using features::TensorFile;
 using models::AgentKind;
+using models::Letters;
 using models::TextKind;
+
+// A released vocabulary, by the rows of a network's table of words.
+struct KnownVocabulary {
+  std::string where;  // "bert-base-uncased's: https://...", or what is wanted in general
+  Letters letters = Letters::kFolded;
+};
+
+struct Row {
+  std::size_t rows;
+  std::string_view where;
+  Letters letters;
+};
+// Sizes of the published vocabularies; EnvDrop appends <BOS> to the 991 words of R2R's training.
+constexpr std::array<Row, 4> kKnown{{
+    {30'522, "that of bert-base-uncased: vocab.txt in https://huggingface.co/bert-base-uncased",
+     Letters::kFolded},
+    {28'996, "that of bert-base-cased: vocab.txt in https://huggingface.co/bert-base-cased",
+     Letters::kAsWritten},
+    {250'002,
+     "that of xlm-roberta-base: sentencepiece.bpe.model in "
+     "https://huggingface.co/xlm-roberta-base",
+     Letters::kAsWritten},
+    {992, "EnvDrop's 991 words, one a line: tasks/R2R/data/train_vocab.txt of its code",
+     Letters::kFolded},
+}};
+
+KnownVocabulary known_vocabulary(std::size_t rows) {
+  for (const Row& row : kKnown) {
+    if (row.rows == rows) return {std::string(row.where), row.letters};
+  }
+  return {
+      "the one that the weights were trained with: vocab.txt of BERT's form, "
+      "sentencepiece.bpe.model of XLM-R's, or a word a line",
+      Letters::kFolded};
+}
+
+// SentencePiece's by the name `.model`, word pieces by the line "[CLS]", else words.
+TextKind text_kind_of(const std::filesystem::path& file, std::string_view content) {
+  if (file.extension() == ".model") return TextKind::kSentencePieces;
+  for (const std::string_view mark : {"\n[CLS]\n", "\n[CLS]\r\n"}) {
+    if (content.find(mark) != std::string_view::npos) return TextKind::kWordPieces;
+  }
+  return content.starts_with("[CLS]\n") ? TextKind::kWordPieces : TextKind::kWords;
+}
+
+// The words or pieces in a vocabulary of the training's kind of text. \throws InvalidInput
+std::size_t entries_in(const std::filesystem::path& file, const std::string& content,
+                       const models::TrainConfig& training) {
+  switch (training.text) {
+    case TextKind::kWordPieces:
+      return models::Subwords::parse_word_pieces(content, file.string(), training.letters).size();
+    case TextKind::kSentencePieces:
+      return models::Subwords::parse_sentence_pieces(content, file.string()).size();
+    case TextKind::kWords:
+      break;
+  }
+  return tasks::Vocabulary::load(file).size();
+}
+
+// Rows of `<BOS>` and `<MASK>` beside those of words; none beside pieces.
+std::size_t rows_of_marks(const models::TrainConfig& training) {
+  models::TrainConfig none = training;
+  none.network.vocabulary = 0;
+  return training.agent == models::AgentKind::kDuet
+             ? static_cast<std::size_t>(duet_sizes(none).vocabulary)
+             : panoramic_sizes(none).vocabulary;
+}
 
 constexpr std::string_view kDuetWords = "vln_bert.embeddings.word_embeddings.weight";
 constexpr std::string_view kDuetMap = "vln_bert.global_encoder.gmap_step_embeddings.weight";
@@ -253,7 +328,7 @@ class Import {
   }
 
   void take_vocabulary(std::size_t rows) {
-    const core::KnownVocabulary known = core::known_vocabulary(rows);
+    const KnownVocabulary known = known_vocabulary(rows);
     if (options_.vocabulary.empty()) {
       throw ArgumentError(
           fmt::format("{}: its table of words has {} rows, but no words are in the "
@@ -261,10 +336,10 @@ class Import {
                       options_.file.string(), rows, known.where));
     }
     const std::string content = read_file(options_.vocabulary);
-    training().text = core::text_kind_of(options_.vocabulary, content);
+    training().text = text_kind_of(options_.vocabulary, content);
     training().letters = options_.letters.value_or(known.letters);
-    const std::size_t entries = core::entries_in(options_.vocabulary, content, training());
-    const std::size_t marks = core::rows_of_marks(training());
+    const std::size_t entries = entries_in(options_.vocabulary, content, training());
+    const std::size_t marks = rows_of_marks(training());
     if (entries + marks != rows) {
       refuse(options_.vocabulary.string(), "", "wrong-size",
              fmt::format("{} {}, but the table of words in {} has {} rows: {}", entries,

@@ -19,7 +19,6 @@
 #include "enfilade/neural/core/learner.h"
 #include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/duet/duet_learner.h"
-#include "enfilade/neural/duet/pretraining_learner.h"
 #include "enfilade/neural/panoramic/panoramic_learner.h"
 #include "enfilade/neural/ranks.h"
 #include "enfilade/neural/seq2seq/seq2seq_learner.h"

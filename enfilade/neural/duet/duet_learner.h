@@ -1,4 +1,4 @@
-/// \file  DUET in training: fine-tuning with a teacher on its map.
+/// \file  DUET in training: fine-tuning with a teacher on its map, and pretraining.
 #pragma once
 #include <c10/core/Device.h>
 #include <memory>
@@ -33,5 +33,12 @@ RolloutLosses rollout_for_loss(const DuetNetwork& network, RolloutRunner& runner
 std::unique_ptr<core::Learner> make_duet_learner(const models::TrainConfig& config,
                                                  models::InstructionWords words,
                                                  c10::Device device);
+
+/// An iteration is one batch of one of the network's pretraining tasks, drawn with equal chances.
+/// Validation losses are means over the tasks; walks are the fine-tuned agent's.
+/// \param config outlives it; its stage is kPretrain \throws as DuetNetwork
+std::unique_ptr<core::Learner> make_pretraining_learner(const models::TrainConfig& config,
+                                                        models::InstructionWords words,
+                                                        c10::Device device);
 
 }  // namespace enfilade::neural::duet

@@ -1,4 +1,4 @@
-#include "enfilade/neural/duet/pretraining_learner.h"
+#include "enfilade/neural/duet/duet_learner.h"
 
 #include <ATen/ATen.h>
 #include <c10/core/GradMode.h>
