@@ -73,7 +73,7 @@ make_sysroot() {
   (cd "$apt/packages" && rm -f ./*.deb &&
     apt_private apt-get download libc6/bullseye libc6-dev/bullseye libgcc-s1/bullseye \
       linux-libc-dev/bullseye zlib1g-dev libzstd-dev libsqlite3-dev libsqlitecpp-dev libssl-dev \
-      libxxhash-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev libstb-dev \
+      libxxhash-dev libutf8proc-dev nlohmann-json3-dev libcli11-dev libnanoflann-dev libstb-dev \
       libhdf5-dev libegl-dev libgl-dev)
   for package in "$apt/packages"/*.deb; do dpkg-deb -x "$package" "$sysroot"; done
   # Links to /lib/... mean the C library's own.
@@ -82,7 +82,7 @@ make_sysroot() {
   done
   # Of the libraries, only the archives are to be found; the C library is the exception.
   find "$sysroot/usr/lib/$triple" -maxdepth 1 -regextype egrep -name '*.so' \
-    -regex '.*/lib(hdf5.*|z|zstd|sqlite3|SQLiteCpp|ssl|crypto|turbojpeg|jpeg|xxhash|EGL|GL)\.so' -delete
+    -regex '.*/lib(hdf5.*|z|zstd|sqlite3|SQLiteCpp|ssl|crypto|turbojpeg|jpeg|xxhash|utf8proc|EGL|GL)\.so' -delete
   touch "$sysroot/complete"
 }
 
@@ -256,6 +256,7 @@ write_pkg_config() {
   pkg_config libzip 1.7.3 "-I$prefix/include" "$own $system -lzip -lz"
   pkg_config spng 0.7.3 "-I$prefix/include -DSPNG_STATIC" "$own $system -lspng_static -lz -lm"
   pkg_config libxxhash 0.8.1 '' "$system -lxxhash"
+  pkg_config libutf8proc 2.8.0 '-DUTF8PROC_STATIC' "$system -lutf8proc"
   # Nothing without libtorch reads HDF5: the headers will do, and a program that links it does not link.
   pkg_config hdf5 1.10.8 "-I$sysroot/usr/include/hdf5/serial" ''
   pkg_config egl 1.5 '' ''

@@ -25,6 +25,7 @@ build libspng-dev        header  spng.h
 build libzip-dev         header  zip.h
 build libzstd-dev        header  zstd.h
 build libxxhash-dev      header  xxhash.h
+build libutf8proc-dev    header  utf8proc.h
 build libepoxy-dev       header  epoxy/egl.h
 build libegl-dev         header  EGL/egl.h
 build libegl1            package -

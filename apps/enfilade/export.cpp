@@ -1,6 +1,10 @@
 // enfilade export: files that other code reads, made of any data set.
 #include <fmt/format.h>
+#include <unistd.h>
 #include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -34,7 +38,7 @@ struct Options {
   std::string features, logits, type = "f32", boxes, meshes;
   std::size_t most_objects = exports::kMostObjects;
   bool nested = false;
-  std::string task = "r2r-ce", split = "train", appearance = "mesh";
+  std::string task = "r2r-ce", split = "train", appearance = "mesh", python = "python3";
   int quality = exports::ViewPicturesOptions().quality;
   int threads = 0;
 };
@@ -91,6 +95,28 @@ void write_navgpt(const Options& options, const dataset::Dataset& data, const fs
   fmt::print("{}: {} files\n", to.string(), graphs->size());
 }
 
+/// Becomes Python, for the files that its packages write: the program ends with it.
+void continue_in_python(const Options& options, const std::vector<std::string>& arguments) {
+  constexpr const char* kStart =
+      "import sys\n"
+      "try:\n"
+      "    from enfilade.exports import main\n"
+      "except ImportError as error:\n"
+      "    sys.exit(f'export: {sys.executable}: {error}: pip install \"enfilade[graphs]\", "
+      "or --python PROGRAM')\n"
+      "sys.exit(main())\n";
+  std::vector<std::string> words{options.python, "-c", kStart};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  words.insert(words.end(), options.scans.begin(), options.scans.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  std::fflush(stdout);
+  execvp(pointers[0], pointers.data());
+  throw UsageError(
+      fmt::format("export: {}: {}; --python names another", options.python, std::strerror(errno)));
+}
+
 void write_networkx(const Options& options, const dataset::Dataset& data, const fs::path& to) {
   make_folder(to / "distances");
   make_folder(to / "paths");
@@ -100,9 +126,10 @@ void write_networkx(const Options& options, const dataset::Dataset& data, const 
     write_file_atomically(to / "distances" / (name + ".json"), exports::all_distances(graph));
     write_file_atomically(to / "paths" / (name + ".json"), exports::all_paths(graph));
   });
-  write_text(to / "connectivity_graphs.pkl", exports::connectivity_pickle(*graphs));
   fmt::print("{}, {}: {} files each\n", (to / "distances").string(), (to / "paths").string(),
              graphs->size());
+  continue_in_python(options, {"networkx", data.connectivity_folder().string(),
+                               (to / "connectivity_graphs.pkl").string()});
 }
 
 // --- features and objects
@@ -361,6 +388,8 @@ void add_details(CLI::App& verb, Options& options) {
               CLI::IsMember({"r2r-ce", "rxr-ce"}));
   add_setting(verb, "--split", options.split, "NAME", "Of walks, likewise");
   add_appearance_option(verb, options.appearance);
+  add_setting(verb, "--python", options.python, "PROGRAM",
+              "A Python with the packages enfilade and networkx (networkx)");
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {

@@ -9,6 +9,7 @@ import math
 import os
 import pickle
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -130,7 +131,7 @@ def test_navgpt(home: Home, tmp_path: Path) -> None:
 
 def test_networkx(home: Home, tmp_path: Path) -> None:
     nx = pytest.importorskip("networkx", reason="networkx is not installed")
-    export(home, "networkx", tmp_path)
+    export(home, "networkx", tmp_path, "--python", sys.executable)
     graphs = pickle.loads((tmp_path / "connectivity_graphs.pkl").read_bytes())
     graph = graphs[home["scan"]]
     assert type(graph) is nx.Graph and set(graph.nodes) == set(home["at"])
@@ -167,7 +168,9 @@ def test_networkx_of_a_graph_with_a_one_way_edge(home: Home, tmp_path: Path) -> 
     (tmp_path / "connectivity").mkdir()
     (tmp_path / file).write_text(json.dumps(entries))
     (tmp_path / "connectivity/scans.txt").write_text(home["scan"] + "\n")
-    run("export", "--as", "networkx", "--connectivity", tmp_path / "connectivity", "-o", tmp_path)
+    connectivity = tmp_path / "connectivity"
+    python = ("--python", sys.executable)
+    run("export", "--as", "networkx", "--connectivity", connectivity, "-o", tmp_path, *python)
     graph = pickle.loads((tmp_path / "connectivity_graphs.pkl").read_bytes())[home["scan"]]
     assert type(graph) is nx.DiGraph
     a, b = entries[index]["image_id"], entries[other]["image_id"]

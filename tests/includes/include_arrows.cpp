@@ -48,6 +48,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"xxhash.h",
        {"enfilade/scan/", "enfilade/render/", "enfilade/features/", "enfilade/models/",
         "enfilade/neural/", "enfilade/arena/", "enfilade/continuous/", "tests/"}},
+      {"utf8proc.h", {"enfilade/models/vocabularies/"}},
       {"embree3/", {"enfilade/mesh/"}},
       {"embree4/", {"enfilade/mesh/"}},
       {"tiny_gltf.h", {"enfilade/mesh/"}},
