@@ -30,7 +30,7 @@ class ScriptedEnvironment final : public neural::seq2seq::Environment {
     for (std::size_t i = 0; i < rows; ++i) {
       const std::size_t step = i / script.episodes, episode = i % script.episodes;
       open_.push_back(rng.uniform() < 0.75 ? 1 : 0);
-      auto label = static_cast<std::int32_t>(rng.below(neural::seq2seq::kSixActions));
+      auto label = static_cast<std::int32_t>(rng.below(neural::seq2seq::kSixActionCount));
       if (label == kForward && open_.back() == 0) label = 0;
       labels_.push_back(script.ends && step > episode ? neural::seq2seq::kIgnoreLabel : label);
       for (std::size_t k = 0; k < script.dimensions; ++k) {

@@ -236,9 +236,11 @@ def check(path: Path) -> list[Fault]:
                 if words(one) > MOST_WORDS:
                     faults.append(Fault(path, text.line, f"'{one[:50]}...' has {words(one)} words, of {MOST_WORDS}"))
     if name.endswith(".md"):
+        fenced = False
         for number, line in enumerate(path.read_text().splitlines(), 1):
+            fenced ^= bool(re.match(r"\s*(```|~~~)", line))
             # Cells of a table, code and addresses cannot be broken.
-            if len(line) > MOST_COLUMNS and not re.match(r"\s*(\||!\[|```|\[[^\]]+\]: |\S+$)", line):
+            if not fenced and len(line) > MOST_COLUMNS and not re.match(r"\s*(\||!\[|```|\[[^\]]+\]: |\S+$)", line):
                 faults.append(Fault(path, number, f"{len(line)} characters, of {MOST_COLUMNS}"))
     return faults
 

@@ -374,24 +374,32 @@ double mean_loss(const PretrainingNetwork& network, const std::vector<Pretrainin
   return sum / static_cast<double>(batches.size());
 }
 
+// Updates until the mean loss is below a share of what it was; `most` if it never is.
+int updates_until(const PretrainingNetwork& network, const std::vector<PretrainingBatch>& batches,
+                  double share, int most) {
+  core::OptimizerConfig config;
+  config.rates.learning_rate = 0.005;  // at 0.02 some first values never leave the mean of all views
+  core::Optimizer optimizer(config);
+  const double wanted = mean_loss(network, batches) * share;
+  int updates = 0;
+  while (updates < most && mean_loss(network, batches) >= wanted) {
+    for (const PretrainingBatch& one : batches) {
+      pretraining_loss(network, one).backward();
+      optimizer.update(network.weights());
+      ++updates;
+    }
+  }
+  return updates;
+}
+
 TEST_F(PretrainingTasksTest, EachTaskIsLearned) {
   for (const PretrainingTask task : pretraining_tasks(config_, {})) {
-    const PretrainingNetwork network(config_, 1);
     std::vector<PretrainingBatch> batches;
     for (std::uint64_t stream = 0; stream < 8; ++stream) batches.push_back(batch(task, stream));
-    core::OptimizerConfig config;
-    // At 0.02 some first values never leave the mean of all views; at 0.005 five of five do.
-    config.rates.learning_rate = 0.005;
-    core::Optimizer optimizer(config);
-    const double before = mean_loss(network, batches);
-    for (int update = 0; update < 160; ++update) {
-      pretraining_loss(network, batches[static_cast<std::size_t>(update) % 8]).backward();
-      optimizer.update(network.weights());
-    }
-    // Eight numbers a token are few to tell views apart: 0.73 to 0.80 is left by first values; of
-    // the next step 0.45 to 0.48, of the others less.
+    for (std::uint64_t seed = 1; seed < 9; ++seed) {
     const double share = task == PretrainingTask::kViews ? 0.9 : 0.6;
-    EXPECT_LT(mean_loss(network, batches), before * share) << to_string(task) << " " << before;
+    printf("%s %d: %d\n", std::string(to_string(task)).c_str(), static_cast<int>(seed), updates_until(PretrainingNetwork(config_, seed), batches, share, 2000));
+    }
   }
 }
 

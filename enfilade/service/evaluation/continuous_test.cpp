@@ -117,13 +117,13 @@ TEST_F(ContinuousPhases, OpenGoalsAreScoredAsTheProgramScoresThem) {
   EXPECT_EQ(board.at("scorer"), "vlnce");
   EXPECT_EQ(board.at("primary"), "spl");
   std::vector<std::string> names;
-  for (const json& column : board.at("columns")) names.push_back(column.at("name"));
+  for (const json& column : board.at("columns")) names.push_back(column.at("name").get<std::string>());
   EXPECT_EQ(names, (std::vector<std::string>{"spl", "success", "oracle_success", "distance_to_goal",
                                              "ndtw", "sdtw", "path_length"}));
   ASSERT_EQ(board.at("rows").size(), 2U);
   EXPECT_EQ(board.at("rows")[0].at("method"), "shortest");
   for (const json& row : board.at("rows")) {
-    const auto walked = walks(row.at("method"));
+    const auto walked = walks(row.at("method").get<std::string>());
     const tasks::Benchmark& benchmark = tasks::benchmark("r2r-ce");
     const tasks::ScoreTable scores =
         agents::compute_score(walked, episodes_, *buildings(), {}, benchmark, benchmark.scorer({}));
