@@ -121,7 +121,7 @@ bool is_in(const nlohmann::json& room, const nlohmann::json& position) {
     box[k % 2] = std::min(box[k % 2], value);
     box[2 + k % 2] = std::max(box[2 + k % 2], value);
   }
-  const auto x = position[0], y = position[1].get<double>();
+  const auto x = position[0].get<double>(), y = position[1].get<double>();
   return x >= box[0] && y >= box[1] && x <= box[2] && y <= box[3];
 }
 

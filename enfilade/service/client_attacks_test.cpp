@@ -293,7 +293,7 @@ TEST(ClientAttacks, NoPageIsLargerThanTheLargest) {
 TEST(ClientAttacks, BeforeTheEndHeadersDoNotDependOnTheGoalsEither) {
   std::set<std::string> told;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-    ::testing::Target target(testing::draw_goals(seed), testing::kEnds);
+    testing::Target target(testing::draw_goals(seed), testing::kEnds);
     const auto team = target.served().team("A");
     target.submit(team, {}, "m");
     std::string all;

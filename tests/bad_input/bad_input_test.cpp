@@ -8,9 +8,10 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
 
 const std::filesystem::path kDocs = std::filesystem::path(EN_SOURCE_DIR) / "docs/bad_input.md";
+
+namespace EN_UNIT {
 
 class BadInput : public ::testing::TestWithParam<std::size_t> {};
 

@@ -4,7 +4,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace {
+namespace EN_UNIT {
 
 using Damage = std::function<void(Files&)>;
 
@@ -238,7 +238,7 @@ std::vector<Case> results() {
   };
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 
 std::vector<Case> free_walk_cases() {
   std::vector<Case> cases = navigation();

@@ -3,7 +3,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace {
+namespace EN_UNIT {
 
 constexpr const char* kCheck = "graph check {}/connectivity";
 
@@ -114,7 +114,7 @@ std::vector<Case> scan_lists() {
   };
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 
 std::vector<Case> graph_cases() {
   std::vector<Case> all;

@@ -3,7 +3,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace {
+namespace EN_UNIT {
 
 using Damage = std::function<void(Files&)>;
 
@@ -227,7 +227,7 @@ std::vector<Case> comparisons() {
   };
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 
 std::vector<Case> mesh_cases() {
   std::vector<Case> all;

@@ -7,7 +7,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace {
+namespace EN_UNIT {
 
 struct Array {
   std::string name;
@@ -220,7 +220,7 @@ std::vector<Case> models_elsewhere() {
   };
 }
 
-}  // namespace
+}  // namespace EN_UNIT
 
 std::vector<Case> weight_cases() {
   std::vector<Case> cases{

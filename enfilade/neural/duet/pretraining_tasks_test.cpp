@@ -392,14 +392,20 @@ int updates_until(const PretrainingNetwork& network, const std::vector<Pretraini
   return updates;
 }
 
+// Eight numbers a token are few to tell views apart, so views are asked for less. With libtorch 1.13 eight of
+// eight first values need 16 to 144 updates. Other versions draw other first values, of which one may stay at the
+// mean of all views: then the next ones learn.
 TEST_F(PretrainingTasksTest, EachTaskIsLearned) {
+  constexpr int kMost = 800;
   for (const PretrainingTask task : pretraining_tasks(config_, {})) {
     std::vector<PretrainingBatch> batches;
     for (std::uint64_t stream = 0; stream < 8; ++stream) batches.push_back(batch(task, stream));
-    for (std::uint64_t seed = 1; seed < 9; ++seed) {
     const double share = task == PretrainingTask::kViews ? 0.9 : 0.6;
-    printf("%s %d: %d\n", std::string(to_string(task)).c_str(), static_cast<int>(seed), updates_until(PretrainingNetwork(config_, seed), batches, share, 2000));
+    int least = kMost;
+    for (std::uint64_t seed = 1; seed <= 3 && least == kMost; ++seed) {
+      least = updates_until(PretrainingNetwork(config_, seed), batches, share, kMost);
     }
+    EXPECT_LT(least, kMost) << to_string(task);
   }
 }
 
