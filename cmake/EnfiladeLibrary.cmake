@@ -143,7 +143,9 @@ endfunction()
 function(enfilade_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SLOW" "" "SOURCES;LIBRARIES;DEFINITIONS")
   add_executable(${name} ${arg_SOURCES})
-  enfilade_unity(${name})
+  set(helpers ${arg_SOURCES})  # what is no test may have names that others call, and is compiled alone
+  list(FILTER helpers EXCLUDE REGEX "_test\\.cpp$")
+  enfilade_unity(${name} ALONE ${helpers})
   # Local names of a test are its own: `namespace EN_UNIT {` has no name where each source is compiled alone.
   set_target_properties(${name} PROPERTIES UNITY_BUILD_UNIQUE_ID EN_UNIT)
   if(NOT EN_UNITY)

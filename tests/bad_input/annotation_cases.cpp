@@ -1,7 +1,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 Case refused(std::string input, std::string says, std::function<void(Files&)> damage) {
   return {"Annotations",   std::move(input), "stats --data {} --split made", 3,
@@ -22,7 +22,7 @@ Case regions(std::string input, std::string says, const std::string& content) {
           [=](Files& files) { files.write(kRegions, content); }};
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> annotation_cases() {
   return {

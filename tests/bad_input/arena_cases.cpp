@@ -5,7 +5,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 Case ask(std::string input, const std::string& options, int exit_code, std::string says,
          std::function<void(Files&)> damage = {}) {
@@ -37,7 +37,7 @@ Case serve(std::string input, const std::string& runs) {
   return made;
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> arena_cases() {
   return {

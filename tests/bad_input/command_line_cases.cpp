@@ -1,13 +1,13 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 Case line(std::string input, std::string command, int exit_code, std::string says) {
   return {"Command lines", std::move(input), std::move(command), exit_code, std::move(says), {}};
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> command_line_cases() {
   return {

@@ -4,7 +4,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 using Damage = std::function<void(Files&)>;
 
@@ -238,7 +238,7 @@ std::vector<Case> results() {
   };
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> free_walk_cases() {
   std::vector<Case> cases = navigation();

@@ -3,7 +3,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 constexpr const char* kCheck = "graph check {}/connectivity";
 
@@ -114,7 +114,7 @@ std::vector<Case> scan_lists() {
   };
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> graph_cases() {
   std::vector<Case> all;

@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 namespace fs = std::filesystem;
 
@@ -77,7 +77,7 @@ int run_program(const std::string& command, const fs::path& folder, const fs::pa
 // A cell of a Markdown table.
 std::string cell(const std::string& text) { return replaced(text, "|", "\\|"); }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 Files::Files()
     : files_{{kScans, "one\ntwo\n"},

@@ -3,7 +3,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 using Damage = std::function<void(Files&)>;
 
@@ -245,7 +245,7 @@ std::vector<Case> paths() {
   };
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> home_cases() {
   std::vector<Case> all;

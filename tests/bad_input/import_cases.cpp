@@ -2,7 +2,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 std::string text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
@@ -33,7 +33,7 @@ constexpr const char* kTwo = "--scan home -o new hall.jpg attic.jpg";
 constexpr const char* kFaces =
     "--scan home -o new --name a --faces frblud f.jpg r.jpg b.jpg l.jpg u.jpg d.jpg";
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> import_cases() {
   const std::string two = kTwo, placed = two + " --positions places.csv", faces = kFaces;

@@ -3,7 +3,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 using Damage = std::function<void(Files&)>;
 
@@ -227,7 +227,7 @@ std::vector<Case> comparisons() {
   };
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> mesh_cases() {
   std::vector<Case> all;

@@ -8,7 +8,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 constexpr const char* kStrip = "scans/one/matterport_skybox_images/v0_skybox_small.jpg";
 constexpr const char* kDepth = "scans/one/matterport_skybox_images/v0_skybox_depth_small.png";
@@ -155,7 +155,7 @@ std::vector<Case> cases_of_files() {
   };
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> render_cases() {
   std::vector<Case> all;

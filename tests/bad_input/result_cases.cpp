@@ -1,7 +1,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 constexpr const char* kScore = "score {}/results.json --data {} --split made";
 
@@ -14,7 +14,7 @@ Case edited(std::string input, std::string says, const std::string& from, const 
                  [=](Files& files) { files.edit(kResults, from, to); });
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> result_cases() {
   const std::string first =

@@ -4,7 +4,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 // A good file of a benchmark, which cases damage.
 struct Good {
@@ -382,7 +382,7 @@ std::vector<Case> joins() {
   };
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> task_cases() {
   std::vector<Case> all;

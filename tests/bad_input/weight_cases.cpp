@@ -7,7 +7,7 @@
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
-namespace EN_UNIT {
+namespace {
 
 struct Array {
   std::string name;
@@ -220,7 +220,7 @@ std::vector<Case> models_elsewhere() {
   };
 }
 
-}  // namespace EN_UNIT
+}  // namespace
 
 std::vector<Case> weight_cases() {
   std::vector<Case> cases{

@@ -378,7 +378,8 @@ double mean_loss(const PretrainingNetwork& network, const std::vector<Pretrainin
 int updates_until(const PretrainingNetwork& network, const std::vector<PretrainingBatch>& batches,
                   double share, int most) {
   core::OptimizerConfig config;
-  config.rates.learning_rate = 0.005;  // at 0.02 some first values never leave the mean of all views
+  // At 0.02 some first values never leave the mean of all views.
+  config.rates.learning_rate = 0.005;
   core::Optimizer optimizer(config);
   const double wanted = mean_loss(network, batches) * share;
   int updates = 0;
@@ -392,9 +393,9 @@ int updates_until(const PretrainingNetwork& network, const std::vector<Pretraini
   return updates;
 }
 
-// Eight numbers a token are few to tell views apart, so views are asked for less. With libtorch 1.13 eight of
-// eight first values need 16 to 144 updates. Other versions draw other first values, of which one may stay at the
-// mean of all views: then the next ones learn.
+// Eight numbers per token are few to tell views apart, so views are asked for less. With libtorch
+// 1.13 eight of eight first values need 16 to 144 updates. Other versions draw other first values,
+// of which one may stay at the mean of all views: then the next ones learn.
 TEST_F(PretrainingTasksTest, EachTaskIsLearned) {
   constexpr int kMost = 800;
   for (const PretrainingTask task : pretraining_tasks(config_, {})) {
