@@ -99,7 +99,7 @@ std::string told_by_doctor(const std::string& behaviour) {
   const nlohmann::json& device = said[kSection]["default"];
   EXPECT_FALSE(device["works"]);
   EXPECT_THAT(device["advice"], HasSubstr("cpu back end"));
-  return device["text"];
+  return device["text"].get<std::string>();
 }
 
 TEST_F(Drivers, DoctorSurvivesEveryBehaviour) {

@@ -63,9 +63,9 @@ TEST_F(ClockJumps, TwoWhoHoldAPlaceByAClockThatIsSetRightBothKeepTheirWork) {
   body["per_item"] = 1;
   create(body);
   Worker one = worker("one"), other = worker("other");
-  const std::int64_t first = one.begin().at("task");
+  const auto first = one.begin().at("task").get<std::int64_t>();
   now_ += 3600;  // too far: the lease is over, and another worker gets the place
-  const std::int64_t second = other.begin().at("task");
+  const auto second = other.begin().at("task").get<std::int64_t>();
   now_ -= 3600;  // and now both leases are good
   EXPECT_EQ(other.write(second, kText).at("status"), 200);
   EXPECT_EQ(one.write(first, kText).at("status"), 200);

@@ -88,7 +88,7 @@ class FirstVisit : public ::testing::Test {
     const nlohmann::json phases = get("/api/v1/phases").at("phases");
     EXPECT_FALSE(phases.empty());
     for (const auto& phase : phases) {
-      const std::string name = phase.at("phase");
+      const auto name = phase.at("phase").get<std::string>();
       const nlohmann::json rows = get("/api/v1/leaderboards/" + name + "?all=1").at("rows");
       ASSERT_EQ(rows.size(), 2U) << name;
       EXPECT_EQ(rows[0].at("team"), "Baseline: Shortest");
