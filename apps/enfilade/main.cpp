@@ -13,15 +13,15 @@ namespace {
 // A verb that no user gives: this program starts itself with it, to try drivers of OpenGL.
 constexpr const char* kTryGl = "try-gl";
 
-struct Group {
+struct VerbGroup {
   const char* name;
   std::vector<void (*)(CLI::App&, int&)> adders;
 };
 
 // As `enfilade --help` lists the verbs.
-const std::vector<Group>& groups() {
+const std::vector<VerbGroup>& verb_groups() {
   using namespace enfilade::apps;
-  static const std::vector<Group> all{
+  static const std::vector<VerbGroup> all{
       {"Look", {add_render, add_panorama, add_contact_sheet, add_filmstrip, add_top_down}},
       {"Data",
        {add_homes, add_synth, add_dataset, add_import, add_scan_mesh, add_graph, add_continuous,
@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 faults found in what was checked, 2 command line, 3 input or output\n"
       "files, 4 Enfilade's own failure.");
   int status = kSuccess;
-  for (const auto& [group, adders] : groups()) {
+  for (const auto& [group, adders] : verb_groups()) {
     for (const auto add : adders) {
       add(app, status);
       app.get_subcommands({}).back()->group(group);

@@ -412,9 +412,8 @@ TEST_F(SeesTwoBuildings, AModelOfTheGraphDoesNotWalkFreely) {
   fs::create_directories(folder("graph"));
   write_file_atomically(models::ModelFiles{folder("graph")}.config(), to_json(config));
   write_file_atomically(models::ModelFiles{folder("graph")}.weights(), "");
-  EXPECT_THAT(
-      [&] { load_continuous_agent(folder("graph"), world_->sight()); },
-      ThrowsMessage<ArgumentError>(HasSubstr("an agent seq2seq, of the graph")));
+  EXPECT_THAT([&] { load_continuous_agent(folder("graph"), world_->sight()); },
+              ThrowsMessage<ArgumentError>(HasSubstr("an agent seq2seq, of the graph")));
   EXPECT_THAT([&] { train(config.training, data(small_config()), folder("other")); },
               ThrowsMessage<ArgumentError>(HasSubstr("the agent seq2seq walks in the graph")));
 }
