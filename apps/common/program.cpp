@@ -153,10 +153,10 @@ CLI::Validator finite_number(double least, double most) {
   return number_between("a finite number", least, most);
 }
 
-void set_examples(CLI::App& verb, const std::vector<std::string>& lines) {
+void set_examples(CLI::App& verb, const std::vector<std::string>& lines, const std::string& note) {
   std::string text = "Examples:";
   for (const std::string& line : lines) text += "\n  " + line;
-  verb.footer(text);
+  verb.footer(note.empty() ? text : text + "\n" + note);
 }
 
 std::string counted(std::size_t n, const char* what) {

@@ -272,8 +272,10 @@ void add_verb(CLI::App& app, int& status) {
   add_whole_number(verb, "--seeds", options->seeds, "Number of seeds of the random agent");
   verb.add_flag("--skip-learning", options->skip_learning, "Train no agent");
   verb.add_flag("--open", options->open, "Show the report in the browser at the end");
-  set_examples(verb, {"enfilade demo", "enfilade demo --open", "enfilade demo --skip-learning",
-                      "enfilade demo --data ~/data --seeds 100"});
+  set_examples(verb,
+               {"enfilade demo", "enfilade demo --open", "enfilade demo --skip-learning",
+                "enfilade demo --data ~/data --seeds 100"},
+               "An interrupted run resumes. Homes and their results are SYNTHETIC.");
   verb.callback([options, &status] { status = demo(*options); });
 }
 

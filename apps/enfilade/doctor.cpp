@@ -281,7 +281,8 @@ void add_verb(CLI::App& app, int& status) {
   const auto arguments = std::make_shared<Arguments>();
   add_data_option(verb, arguments->data);
   verb.add_flag("--json", arguments->json, "Print JSON");
-  set_examples(verb, {"enfilade doctor", "enfilade doctor --json | jq .rendering"});
+  set_examples(verb, {"enfilade doctor", "enfilade doctor --json | jq .rendering"},
+               "Exit code 1 if no renderer works.");
   verb.callback([arguments, &status] {
     if (can_learn()) hand_over_to_learn();  // it reports on libtorch too
     status = examine(*arguments);

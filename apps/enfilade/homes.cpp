@@ -149,14 +149,14 @@ void add_homes(CLI::App& app, int& /*status*/) {
       *app.add_subcommand("homes", "Make synthetic homes with panoramas, graphs and instructions");
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
-  set_examples(verb, {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
-                      "enfilade homes -o homes --corrections homes-corrections",
-                      "enfilade homes -o homes --preset full --shard 3/16",
-                      "enfilade homes -o many --preset training --homes 300 --pretty 4",
-                      "enfilade contact-sheet home0001 --data homes -o home.png",
-                      "enfilade graph draw home0001 --data homes -o plan.svg"});
-  verb.footer(verb.get_footer() +
-              "\nAn interrupted run resumes. All output is synthetic, and says so.");
+  set_examples(verb,
+               {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
+                "enfilade homes -o homes --corrections homes-corrections",
+                "enfilade homes -o homes --preset full --shard 3/16",
+                "enfilade homes -o many --preset training --homes 300 --pretty 4",
+                "enfilade contact-sheet home0001 --data homes -o home.png",
+                "enfilade graph draw home0001 --data homes -o plan.svg"},
+               "An interrupted run resumes. All output is synthetic, and says so.");
   verb.callback([options] { make(*options); });
 }
 

@@ -199,12 +199,15 @@ void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand("pack", "Pack panoramas into stores, one file per scan");
   const auto arguments = std::make_shared<Arguments>();
   add_options(verb, *arguments);
-  set_examples(verb, {"enfilade pack -o data/store",
-                      "enfilade pack 17DRP5sb8fy --images v1/scans --connectivity connectivity "
-                      "-o store",
-                      "enfilade pack --face-size 256 --colour jpeg --quality 90 -o small",
-                      "enfilade pack 17DRP5sb8fy --decoded -o decoded",
-                      "enfilade pack --check store/*.enfilade"});
+  set_examples(
+      verb,
+      {"enfilade pack -o data/store",
+       "enfilade pack 17DRP5sb8fy --images v1/scans --connectivity connectivity "
+       "-o store",
+       "enfilade pack --face-size 256 --colour jpeg --quality 90 -o small",
+       "enfilade pack 17DRP5sb8fy --decoded -o decoded", "enfilade pack --check store/*.enfilade"},
+      "An interrupted run resumes; complete stores stay.\nExit code 3 if a scan could not be "
+      "packed, 1 if --check finds faults.");
   verb.callback([arguments, &status] { status = run(*arguments); });
 }
 

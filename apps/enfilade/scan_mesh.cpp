@@ -157,12 +157,14 @@ void add_verb(CLI::App& app, int& /*status*/) {
   add_source_options(verb, *arguments);
   add_picture_options(verb, *arguments);
   set_examples(
-      verb, {"enfilade scan-mesh house.glb -o my-scans",
-             "enfilade scan-mesh tavern_furniture.glb -o my-scans --room",
-             "enfilade scan-mesh flat.obj -o my-scans --scale 0.01 --up y --limit 4 --size 256",
-             "enfilade scan-mesh house.glb -o my-scans --parts all",
-             ("enfilade scan-mesh S/house_segmentations/S.ply --scan S --labels "
-              "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels")});
+      verb,
+      {"enfilade scan-mesh house.glb -o my-scans",
+       "enfilade scan-mesh tavern_furniture.glb -o my-scans --room",
+       "enfilade scan-mesh flat.obj -o my-scans --scale 0.01 --up y --limit 4 --size 256",
+       "enfilade scan-mesh house.glb -o my-scans --parts all",
+       ("enfilade scan-mesh S/house_segmentations/S.ply --scan S --labels "
+        "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels")},
+      "An interrupted run resumes. Parts and viewpoints may be added later.");
   verb.callback([arguments] { run(*arguments); });
 }
 

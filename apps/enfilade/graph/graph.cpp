@@ -212,8 +212,10 @@ void add_check(CLI::App& graph, int& status) {
   add_metres_option(verb, "--longest-edge", arguments->options.longest_edge,
                     "Report edges that are longer; metres");
   verb.add_flag("--strict", arguments->strict, "Exit code 1 for warnings too");
-  set_examples(verb, {"enfilade graph check", "enfilade graph check my-scans --strict",
-                      "enfilade graph check --json - | jq .codes"});
+  set_examples(verb,
+               {"enfilade graph check", "enfilade graph check my-scans --strict",
+                "enfilade graph check --json - | jq .codes"},
+               "Exit code 1 if there is an error: a file that cannot be used.");
   verb.callback([arguments, &status] { status = check(*arguments); });
 }
 

@@ -135,7 +135,8 @@ void add_verb(CLI::App& app, int& /*status*/) {
        ("enfilade features --encoder vit-b-16 --weights vit_base_patch16_224.safetensors --logits "
         "-o pth_vit_base_patch16_224_imagenet.hdf5"),
        "enfilade features --merge features.*-of-16.safetensors -o features.safetensors",
-       "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"});
+       "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"},
+      "An interrupted run resumes.");
   verb.callback([options] { run(*options); });
 }
 

@@ -163,13 +163,13 @@ void add_verb(CLI::App& app, int& status) {
   options->training.add_to(verb, "small");
   for (const char* own : {"--seed", "--evaluate-every", "--stage", "--task"})
     options->training.leave_out(verb, own);
-  set_examples(verb, {"enfilade study -o study --homes 10,30,100,300,1000",
-                      "enfilade study -o duet --agent duet --homes 10,30,100,300 --seeds 3",
-                      "enfilade study -o small --homes 3,6 --iterations 50 --batch 20"});
-  verb.footer(verb.get_footer() +
-              "\nEach agent is trained in the first N of the same homes, and evaluated in the "
-              "same unseen ones.\nSeeds, and points below the largest, can be added later; a "
-              "larger one needs another folder.\nAll of it is synthetic, and says so.");
+  set_examples(verb,
+               {"enfilade study -o study --homes 10,30,100,300,1000",
+                "enfilade study -o duet --agent duet --homes 10,30,100,300 --seeds 3",
+                "enfilade study -o small --homes 3,6 --iterations 50 --batch 20"},
+               "Each agent is trained in the first N of the same homes, and evaluated in the "
+               "same unseen ones.\nSeeds, and points below the largest, can be added later; a "
+               "larger one needs another folder.\nAll of it is synthetic, and says so.");
   verb.callback([options, &status] {
     if (!can_learn()) hand_over_to_learn();  // says what is missing
     std::ranges::sort(options->homes);
