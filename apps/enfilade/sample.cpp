@@ -116,7 +116,7 @@ void add_limits(CLI::App& verb, tasks::SamplingOptions& sampling) {
   add_whole_number(verb, "--per-building", sampling.per_building, "Most paths per building");
   verb.add_option("--paths", sampling.paths, "Most paths in total (default: no limit)")
       ->check(whole_number(1));
-  add_whole_number(verb, "--min-edges", sampling.min_edges, "Least edges of a path");
+  add_whole_number(verb, "--min-edges", sampling.min_edges, "Fewest edges of a path");
   add_whole_number(verb, "--max-edges", sampling.max_edges, "Most edges of a path");
   add_setting(verb, "--min-length", sampling.min_length, "", "Least length of a path, metres",
               finite_number());

@@ -221,7 +221,7 @@ void add_serve_options(CLI::App& verb, Options& options) {
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));
   verb.add_option("--public-name", options.config.public_names,
-                  "Host name of the server; requests for others are refused; may be repeated")
+                  "Host name of the server; other hosts are refused; may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);
   verb.add_flag("--behind-proxy", options.config.behind_proxy,
@@ -305,8 +305,9 @@ void add_approve(CLI::App& serve_verb, int& status) {
     std::string database, team;
     bool is_new = false, withdraw = false;
   };
-  CLI::App& verb =
-      *serve_verb.add_subcommand("approve", "Let a team submit to phases with secret goals");
+  CLI::App& verb = *serve_verb.add_subcommand("approve",
+                                              "Let a team submit to phases with secret goals, also "
+                                              "while serving");
   const auto approve = std::make_shared<Approve>();
   add_database_option(verb, approve->database);
   verb.add_option("--team", approve->team, "Name of the team")->required()->type_name("NAME");

@@ -10,6 +10,7 @@ trap 'rm -rf "$folder"' EXIT
 # Prints "text<TAB>name" of the verb itself, "option ..." and "verb ..." lines of a help page.
 cat >"$folder/entries.awk" <<'AWK'
 function flush() {
+  sub(/^ +/, "", text)
   if (name != "") print kind "\t" name "\t" text
   name = ""
 }

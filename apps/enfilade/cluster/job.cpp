@@ -130,7 +130,7 @@ void add_job_options(CLI::App& verb, JobOptions& options) {
   verb.prefix_command();
   add_whole_number(verb, "--shards", options.shards, "Number of shards");
   add_value(verb, "--commands", options.commands, "FILE",
-            "File of commands, one per line and shard, in place of a verb");
+            "File of commands, one per line and shard, instead of a verb");
   add_setting(verb, "-o,--output", options.folder, "DIR",
               "Scripts, logs and state; on a file system that all machines share");
   add_whole_number(verb, "--cpus", options.cpus, "Processors per shard");

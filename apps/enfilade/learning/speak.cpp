@@ -110,7 +110,7 @@ void add_options(CLI::App& verb, Options& options) {
   add_setting(verb, "--splits", options.splits, "NAMES", "Splits whose buildings the paths are in")
       ->delimiter(',');
   add_whole_number(verb, "--paths", options.sampling.paths, "Most paths");
-  add_whole_number(verb, "--min-edges", options.sampling.min_edges, "Least edges of a path");
+  add_whole_number(verb, "--min-edges", options.sampling.min_edges, "Fewest edges of a path");
   add_whole_number(verb, "--max-edges", options.sampling.max_edges, "Most edges of a path");
   add_setting(verb, "--min-length", options.sampling.min_length, "",
               "Least length of a path, "

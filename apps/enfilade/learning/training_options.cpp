@@ -129,7 +129,7 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
          config.sampled_loss = models::parse_sampled_loss(value);
        });
   name(verb, "--map-teacher",
-       "Teacher's node: on the shortest path (spl) or by the annotated one (ndtw) (default: spl)",
+       "Teacher's node: on the shortest path (spl) or the annotated one (ndtw) (default: spl)",
        {AgentKind::kDuet}, {"spl", "ndtw"}, [](TrainConfig& config, const std::string& value) {
          config.map_teacher = models::parse_map_teacher(value);
        });
