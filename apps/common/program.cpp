@@ -1,6 +1,7 @@
 #include "apps/common/program.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 #include <algorithm>
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -92,13 +94,14 @@ int fail(int code, const CLI::App& app, const char* what) {
 void refuse_unknown_verb(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || app.get_require_subcommand_min() == 0) return;
   const std::string verb = argv[1];
-  std::string names;
+  std::set<std::string> names;
   for (const CLI::App* one : app.get_subcommands({})) {
     if (one->check_name(verb)) return;
-    names += (names.empty() ? "" : ", ") + one->get_name();
+    names.insert(one->get_name());
   }
   if (verb.starts_with('-')) return;
-  throw UsageError(fmt::format("{:?} is none of its verbs: {}", verb, names));
+  throw UsageError(
+      fmt::format("unknown verb {:?}; the verbs are {}", verb, fmt::join(names, ", ")));
 }
 
 // Callbacks run inside parse(): this is the whole program.
@@ -150,10 +153,10 @@ CLI::Validator finite_number(double least, double most) {
   return number_between("a finite number", least, most);
 }
 
-void set_examples(CLI::App& verb, const std::vector<std::string>& lines) {
+void set_examples(CLI::App& verb, const std::vector<std::string>& lines, const std::string& note) {
   std::string text = "Examples:";
   for (const std::string& line : lines) text += "\n  " + line;
-  verb.footer(text);
+  verb.footer(note.empty() ? text : text + "\n" + note);
 }
 
 std::string counted(std::size_t n, const char* what) {

@@ -81,8 +81,9 @@ inline void add_metres_option(CLI::App& verb, const std::string& name, double& v
   add_setting(verb, name, value, "M", help, finite_number());
 }
 
-/// "Examples:" below a verb's --help; each line a command.
-void set_examples(CLI::App& verb, const std::vector<std::string>& lines);
+/// "Examples:" below a verb's --help; each line a command. \param note  a text below them
+void set_examples(CLI::App& verb, const std::vector<std::string>& lines,
+                  const std::string& note = {});
 
 /// "1 panorama", "2 panoramas".
 std::string counted(std::size_t n, const char* what);

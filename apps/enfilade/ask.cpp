@@ -116,7 +116,7 @@ ExitCode ask(Options& options) {
   }
   const bool captioner_named = !options.captioner.empty() || !options.captioner_model.empty();
   if (captioner_named && options.words != "captions") {
-    throw UsageError("--captioner, --captioner-model: nobody asks for captions; --words captions");
+    throw UsageError("--captioner, --captioner-model: need --words captions");
   }
   const auto data = std::make_shared<const dataset::Dataset>(open_data(options.data));
   if (options.list) {
@@ -180,56 +180,59 @@ ExitCode ask(Options& options) {
 }
 
 void add_verb(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand("ask", "Have a language model walk a split, step by step");
+  CLI::App& verb = *app.add_subcommand("ask", "Evaluate a language model on a split");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_value(verb, "--endpoint", options->endpoint, "URL",
-            "A server of OpenAI's form: http://127.0.0.1:8000/v1");
-  add_value(verb, "--model", options->ask.chat.model, "NAME", "As the server calls it");
+            "OpenAI-compatible server: http://127.0.0.1:8000/v1");
+  add_value(verb, "--model", options->ask.chat.model, "NAME", "Name of the model at the server");
   add_value(verb, "--key-file", options->key_file, "FILE",
-            "The key for the server (default: the environment variable ENFILADE_MODEL_KEY, or "
-            "OPENAI_API_KEY); it is written nowhere");
-  add_value(verb, "--stand-in", options->stand_in, "RULE",
-            fmt::format("Ask no model: a rule answers, one of {}",
-                        fmt::join(names_of(arena::Rule()), ", ")));
-  verb.add_flag("--replay", options->replay, "Ask nobody: answers in the cache alone");
+            "File with the server's key, which is never stored (default: the environment "
+            "variable ENFILADE_MODEL_KEY, or OPENAI_API_KEY)");
+  add_value(
+      verb, "--stand-in", options->stand_in, "RULE",
+      fmt::format("A rule in place of a model: {}", fmt::join(names_of(arena::Rule()), ", ")));
+  verb.add_flag("--replay", options->replay, "Use cached responses only; send no request");
   add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
   add_subset_option(verb, options->subset);
-  verb.add_flag("--list", options->list, "Print the subset's instruction ids, and ask nothing");
+  verb.add_flag("--list", options->list, "Print the subset's instruction ids; send no request");
   add_setting(verb, "--prompt", options->prompt, "NAME|FILE",
               fmt::format("One of {}, or a template file (docs/arena.md)",
                           fmt::join(arena::Prompt::names(), ", ")));
   add_value(verb, "--answers", options->answers, "FORM",
-            "tools, json or text: how the model says what to do (default: as the prompt says, or "
-            "what the server takes)");
+            "Form of the model's actions: tools, json or text (default: the prompt's, or what "
+            "the server takes)");
   add_setting(verb, "--words", options->words, "SOURCE",
-              "What texts say of views: none; labels, by pictures of classes and instances; "
-              "captions, by a model that looks at pictures",
+              "Text about views: none, labels (from semantic layers) or captions (a model's)",
               CLI::IsMember({"none", "labels", "captions"}));
   add_value(verb, "--captioner", options->captioner, "URL",
-            "Where captions are asked for (default: the endpoint). Its key is the environment "
-            "variable ENFILADE_CAPTIONER_KEY");
+            "Server for captions; its key: environment variable ENFILADE_CAPTIONER_KEY (default: "
+            "the endpoint)");
   add_value(verb, "--captioner-model", options->captioner_model, "NAME",
-            "Who makes captions (default: the model)");
+            "Model for captions (default: the model)");
   add_steps_option(verb, options->steps);
-  add_whole_number(verb, "--parallel", options->ask.parallel, "Episodes at once; changes nothing");
-  add_setting(verb, "--temperature", options->ask.chat.temperature, "T", "0 to 2",
-              finite_number(0, 2));
-  add_whole_number(verb, "--seed", options->seed, "Sent with each request", 0);
+  add_whole_number(verb, "--parallel", options->ask.parallel,
+                   "Episodes at once; results stay "
+                   "the same");
+  add_setting(verb, "--temperature", options->ask.chat.temperature, "T",
+              "Sampling temperature, 0 to 2", finite_number(0, 2));
+  add_whole_number(verb, "--seed", options->seed, "Seed, sent with each request", 0);
   add_whole_number(verb, "--answer-tokens", options->answer_tokens,
-                   "Most tokens of an answer; 0: the server's limit", 0);
+                   "Most tokens per response; 0: the server's limit", 0);
   add_whole_number(verb, "--most-tokens", options->most_tokens,
-                   "Ask no more once so many tokens, in and out, were used; 0: no limit", 0);
-  add_setting(verb, "--timeout", options->timeout, "S", "Seconds to wait for an answer",
+                   "Stop after this number of tokens, in and out; 0: no limit", 0);
+  add_setting(verb, "--timeout", options->timeout, "S", "Seconds to wait for a response",
               finite_number(0.001, 3600));
-  add_whole_number(verb, "--picture-size", options->ask.picture_size, "Pixels, 64 to 2048");
+  add_whole_number(verb, "--picture-size", options->ask.picture_size,
+                   "Size of images, pixels, 64 "
+                   "to 2048");
   add_value(verb, "--prices", options->prices, "FILE",
-            R"(Prices for a million tokens: {"MODEL": {"prompt": 2.5, "answer": 10}})");
+            R"(Prices per million tokens: {"MODEL": {"prompt": 2.5, "answer": 10}})");
   add_value(verb, "--cache", options->cache, "DIR",
-            "Answers by what was asked (default: cache/ in the output)");
+            "Folder of cached responses (default: cache/ in the output)");
   add_setting(verb, "-o,--output", options->output, "DIR",
-              "Results, transcripts and cache; a run that was stopped goes on");
+              "Results, transcripts and cache; an interrupted run resumes");
   set_examples(verb,
                {"enfilade ask --data homes --stand-in oracle",
                 "enfilade ask --endpoint http://127.0.0.1:8000/v1 --model qwen --subset 216",

@@ -116,15 +116,15 @@ void draw_sheet(const SheetArguments& a) {
 
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
-      "contact-sheet", "Draw every viewpoint of a scan, or a trajectory, as small pictures");
+      "contact-sheet", "Draw a scan's viewpoints, or a trajectory, as small pictures");
   const auto a = std::make_shared<SheetArguments>();
   add_scan_argument(verb, a->scan);
   add_setting(verb, "-o,--output", a->output, "FILE", "PNG or JPEG file; - for standard output");
   add_setting(verb, "--thumb", a->thumb, "WxH", "Size of a picture, pixels");
-  add_value(verb, "--columns", a->columns, "N", "Pictures in a row (default: chosen to fit)")
+  add_value(verb, "--columns", a->columns, "N", "Pictures per row (default: chosen to fit)")
       ->check(whole_number(1));
   add_whole_number(verb, "--headings", a->headings,
-                   "Pictures of each viewpoint, at evenly spaced headings")
+                   "Pictures per viewpoint, at evenly spaced headings")
       ->type_name("N");
   add_angle_option(verb, "--heading", a->heading,
                    "Heading of the first picture, clockwise from north, degrees");

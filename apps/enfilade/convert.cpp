@@ -156,26 +156,20 @@ void convert(const Options& options) {
 
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
-      "convert",
-      "Write annotations, results, boxes or features in another form that holds the same");
+      "convert", "Convert annotations, results, boxes or features to another format");
   const auto options = std::make_shared<Options>();
   add_value(verb, "from", options->from, "FROM", "File, packed or not, or folder of boxes")
       ->required();
-  add_value(
-      verb, "output", options->to, "TO",
-      "File to write, packed if it ends in .gz, annotations as lines if in .jsonl; - for standard "
-      "output; folder for boxes")
+  add_value(verb, "output", options->to, "TO",
+            "File, .gz packed, .jsonl in lines; - for standard output; or folder")
       ->required();
   add_value(verb, "--to", options->form, "FORM",
-            "Annotations: released or duet (SOON). Results: official (predObjId, inst_idx) or duet "
-            "(pred_objid, instr_id). Boxes: flat (DUET's BBoxes.json), nested or folder (REVERIE). "
-            "Features: f16 or f32");
+            "Format: released, duet, official, flat, nested, folder, f16 or f32 (docs/exports.md)");
   add_value(verb, "--task", options->task, "NAME",
-            "The benchmark: r2r, rxr, ... (default: found by the fields)");
-  add_value(
-      verb, "--vocabulary", options->vocabulary, "FILE",
-      "Annotations: put token ids in (instr_encodings), of BERT's vocab.txt or XLM-R's .model");
-  verb.add_flag("--cased", options->cased, "The vocab.txt is a cased one (default: uncased)");
+            "Benchmark: r2r, rxr, ... (default: found by the fields)");
+  add_value(verb, "--vocabulary", options->vocabulary, "FILE",
+            "Add instr_encodings, token ids of BERT's vocab.txt or XLM-R's .model");
+  verb.add_flag("--cased", options->cased, "vocab.txt is cased (default: uncased)");
   set_examples(
       verb, {"enfilade convert R2R_train.json R2R_train_enc.json --vocabulary vocab.txt",
              "enfilade convert REVERIE_val_unseen.json.gz val.jsonl",

@@ -28,11 +28,11 @@ void make(const Options& options) {
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand(
-      "dataset", "Paths, three instructions each, and splits for a folder of model homes");
+  CLI::App& verb =
+      *app.add_subcommand("dataset", "Make paths, instructions and splits for a folder of homes");
   const auto options = std::make_shared<Options>();
-  add_value(verb, "folder", options->folder, "DIR", "Made by enfilade homes")->required();
-  add_whole_number(verb, "--paths", options->paths.per_home, "A home, at most");
+  add_value(verb, "folder", options->folder, "DIR", "Folder that enfilade homes made")->required();
+  add_whole_number(verb, "--paths", options->paths.per_home, "Most paths per home");
   add_whole_number(verb, "--seed", options->paths.seed, "The same seed gives the same bytes", 0);
   add_setting(verb, "--val-seen", options->paths.val_seen_share, "",
               "Share of the training homes' paths, 0 to 1", finite_number(0, 0.99));

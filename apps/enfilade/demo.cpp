@@ -265,18 +265,17 @@ int demo(const Options& options) {
 
 void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
-      "demo",
-      "The paper's table rows for Shortest and Random, beside ours; without data, on a set of "
-      "synthetic model homes, in which an agent is trained too. Run again, it goes on where it "
-      "was");
+      "demo", "Reproduce the paper's baselines; without data, make homes and train");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_setting(verb, "-o,--output", options->output, "DIR", "Output folder");
   add_whole_number(verb, "--seeds", options->seeds, "Number of seeds of the random agent");
-  verb.add_flag("--skip-learning", options->skip_learning, "Do not train agents");
+  verb.add_flag("--skip-learning", options->skip_learning, "Train no agent");
   verb.add_flag("--open", options->open, "Show the report in the browser at the end");
-  set_examples(verb, {"enfilade demo", "enfilade demo --open", "enfilade demo --skip-learning",
-                      "enfilade demo --data ~/data --seeds 100"});
+  set_examples(verb,
+               {"enfilade demo", "enfilade demo --open", "enfilade demo --skip-learning",
+                "enfilade demo --data ~/data --seeds 100"},
+               "An interrupted run resumes. Homes and their results are SYNTHETIC.");
   verb.callback([options, &status] { status = demo(*options); });
 }
 

@@ -277,14 +277,12 @@ int examine(const Arguments& arguments) {
 
 void add_verb(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
-      "doctor",
-      "Print what this machine can do: processor, renderers, EGL devices, CUDA, libtorch and its "
-      "BLAS, disks, data that are found, and what to do about what is missing. Exit code 1 if no "
-      "renderer works.");
+      "doctor", "Report what this machine supports, and how to add what is missing");
   const auto arguments = std::make_shared<Arguments>();
   add_data_option(verb, arguments->data);
-  verb.add_flag("--json", arguments->json, "Print it as JSON");
-  set_examples(verb, {"enfilade doctor", "enfilade doctor --json | jq .rendering"});
+  verb.add_flag("--json", arguments->json, "Print JSON");
+  set_examples(verb, {"enfilade doctor", "enfilade doctor --json | jq .rendering"},
+               "Exit code 1 if no renderer works.");
   verb.callback([arguments, &status] {
     if (can_learn()) hand_over_to_learn();  // it reports on libtorch too
     status = examine(*arguments);

@@ -37,10 +37,10 @@ void add_scan_argument(CLI::App& verb, std::string& scan) {
 }
 
 void add_path_options(CLI::App& verb, PathOptions& options, const std::string& results_help) {
-  add_value(verb, "--split", options.split, "NAME", "Annotations that --instr or --path is in");
+  add_value(verb, "--split", options.split, "NAME", "Split of --instr or --path");
   add_setting(verb, "--task", options.task, "NAME",
-              "Benchmark that the split is of: r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn or "
-              "soon. Its goal is drawn, too");
+              "Benchmark of the split, whose goal is drawn: r2r, r2r-last, r2r-back, r4r, rxr, "
+              "reverie, cvdn or soon");
   add_value(verb, "--instr,--instruction", options.instruction, "ID",
             "Draw the reference path of this instruction");
   add_value(verb, "--path", options.path, "PATH_ID", "Draw the reference path of this path_id");

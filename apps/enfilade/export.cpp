@@ -293,19 +293,18 @@ constexpr std::array<Form, 14> kForms{{
      write_bevbert},
     {"gridmm", nullptr, "viewpoint_info.json, depth.hdf5, clip_p32.hdf5 (GridMM)", write_gridmm},
     {"streamvln", nullptr,
-     "images/SCAN_r2r_ID/rgb/001.jpg, annotations.json: experts' walks in the continuous world "
+     "images/SCAN_r2r_ID/rgb/001.jpg, annotations.json: continuous expert trajectories "
      "(StreamVLN)",
      write_walks<exports::write_streamvln>},
     {"navila", nullptr,
-     "R2R/train/ID/frame_0.jpg, R2R/annotations.json: the same walks, a decision for up to three "
+     "R2R/train/ID/frame_0.jpg, R2R/annotations.json: the same, a decision per up to three "
      "actions (NaVILA)",
      write_walks<exports::write_navila>},
-    {"lerobot", nullptr,
-     "data/chunk-000/*.parquet, meta/: the same walks as a data set of LeRobot 2.1",
+    {"lerobot", nullptr, "data/chunk-000/*.parquet, meta/: the same, as a data set of LeRobot 2.1",
      write_walks<exports::write_lerobot>},
     {"vlnce", nullptr,
-     "R2R_VLNCE_v1-3_preprocessed/SPLIT/SPLIT.json.gz, SPLIT_gt.json.gz: a split's episodes and "
-     "experts' walks (VLN-CE)",
+     "R2R_VLNCE_v1-3_preprocessed/SPLIT/SPLIT.json.gz, SPLIT_gt.json.gz: episodes and expert "
+     "trajectories (VLN-CE)",
      write_vlnce},
     {"mapgpt-views", nullptr, "SCAN/VIEWPOINT/0.jpg to 35.jpg (MapGPT)", write_views},
 }};
@@ -356,53 +355,52 @@ void add_place(CLI::App& verb, Options& options) {
   add_value(verb, "--connectivity", options.connectivity, "DIR",
             "Navigation graphs, instead of the data set's");
   add_value(verb, "--images", options.images, "DIR",
-            "Where panoramas are, instead of the data set's; may be repeated");
-  add_value(verb, "--scans", options.scans, "SCAN...", "Only these (default: all)");
+            "Folder of panoramas, instead of the data set's; may be repeated");
+  add_value(verb, "--scans", options.scans, "SCAN...", "Scans to write (default: all)");
   add_threads_option(verb, options.threads);
 }
 
 void add_details(CLI::App& verb, Options& options) {
-  add_value(
-      verb, "--features", options.features, "FILE",
-      "Features of the views (duet-hdf5, object-hdf5); tokens of the views, a safetensors file "
-      "with arrays SCAN_VIEWPOINT of 12 x 196 x D (bevbert-grid), 36 x 50 x D (gridmm)");
+  add_value(verb, "--features", options.features, "FILE",
+            "Features (duet-hdf5, object-hdf5) or tokens (bevbert-grid, gridmm) of the views");
   add_value(verb, "--logits", options.logits, "FILE",
-            "Classes of the views, which become the last columns: for pretraining");
+            "Class scores of the views, appended as columns: for pretraining");
   add_setting(verb, "--type", options.type, "TYPE",
-              "Of features: f16, f32, or f64, as the published files have",
+              "Type of features: f16, f32, or f64, as published",
               CLI::IsMember({"f16", "f32", "f64"}));
   CLI::Option* boxes = add_value(verb, "--boxes", options.boxes, "FILE|DIR",
                                  "Boxes of objects, instead of the data set's");
   add_value(verb, "--meshes", options.meshes, "DIR",
-            "Compute the boxes from labelled meshes: SCAN.house, .ply, .fsegs.json, .semseg.json "
-            "here or in SCAN/house_segmentations; streamvln, navila, lerobot: draw SCAN.glb, .obj "
-            "or .ply here")
+            "Labelled meshes for boxes; streamvln, navila, lerobot: meshes to draw")
       ->excludes(boxes);
   add_whole_number(verb, "--objects", options.most_objects,
-                   "Of a viewpoint, at most (object-hdf5)");
+                   "Most objects per viewpoint (object-hdf5)");
   verb.add_flag("--nested", options.nested,
                 "One file of boxes in REVERIE's form, not DUET's (reverie-boxes)");
   add_setting(verb, "--quality", options.quality, "N",
-              "Of JPEGs, 1 to 100 (mapgpt-views and walks)", whole_number(1, 100));
-  add_setting(verb, "--task", options.task, "NAME", "Of walks: streamvln, navila, lerobot, vlnce",
+              "JPEG quality, 1 to 100 (mapgpt-views and trajectories)", whole_number(1, 100));
+  add_setting(verb, "--task", options.task, "NAME",
+              "Benchmark of trajectories (streamvln, "
+              "navila, lerobot, vlnce)",
               CLI::IsMember({"r2r-ce", "rxr-ce"}));
-  add_setting(verb, "--split", options.split, "NAME", "Of walks, likewise");
+  add_setting(verb, "--split", options.split, "NAME",
+              "Split of trajectories (streamvln, navila, "
+              "lerobot, vlnce)");
   add_appearance_option(verb, options.appearance);
   add_setting(verb, "--python", options.python, "PROGRAM",
               "A Python with the packages enfilade and networkx (networkx)");
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand(
-      "export", "Write the files that other projects' code reads, of any data set");
+  CLI::App& verb = *app.add_subcommand("export", "Write the files that other projects read");
   const auto options = std::make_shared<Options>();
   std::vector<std::string> names;
   for (const Form& form : kForms) names.emplace_back(form.name);
-  add_value(verb, "--as", options->as, "FORM", "Which files; the list is below")
+  add_value(verb, "--as", options->as, "FORM", "Format of the files; the list is below")
       ->required()
       ->check(CLI::IsMember(names));
   add_value(verb, "-o,--output", options->output, "DIR|FILE",
-            "Folder for files of the usual names; or the file, for forms of one file")
+            "Folder, or the file for forms of one file")
       ->required();
   add_place(verb, *options);
   add_details(verb, *options);

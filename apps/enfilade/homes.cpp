@@ -99,7 +99,7 @@ void add_tasks_option(CLI::App& verb, std::vector<std::string>& tasks) {
   std::vector<std::string> known = homes::home_tasks();
   known.emplace_back("r2r");  // which is always written
   add_value(verb, "--tasks", tasks, "TASK,...",
-            "Benchmarks beside Room-to-Room, with commas between; all if not given; r2r: none")
+            "Benchmarks beside R2R, comma-separated; r2r: none (default: all)")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
 }
@@ -109,45 +109,35 @@ namespace {
 void add_options(CLI::App& verb, Options& o) {
   add_value(verb, "-o,--output", o.output, "DIR", "A new or empty folder, or one to complete")
       ->required();
-  add_setting(verb, "--preset", o.preset, "",
-              "small: 2 flats for tests; pretty: 16 homes of 25 to 50 viewpoints; full: 90 homes "
-              "of 117 viewpoints on average, 512-texel faces; graphs: 6 homes without pictures; "
-              "training: 96 homes to learn from, 64-texel faces, coarse light; demo: 60 of these, "
-              "three of them pretty",
+  add_setting(verb, "--preset", o.preset, "", "Number and quality of the homes (docs/homes.md)",
               CLI::IsMember(homes::home_set_presets()));
-  add_value(verb, "--homes", o.homes, "N", "How many, instead of the preset's")
+  add_value(verb, "--homes", o.homes, "N", "Number of homes, instead of the preset's")
       ->check(whole_number(1, 10000));
-  verb.add_option("--kind", o.kind, "house, flat, office or hotel; else a mixture")
+  verb.add_option("--kind", o.kind, "Kind of building (default: a mixture)")
       ->check(CLI::IsMember(homes::home_kinds()));
-  verb.add_option("--area", o.area, "Of all storeys of a home, square metres, 60 to 3000")
+  verb.add_option("--area", o.area, "Floor area per home, all storeys, square metres, 60 to 3000")
       ->check(finite_number(homes::kLeastArea, homes::kMostArea));
-  verb.add_option("--size", o.size, "Texels of a panorama's faces; 0: no pictures")
+  verb.add_option("--size", o.size, "Texels along a face's edge; 0: no pictures")
       ->check(whole_number(0, 4096));
-  verb.add_option("--samples", o.samples, "Colour rays a texel: 1, 4, 9 or 16")
+  verb.add_option("--samples", o.samples, "Colour rays per texel: 1, 4, 9 or 16")
       ->check(whole_number(1));
-  verb.add_option("--light", o.light,
-                  "coarse: a quarter of the time, for pictures to learn from; else fine")
+  verb.add_option("--light", o.light, "fine, or coarse: a quarter of the time, for training")
       ->check(CLI::IsMember(homes::home_lights()));
   verb.add_option("--pretty", o.pretty,
-                  "Make N of the homes pretty whatever the rest is: fine light, 256-texel faces; "
-                  "first those of val_unseen, which reports show")
+                  "Number of homes with fine light and 256-texel faces, val_unseen first")
       ->check(whole_number(0, 10000));
   verb.add_option("--seed", o.seed, "The same seed gives the same bytes")->check(whole_number());
   add_value(verb, "--parts", o.parts, "PART,...",
-            "Matterport3D's files of each home too, in v1/scans/, with commas between: as of "
-            "scan-mesh; mesh is .obj and .glb, for Habitat, Isaac Sim and Blender")
+            "Matterport3D's files too, in v1/scans/, comma-separated: as of scan-mesh")
       ->delimiter(',')
       ->check(CLI::IsMember(capture::scan_part_names()));
   add_setting(verb, "--image-width", o.image_width, "",
-              "Of the undistorted images among the parts, pixels; heights are 4/5 of it",
+              "Width of undistorted images, pixels; the height is 4/5 of it",
               whole_number(10, 4096));
   add_value(verb, "--corrections", o.corrections, "DIR",
-            "Folder of what people added to graphs and took away, SCAN_corrections.json: "
-            "docs/graph.md. Also applied to homes that are there; without it none are");
-  add_value(verb, "--shard", o.shard, "K/N",
-            "Make the K-th of N shares of the set only, beside other runs; then run once "
-            "without it");
-  add_whole_number(verb, "--paths", o.paths, "Room-to-Room paths a home, at most; 0: none", 0);
+            "Folder of corrections of graphs, SCAN_corrections.json: docs/graph.md");
+  add_value(verb, "--shard", o.shard, "K/N", "Make shard K of N only; then run once without it");
+  add_whole_number(verb, "--paths", o.paths, "Most R2R paths per home; 0: none", 0);
   add_tasks_option(verb, o.tasks);
   add_threads_option(verb, o.threads);
 }
@@ -155,19 +145,18 @@ void add_options(CLI::App& verb, Options& o) {
 }  // namespace
 
 void add_homes(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand(
-      "homes", "Make model homes: synthetic buildings with panoramas, graphs and instructions");
+  CLI::App& verb =
+      *app.add_subcommand("homes", "Make synthetic homes with panoramas, graphs and instructions");
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
-  set_examples(verb, {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
-                      "enfilade homes -o homes --corrections homes-corrections",
-                      "enfilade homes -o homes --preset full --shard 3/16",
-                      "enfilade homes -o many --preset training --homes 300 --pretty 4",
-                      "enfilade contact-sheet home0001 --data homes -o home.png",
-                      "enfilade graph draw home0001 --data homes -o plan.svg"});
-  verb.footer(
-      verb.get_footer() +
-      "\nA run that was stopped goes on where it was. All of it is synthetic, and says so.");
+  set_examples(verb,
+               {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
+                "enfilade homes -o homes --corrections homes-corrections",
+                "enfilade homes -o homes --preset full --shard 3/16",
+                "enfilade homes -o many --preset training --homes 300 --pretty 4",
+                "enfilade contact-sheet home0001 --data homes -o home.png",
+                "enfilade graph draw home0001 --data homes -o plan.svg"},
+               "An interrupted run resumes. All output is synthetic, and says so.");
   verb.callback([options] { make(*options); });
 }
 
@@ -181,7 +170,9 @@ void add_synth(CLI::App& app, int& /*status*/) {
   add_value(verb, "-o,--output", options->output, "DIR",
             "A new or empty folder, or one to complete")
       ->required();
-  add_setting(verb, "--buildings", options->homes, "N", "How many homes, at least 3, one a split",
+  add_setting(verb, "--buildings", options->homes, "N",
+              "Number of homes, at least 3, one per "
+              "split",
               whole_number(homes::kLeastHomes, 10000));
   add_whole_number(verb, "--seed", options->seed, "The same seed gives the same bytes", 0);
   set_examples(verb, {"enfilade synth -o my-data", "enfilade stats --data my-data",

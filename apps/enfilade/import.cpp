@@ -87,25 +87,21 @@ void import_scan(const Arguments& a) {
 
 void add_picture_options(CLI::App& verb, Arguments& a) {
   add_value(verb, "pictures", a.pictures, "PICTURE",
-            "Equirectangular panoramas: JPEG, PNG or Radiance HDR. A file's name without its "
-            "suffix becomes the viewpoint's id")
+            "Equirectangular panoramas, JPEG, PNG or Radiance HDR; file names become ids")
       ->required();
-  add_value(verb, "--scan", a.scan, "NAME", "Name of the building; a new one, or one to add to")
-      ->required();
+  add_value(verb, "--scan", a.scan, "NAME", "Name of a new scan, or of one to extend")->required();
   add_value(verb, "-o,--output", a.output, "DIR", "Folder that the scan is written to")->required();
-  add_value(verb, "--name", a.name, "ID", "Id of the viewpoint, if there is one panorama");
+  add_value(verb, "--name", a.name, "ID", "Id of the viewpoint, for a single panorama");
   add_value(verb, "--faces", a.faces, "ORDER",
-            "The pictures are the six faces of one panorama, in this order: letters of front, "
-            "right, back, left, up, down, such as frblud. Up and down as seen when one turns "
-            "up or down from the front");
+            "Order of six faces of one panorama, such as frblud (docs/capture.md)");
   add_value(verb, "--size", a.options.face_size, "N",
             "Edge of a face, pixels (default: the picture's resolution, at most 1024)")
       ->check(whole_number(1, capture::kLargestImportedFace));
   add_value(verb, "--exposure", a.options.exposure, "EV",
-            "Of HDR pictures, stops: light is multiplied by 2^EV (default: for each picture "
-            "so that its median is mid-grey)")
+            "Exposure of HDR pictures in stops: a factor of 2^EV (default: each picture's median "
+            "becomes mid-grey)")
       ->check(finite_number(-64));
-  verb.add_flag("--force", a.options.force, "Replace viewpoints that are there already");
+  verb.add_flag("--force", a.options.force, "Replace viewpoints that exist");
 }
 
 void add_graph_options(CLI::App& verb, Arguments& a) {
@@ -114,14 +110,13 @@ void add_graph_options(CLI::App& verb, Arguments& a) {
             "(default: 0)")
       ->check(finite_number(-360));
   add_value(verb, "--positions", a.positions, "FILE",
-            "Text or CSV file of lines \"name x y z [heading]\": the eye in metres, x east, y "
-            "north, z up, and degrees (default: a line of viewpoints 2.25 m apart)");
+            "File of lines \"name x y z [heading]\", metres and degrees (default: a line of "
+            "viewpoints 2.25 m apart)");
   add_metres_option(verb, "--eye-height", a.options.eye_height,
                     "Height of the eye above the floor, metres");
   verb.add_option("--edges", a.edges,
-                  "Which viewpoints to connect: near (each two within --reach; default "
-                  "with --positions), line (from each to the next; default without), none (default "
-                  "with --edge)")
+                  "Edges: near (within --reach), line (each to the next) or none (default: near "
+                  "with --positions, none with --edge, else line)")
       ->check(CLI::IsMember({"near", "line", "none"}));
   add_metres_option(verb, "--reach", a.options.reach, "Longest edge of --edges near, metres");
   add_value(verb, "--edge", a.options.pairs, "A B",
@@ -130,11 +125,7 @@ void add_graph_options(CLI::App& verb, Arguments& a) {
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb =
-      *app.add_subcommand("import",
-                          "Make a scan from your own panoramas, in Matterport3DSimulator's files: "
-                          "DIR/NAME/matterport_skybox_images/ID_skybox_small.jpg and "
-                          "DIR/connectivity/NAME_connectivity.json");
+  CLI::App& verb = *app.add_subcommand("import", "Import your own panoramas as a scan");
   const auto arguments = std::make_shared<Arguments>();
   add_picture_options(verb, *arguments);
   add_graph_options(verb, *arguments);

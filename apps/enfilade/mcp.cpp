@@ -55,25 +55,27 @@ void play(Options& options) {
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand(
-      "mcp", "Let an assistant walk: a server of the Model Context Protocol on standard input");
+  CLI::App& verb =
+      *app.add_subcommand("mcp", "Serve episodes by the Model Context Protocol, on standard input");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
   add_subset_option(verb, options->subset);
   verb.add_flag("--pictures", options->pictures,
-                "Send a picture of all that is around, on a graph with the places' names in it");
-  add_whole_number(verb, "--picture-size", options->config.picture_size, "Pixels, 64 to 2048");
+                "Send panoramas; on a graph, with the viewpoints' names drawn");
+  add_whole_number(verb, "--picture-size", options->config.picture_size,
+                   "Size of images, pixels, 64 "
+                   "to 2048");
   add_setting(verb, "--words", options->words, "SOURCE",
-              "What texts say of views: none, or labels, by pictures of classes and instances",
+              "Text about views: none, or labels (from semantic layers)",
               CLI::IsMember({"none", "labels"}));
   add_steps_option(verb, options->steps);
   verb.add_option("--port", options->port,
                   "Listen at http://127.0.0.1:PORT/mcp instead; 0: any free port")
       ->check(CLI::Range(0, 65535));
   add_setting(verb, "-o,--output", options->output, "DIR",
-              "Transcripts and results; episodes that have a transcript are left out");
+              "Transcripts and results; episodes with a transcript are skipped");
   set_examples(verb, {"enfilade mcp --data homes --subset 10 -o played",
                       "enfilade mcp --data homes --port 8001 -o played",
                       "enfilade mcp --pictures --task reverie --split val_unseen"});

@@ -23,8 +23,7 @@ void add_mesh_options(CLI::App& verb, MeshOptions& options) {
       ->required();
   add_value(verb, "--scan", options.scan, "ID", "Scan id (default: the mesh's file name)");
   add_setting(verb, "--scale", options.scale, "", "Metres per unit of the mesh", finite_number());
-  add_setting(verb, "--up", options.up, "AXIS",
-              "Axis that points up; format: y for glTF, z for OBJ and PLY",
+  add_setting(verb, "--up", options.up, "AXIS", "Up axis; format: y for glTF, z for OBJ and PLY",
               CLI::IsMember({"format", "y", "z"}));
 }
 

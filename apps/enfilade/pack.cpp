@@ -171,51 +171,43 @@ void add_options(CLI::App& verb, Arguments& a) {
   add_value(verb, "scans", a.scans, "SCAN...",
             "Scans to pack (default: all of scans.txt that have pictures)");
   add_data_option(verb, a.data);
-  verb.add_option(
-          "--images", a.images,
-          "Folder with Matterport3D's files, unpacked or in .zip files as downloaded "
-          "(default: store, scans, v1/scans, data/v1/scans of the data set); may be repeated")
+  verb.add_option("--images", a.images,
+                  "Folder of Matterport3D's files or zips; may be repeated (default: store, scans, "
+                  "v1/scans, data/v1/scans of the data set)")
       ->allow_extra_args(false)  // else a SCAN behind it would be taken for another
       ->type_name("DIR");
   add_value(verb, "--connectivity", a.connectivity, "DIR",
             "Folder of <scan>_connectivity.json (default: that of the data set)");
   add_value(verb, "-o,--output", a.output, "STORE_DIR", "Folder for the stores; made if missing");
   verb.add_option("--colour", a.colour,
-                  "keep: the files' own JPEGs where they are of the wanted size; jpeg: encoded "
-                  "anew; raw: not compressed, decodes fastest")
+                  "keep (the files' JPEGs), jpeg (encoded anew) or raw (decodes fastest)")
       ->check(CLI::IsMember({"keep", "jpeg", "raw"}))
       ->capture_default_str()
       ->type_name("");
   verb.add_flag("--decoded", a.options.decoded,
-                "Keep all layers as they are in memory: drawn from the file without decoding; ten "
-                "times as large (5.7 MB of colour a panorama at 512 texels)");
+                "Store layers decoded: drawn without decoding, ten times as large");
   add_whole_number(verb, "--face-size", a.options.face_size,
-                   "Shrink larger faces to this many texels along an edge (0: leave as they are)",
-                   0);
+                   "Shrink larger faces to this edge, texels; 0: as they are", 0);
   add_setting(verb, "--quality", a.options.jpeg_quality, "",
               "JPEG quality, 1 to 100; full chroma from 90 on", CLI::Range(1, 100));
-  verb.add_flag("--excluded", a.excluded,
-                "Take the pictures of viewpoints that the graph excludes too");
+  verb.add_flag("--excluded", a.excluded, "Pack viewpoints that the graph excludes, too");
   add_threads_option(verb, a.options.threads);
-  add_value(verb, "--check", a.check, "FILE...",
-            "Read these stores and compare all checksums, nothing else");
+  add_value(verb, "--check", a.check, "FILE...", "Only check these stores, by all checksums");
 }
 
 void add_verb(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "pack",
-      "Pack the panoramas of scans into stores, one file a scan, which open in milliseconds and "
-      "are shared by all processes. A run that was stopped goes on where it was; a store that is "
-      "complete is left alone. Exit code 3 if a scan could not be packed, 1 if --check finds "
-      "faults.");
+  CLI::App& verb = *app.add_subcommand("pack", "Pack panoramas into stores, one file per scan");
   const auto arguments = std::make_shared<Arguments>();
   add_options(verb, *arguments);
-  set_examples(verb, {"enfilade pack -o data/store",
-                      "enfilade pack 17DRP5sb8fy --images v1/scans --connectivity connectivity "
-                      "-o store",
-                      "enfilade pack --face-size 256 --colour jpeg --quality 90 -o small",
-                      "enfilade pack 17DRP5sb8fy --decoded -o decoded",
-                      "enfilade pack --check store/*.enfilade"});
+  set_examples(
+      verb,
+      {"enfilade pack -o data/store",
+       "enfilade pack 17DRP5sb8fy --images v1/scans --connectivity connectivity "
+       "-o store",
+       "enfilade pack --face-size 256 --colour jpeg --quality 90 -o small",
+       "enfilade pack 17DRP5sb8fy --decoded -o decoded", "enfilade pack --check store/*.enfilade"},
+      "An interrupted run resumes; complete stores stay.\nExit code 3 if a scan could not be "
+      "packed, 1 if --check finds faults.");
   verb.callback([arguments, &status] { status = run(*arguments); });
 }
 

@@ -60,9 +60,7 @@ void draw_panorama(const PanoramaArguments& a) {
 
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
-      "panorama",
-      "Draw all directions of a viewpoint in one picture, equirectangular or as the "
-      "unfolded cube; depth is the distance along the ray");
+      "panorama", "Draw a viewpoint's panorama, equirectangular or as an unfolded cube");
   const auto a = std::make_shared<PanoramaArguments>();
   add_viewpoint_arguments(verb, a->scan, a->viewpoint);
   add_whole_number(verb, "--width", a->width, "Width in pixels; the height is half of it", 2)
@@ -70,8 +68,7 @@ void add_verb(CLI::App& app, int& /*status*/) {
   add_angle_option(verb, "--heading", a->heading,
                    "Heading of the middle column, clockwise from north, degrees");
   verb.add_flag("--cube{cross}", a->cube,
-                "The six faces as they are kept instead: a cross around the front one, or "
-                "--cube=strip in Matterport3D's order")
+                "Draw the six faces: cross, or --cube=strip in Matterport3D's order")
       ->excludes("--width", "--heading");
   add_output_options(verb, a->output, "panorama.png");
   add_place_options(verb, a->scene);

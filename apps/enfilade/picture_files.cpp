@@ -71,14 +71,14 @@ std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begi
 void add_viewpoint_arguments(CLI::App& verb, std::string& scan, std::string& viewpoint) {
   add_value(verb, "scan", scan, "SCAN", "Scan id")->required();
   add_value(verb, "viewpoint", viewpoint, "VIEWPOINT",
-            "Its index, id, or the beginning of an id that no other one shares")
+            "Index, id, or the unique beginning of an id")
       ->required();
 }
 
 void add_place_options(CLI::App& verb, SceneOptions& options) {
   add_value(verb, "--images", options.images, "DIR",
-            "Folder of stores (SCAN.enfilade) or of Matterport3D's scans, folders or zips; "
-            "may be given more than once (default: those of the data set)")
+            "Folder of stores or Matterport3D's scans (folders, zips); may be repeated (default: "
+            "those of the data set)")
       ->allow_extra_args(false);
   add_value(verb, "--connectivity", options.connectivity, "DIR",
             "Folder of SCAN_connectivity.json, for loose files (default: that of the data "
@@ -102,7 +102,7 @@ void validate_field_of_view(double degrees) {
 
 void add_renderer_options(CLI::App& verb, SceneOptions& options) {
   add_setting(verb, "--backend", options.backend, "NAME",
-              "Back end: cpu, cpu-scalar (slow reference), gl, cuda (a card of NVIDIA)",
+              "Back end: cpu, cpu-scalar (slow reference), gl or cuda (NVIDIA)",
               CLI::IsMember({"cpu", "cpu-scalar", "gl", "cuda"}));
   add_value(verb, "--gl-device", options.gl_device, "NAME",
             "Index or UUID of an EGL device, as enfilade doctor lists them (default: the "
@@ -110,13 +110,12 @@ void add_renderer_options(CLI::App& verb, SceneOptions& options) {
   add_value(verb, "--cuda-device", options.cuda_device, "N",
             "Number of a card, as enfilade doctor lists them (default: 0)");
   add_setting(verb, "--cache", options.cache, "NAME",
-              "Where decoded pictures are kept: private (to this process) or shared (with all "
-              "processes of this user, in /dev/shm)",
+              "Cache of decoded pictures: the process's, or shared in /dev/shm",
               CLI::IsMember({"private", "shared"}));
   add_whole_number(verb, "--cache-mib", options.cache_mib,
-                   "Size of a shared cache, MiB; the same for all its processes");
+                   "Size of a shared cache, MiB; equal for all its processes");
   verb.add_flag("--legacy", options.legacy,
-                "As the old simulator drew: seams between faces, depth in steps of 64 mm");
+                "Draw as MatterSim: seams between faces, depth in steps of 64 mm");
 }
 
 dataset::Dataset open_scene(const SceneOptions& options, const std::string& scan) {
@@ -198,14 +197,11 @@ Size parse_size(const std::string& option, const std::string& text) {
 void add_output_options(CLI::App& verb, OutputOptions& options, const std::string& default_file) {
   options.file = default_file;
   add_setting(verb, "--outputs", options.outputs, "LIST",
-              "What is drawn, commas between: rgb, depth, class, instance");
+              "Layers, comma-separated: rgb, depth, class, instance");
   add_setting(verb, "-o,--output", options.file, "FILE",
-              "PNG or JPEG file; with several outputs the others go beside it, as NAME-depth.png; "
-              "- for standard output");
+              "PNG or JPEG; further layers as NAME-depth.png; - for standard output");
   verb.add_flag("--raw", options.raw,
-                "Values instead of colours: depth as 16-bit PNG, 4000 a metre, 0 for no reading; "
-                "classes and instances as 16-bit PNG (instances above 65535: RGBA, R + 256 G + "
-                "65536 B + 2^24 A)");
+                "Write PNGs of values instead of colours (docs/command_line.md)");
 }
 
 std::vector<PictureFile> picture_files(const OutputOptions& options) {

@@ -108,11 +108,9 @@ void add_options(CLI::App& verb, Options& options) {
   add_value(verb, "--connectivity", options.connectivity, "DIR",
             "Navigation graphs, instead of the data set's");
   add_setting(verb, "--gap", options.join.most_gap, "METRES",
-              "From the end of one path to the start of the next, along the graph, at most",
-              finite_number(0));
+              "Most metres along the graph from one path to the next", finite_number(0));
   verb.add_option("--paths", options.join.paths,
-                  "Paths that make one: 2 (R4R), 3 (R6R), 4 (R8R). Of R2R's train, 3 and more are "
-                  "millions, written as they are made")
+                  "Paths per joined path: 2 (R4R), 3 (R6R) or 4 (R8R)")
       ->capture_default_str()
       ->check(whole_number(2, 4));
 }

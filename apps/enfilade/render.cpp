@@ -86,11 +86,13 @@ void render(const RenderArguments& a) {
 
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
-      "render", "Draw what an agent sees at a viewpoint: colour, depth, classes, instances");
+      "render", "Draw a view at a viewpoint: colour, depth, classes, instances");
   const auto a = std::make_shared<RenderArguments>();
   add_viewpoint_arguments(verb, a->scan, a->viewpoint);
-  add_angle_option(verb, "--heading", a->heading, "Clockwise from north (+y), degrees");
-  add_angle_option(verb, "--elevation", a->elevation, "Above the horizon, degrees, -90 to 90");
+  add_angle_option(verb, "--heading", a->heading, "Heading, clockwise from north (+y), degrees");
+  add_angle_option(verb, "--elevation", a->elevation,
+                   "Elevation above the horizon, degrees, -90 "
+                   "to 90");
   add_setting(verb, "--size", a->size, "WxH", "Size of the picture, pixels");
   add_field_of_view_option(verb, a->vfov);
   verb.add_flag("--discrete", a->discrete,

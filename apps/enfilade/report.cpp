@@ -43,9 +43,7 @@ void make(const Options& options) {
 
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
-      "report",
-      "One HTML page of a run: results, training curves, episodes step by step, the data; it needs "
-      "no other file and no network");
+      "report", "Write one HTML page of a run: results, curves, episodes, data");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_task_option(verb, options->task,

@@ -97,27 +97,22 @@ void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("run", "Run an agent over a split and write its results");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  add_setting(
-      verb, "--agent", options->agent, "NAME",
-      fmt::format("One of {}, or the directory of a trained model; of r2r-ce and rxr-ce one "
-                  "of {}, or such a directory",
-                  fmt::join(agents::agent_names(), ", "),
-                  fmt::join(agents::continuous_agent_names(), ", ")));
+  add_setting(verb, "--agent", options->agent, "NAME",
+              fmt::format("One of {}, or a model directory; r2r-ce and rxr-ce: {}, or one",
+                          fmt::join(agents::agent_names(), ", "),
+                          fmt::join(agents::continuous_agent_names(), ", ")));
   add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, test, ...");
   add_value(verb, "--features", options->features, "FILE",
             "Image features, for a model with vision");
   add_value(verb, "--meshes", options->meshes, "DIR",
-            "r2r-ce, a trained model: meshes DIR/SCAN.glb, .obj or .ply to look at, instead of the "
-            "data set's own");
+            "r2r-ce: folder of meshes SCAN.glb, .obj or .ply, instead of the data set's");
   add_value(verb, "-o,--output", options->output, "FILE",
-            "Results file, as the benchmark's public code has it; - for standard output");
+            "Results file in the benchmark's form; - for standard output");
   add_value(verb, "--to", options->form, "FORM",
-            "released: SOON's results as its own code writes them, an entry with its alternatives "
-            "an element (default: as DUET does)");
+            "released: SOON's results as its own code writes them (default: as DUET does)");
   verb.add_flag("--walk-graph", options->walk_graph,
-                "r2r-ce and rxr-ce: the agent decides in the graph, and a controller walks its "
-                "trajectories in the continuous world");
+                "r2r-ce, rxr-ce: a controller follows the trajectories of a graph agent");
   add_whole_number(verb, "--seed", options->run.seed, "Seed of the agent's random numbers", 0);
   add_whole_number(verb, "--batch", options->run.batch_size, "Episodes at once; changes no result");
   set_examples(verb, {"enfilade run --agent random --split val_unseen -o results.json",

@@ -110,18 +110,17 @@ void add_limits(CLI::App& verb, tasks::SamplingOptions& sampling) {
             sampling.pairs =
                 rule == "rooms" ? tasks::PairRule::kRooms : tasks::PairRule::kViewpoints;
           },
-          "Draw pairs of rooms, each once at most, as R2R does (the default), or pairs of "
-          "viewpoints, of which there are many more")
+          "Draw pairs of rooms, once each, or pairs of viewpoints (default: rooms)")
       ->check(CLI::IsMember({"rooms", "viewpoints"}))
       ->type_name("RULE");
-  add_whole_number(verb, "--per-building", sampling.per_building, "Paths in a building, at most");
-  verb.add_option("--paths", sampling.paths, "Paths in all, at most (default: no limit)")
+  add_whole_number(verb, "--per-building", sampling.per_building, "Most paths per building");
+  verb.add_option("--paths", sampling.paths, "Most paths in total (default: no limit)")
       ->check(whole_number(1));
-  add_whole_number(verb, "--min-edges", sampling.min_edges, "Of a path");
-  add_whole_number(verb, "--max-edges", sampling.max_edges, "Of a path");
-  add_setting(verb, "--min-length", sampling.min_length, "", "Of a path, in metres",
+  add_whole_number(verb, "--min-edges", sampling.min_edges, "Fewest edges of a path");
+  add_whole_number(verb, "--max-edges", sampling.max_edges, "Most edges of a path");
+  add_setting(verb, "--min-length", sampling.min_length, "", "Least length of a path, metres",
               finite_number());
-  add_whole_number(verb, "--seed", sampling.seed, "One seed, one set of paths", 0);
+  add_whole_number(verb, "--seed", sampling.seed, "The same seed gives the same paths", 0);
 }
 
 void add_options(CLI::App& verb, Options& options) {
@@ -129,8 +128,8 @@ void add_options(CLI::App& verb, Options& options) {
   add_value(verb, "--connectivity", options.connectivity, "DIR",
             "Navigation graphs, instead of the data set's");
   add_value(verb, "--regions", options.regions, "FILE",
-            "Which room each viewpoint is in: {scan: {region: [viewpoints]}}, instead of the "
-            "data set's regions/region_to_panorama.json");
+            "Rooms of viewpoints {scan: {region: [viewpoints]}}, instead of the data set's "
+            "regions/region_to_panorama.json");
   add_limits(verb, options.sampling);
   add_value(verb, "-o,--output", options.output, "FILE|DIR",
             "File to write, - for standard output; with --splits a folder");
@@ -144,12 +143,12 @@ void add_options(CLI::App& verb, Options& options) {
       ->needs(splits)
       ->check(whole_number());
   verb.add_flag("--compare", options.compare,
-                "Print lengths and numbers of edges beside those of the data set's own paths");
+                "Print lengths and edge counts beside those of the data set");
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand(
-      "sample", "Draw new Room-to-Room paths: shortest paths from room to room, no instructions");
+  CLI::App& verb =
+      *app.add_subcommand("sample", "Draw new R2R paths, from room to room, without instructions");
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
   set_examples(verb, {"enfilade sample --compare", "enfilade sample --splits -o new_r2r",

@@ -117,60 +117,54 @@ void run(Arguments a) {
 void add_source_options(CLI::App& verb, Arguments& a) {
   add_mesh_options(verb, a.mesh);
   add_value(verb, "-o,--output", a.output, "ROOT",
-            "Data set to write into; made if it is not there. Other scans in it stay")
+            "Data set to write into, made if missing; other scans stay")
       ->required();
-  verb.add_flag("--room", a.room,
-                "Put the mesh into a plain room with floor, walls and ceiling: for things that "
-                "were modelled without");
+  verb.add_flag("--room", a.room, "Put the mesh into a plain room, for objects without one");
   add_value(verb, "--graph", a.graph, "CONNECTIVITY.json",
             "Viewpoints and edges (default: placed on the mesh's walkable floor)")
       ->check(CLI::ExistingFile);
-  add_whole_number(verb, "--limit", a.limit, "Take the first N viewpoints only (0: all)", 0)
+  add_whole_number(verb, "--limit", a.limit, "Make the first N viewpoints only; 0: all", 0)
       ->type_name("N");
   add_value(verb, "--labels", a.labels, "DIR",
-            "Matterport3D's house_segmentations of this scan: classes and instances are "
-            "those of its .house, .ply and .json files")
+            "Matterport3D's house_segmentations of the scan, for classes and instances")
       ->check(CLI::ExistingDirectory);
 }
 
 void add_picture_options(CLI::App& verb, Arguments& a) {
   add_value(verb, "--parts", a.parts, "PART,...",
-            "What to write, with commas between: skybox (six JPEGs a viewpoint), strips "
-            "(colour, depth, classes, instances), depth, labels (those strips alone), "
-            "undistorted (18 colour and depth images a viewpoint with cameras: takes ten "
-            "times as long), house (.house and its files), mesh (.obj and .glb), all (default: "
-            "skybox,strips,house,mesh)")
+            "Parts to write, comma-separated: docs/capture.md (default: skybox,strips,house,mesh)")
       ->delimiter(',')
       ->check(CLI::IsMember(capture::scan_part_names()));
   add_setting(verb, "--size", a.files.face_size, "", "Texels along the edge of a sky-box's face",
               CLI::Range(16, 4096));
   add_setting(verb, "--image-width", a.files.image_width, "",
-              "Of undistorted images, pixels; heights are 4/5 of it", CLI::Range(10, 4096));
-  add_setting(verb, "--samples", a.files.samples, "1|4|9|16", "Colour rays a pixel",
+              "Width of undistorted images, pixels; the height is 4/5 of it", CLI::Range(10, 4096));
+  add_setting(verb, "--samples", a.files.samples, "1|4|9|16", "Colour rays per pixel",
               CLI::IsMember({1, 4, 9, 16}));
-  add_setting(verb, "--exposure", a.files.exposure, "", "Stops brighter (or darker) than by itself",
+  add_setting(verb, "--exposure", a.files.exposure, "",
+              "Stops brighter (or darker) than "
+              "automatic exposure",
               finite_number(-10));
-  add_setting(verb, "--quality", a.files.jpeg_quality, "", "Of JPEGs, 1 to 100",
+  add_setting(verb, "--quality", a.files.jpeg_quality, "", "JPEG quality, 1 to 100",
               CLI::Range(1, 100));
   add_threads_option(verb, a.files.threads);
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand(
-      "scan-mesh",
-      "Make a walkable scan of any mesh, in Matterport3D's files: viewpoints over its floor and "
-      "the edges between them, panoramas with light, exact depth, classes and instances. A run "
-      "that was stopped goes on where it was; parts and viewpoints may be added later.");
+  CLI::App& verb =
+      *app.add_subcommand("scan-mesh", "Make a scan from a mesh, in Matterport3D's files");
   const auto arguments = std::make_shared<Arguments>();
   add_source_options(verb, *arguments);
   add_picture_options(verb, *arguments);
   set_examples(
-      verb, {"enfilade scan-mesh house.glb -o my-scans",
-             "enfilade scan-mesh tavern_furniture.glb -o my-scans --room",
-             "enfilade scan-mesh flat.obj -o my-scans --scale 0.01 --up y --limit 4 --size 256",
-             "enfilade scan-mesh house.glb -o my-scans --parts all",
-             ("enfilade scan-mesh S/house_segmentations/S.ply --scan S --labels "
-              "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels")});
+      verb,
+      {"enfilade scan-mesh house.glb -o my-scans",
+       "enfilade scan-mesh tavern_furniture.glb -o my-scans --room",
+       "enfilade scan-mesh flat.obj -o my-scans --scale 0.01 --up y --limit 4 --size 256",
+       "enfilade scan-mesh house.glb -o my-scans --parts all",
+       ("enfilade scan-mesh S/house_segmentations/S.ply --scan S --labels "
+        "S/house_segmentations --graph S_connectivity.json --parts labels,depth -o labels")},
+      "An interrupted run resumes. Parts and viewpoints may be added later.");
   verb.callback([arguments] { run(*arguments); });
 }
 

@@ -175,34 +175,29 @@ void add_options(CLI::App& verb, Options& options) {
       "r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn, soon, r2r-ce or rxr-ce (default: what "
       "the files are of; where results say nothing, r2r)");
   add_value(verb, "--scorer", options.scorer, "NAME",
-            "Whose formulas, by name: official, duet, hamt, valan, r4r_public, vlnce, etpnav, ... "
-            "(docs/tasks.md). "
-            "Without it: of r2r our own table; else the scorer behind the published one");
+            "Scorer: official, duet, hamt, valan, r4r_public, vlnce, etpnav, ... (docs/tasks.md) "
+            "(default: ours for r2r; else the scorer of the published table)");
   add_value(verb, "--annotations", options.annotations, "FILE",
-            "Annotations to score against, instead of the data set's of that split; may be packed");
+            "Annotations to score against, instead of the data set's; may be packed");
   add_value(verb, "--objects", options.objects, "FILE",
-            "REVERIE's boxes, a file or a folder, instead of the data set's");
+            "REVERIE's boxes, file or folder, instead of the data set's");
   add_value(verb, "--connectivity", options.connectivity, "DIR",
             "Navigation graphs, instead of the data set's");
   add_setting(verb, "--spl", options.spl, "PATH",
-              "What SPL in the table compares with: the shortest path, or the reference path, "
-              "as DUET does. The JSON has both",
+              "Path in the table's SPL: shortest, or reference, as DUET",
               CLI::IsMember({"shortest", "reference"}));
   CLI::Option* json = add_value(verb, "--json", options.json, "FILE",
-                                "Write all metrics; - for standard output, without the table");
-  verb.add_flag(
-      "--part", options.part,
-      "Score the instructions that the file has, on purpose; otherwise a missing one is a "
-      "fault");
+                                "Write all measures; - for standard output, without the table");
+  verb.add_flag("--part", options.part,
+                "Score the file's instructions only; otherwise a missing one is a fault");
   verb.add_flag("--all-instructions", options.all_instructions,
                 "R2R: score fourth instructions too, such as 757_3, which papers leave out");
-  verb.add_flag("--per-episode", options.per_episode, "Metrics of each episode in the JSON too")
+  verb.add_flag("--per-episode", options.per_episode, "Measures of each episode in the JSON too")
       ->needs(json);
 }
 
 void add_verb(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "score", "Check a results file completely, every problem in one list, then score it");
+  CLI::App& verb = *app.add_subcommand("score", "Check a results file completely, then score it");
   const auto options = std::make_shared<Options>();
   add_options(verb, *options);
   set_examples(verb, {"enfilade score results.json --split val_unseen",

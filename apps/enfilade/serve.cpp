@@ -203,45 +203,37 @@ void add_serve_options(CLI::App& verb, Options& options) {
                   "The data set (default: ENFILADE_DATA; without it two model homes, made now)")
       ->type_name("DIR");
   verb.add_option("--db", options.database,
-                  "The database: a file, made if it isn't there, or "
-                  "postgresql://USER@HOST/NAME, which several servers may share (default: "
+                  "Database: a file, made if missing, or postgresql://USER@HOST/NAME (default: "
                   "ENFILADE_DATABASE, or enfilade-service.sqlite in the data set)")
       ->type_name("FILE|URL");
   verb.add_option("--phases", options.phases,
-                  "What submissions are scored on, with secret goals or without: docs/service.md "
+                  "Phases of submissions, with secret goals or without: docs/service.md "
                   "(default: each split but train that has its goals)")
       ->type_name("FILE.json");
-  verb.add_option(
-          "--runs", options.config.runs,
-          "Runs of `enfilade ask`, `enfilade mcp` or Python's arena that everybody may look "
-          "at: the folder that holds theirs, or one of them")
+  verb.add_option("--runs", options.config.runs,
+                  "Run of `enfilade ask` or `mcp`, or their folder, to show everyone")
       ->type_name("DIR");
   verb.add_option("--host", options.config.host, "Interface to listen on")->capture_default_str();
-  verb.add_option("--port", options.config.port, "0: any that is free")
+  verb.add_option("--port", options.config.port, "Port; 0: any free one")
       ->capture_default_str()
       ->check(CLI::Range(0, 65535));
-  verb.add_option("--threads", options.config.threads,
-                  "Connections that are served at the same time")
+  verb.add_option("--threads", options.config.threads, "Connections served at the same time")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));
   verb.add_option("--public-name", options.config.public_names,
-                  "A name by which visitors reach it, vln.example.org; requests for others are "
-                  "refused, but for addresses, localhost and this machine's own name. May be "
-                  "repeated")
+                  "Host name of the server; other hosts are refused; may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);
   verb.add_flag("--behind-proxy", options.config.behind_proxy,
-                "Believe X-Forwarded-For and X-Forwarded-Proto; needs --public-name");
+                "Trust X-Forwarded-For and X-Forwarded-Proto; needs --public-name");
   verb.add_option("--organiser", options.organiser,
-                  "At the start, make an organiser's token for NAME, valid for a day, and print it "
-                  "with what to do next")
+                  "Print an organiser's token for NAME at start, valid for a day")
       ->type_name("NAME");
   verb.add_flag("--open-registration", options.config.open_registration,
-                "Anybody can make a team by the page; else organisers make them. For secret goals "
-                "a team must be approved all the same");
+                "Anyone can make a team; secret goals still need an approval");
   verb.add_option(
           "--log", options.log,
-          "One line a request on stderr: text, json or none (default: text; none if DIR and "
+          "One line per request on stderr: text, json or none (default: text; none if DIR and "
           "ENFILADE_DATA are missing)")
       ->check(CLI::IsMember({"text", "json", "none"}));
 }
@@ -264,7 +256,7 @@ struct Token {
 
 void add_token_options(CLI::App& verb, Token& token) {
   add_database_option(verb, token.database);
-  verb.add_option("--label", token.label, "Whose it is; of a team, its name")->required();
+  verb.add_option("--label", token.label, "Owner of the token; a team's name")->required();
   verb.add_option("--role", token.role,
                   "organiser: everything; reviewer: what workers submitted; team: its submissions")
       ->capture_default_str()
@@ -291,7 +283,7 @@ void add_token(CLI::App& serve_verb, int& status) {
 
 void add_revoke(CLI::App& serve_verb, int& status) {
   CLI::App& verb = *serve_verb.add_subcommand(
-      "revoke", "Take somebody's tokens back, at once, also while a server uses the database");
+      "revoke", "Revoke tokens at once, also while a server uses the database");
   const auto token = std::make_shared<Token>();
   add_token_options(verb, *token);
   set_examples(verb, {"enfilade serve revoke --db vln.sqlite --label Ada",
@@ -313,15 +305,16 @@ void add_approve(CLI::App& serve_verb, int& status) {
     std::string database, team;
     bool is_new = false, withdraw = false;
   };
-  CLI::App& verb = *serve_verb.add_subcommand(
-      "approve", "Let a team submit to phases with secret goals, also while a server runs");
+  CLI::App& verb = *serve_verb.add_subcommand("approve",
+                                              "Let a team submit to phases with secret goals, also "
+                                              "while serving");
   const auto approve = std::make_shared<Approve>();
   add_database_option(verb, approve->database);
-  verb.add_option("--team", approve->team, "Its name")->required()->type_name("NAME");
+  verb.add_option("--team", approve->team, "Name of the team")->required()->type_name("NAME");
   auto* is_new =
       verb.add_flag("--new", approve->is_new, "Make the team first; prints its token, once");
   verb.add_flag("--withdraw", approve->withdraw,
-                "Take the approval back; the team's submissions stay, but are not shown")
+                "Withdraw the approval; the team's submissions stay, but are hidden")
       ->excludes(is_new);
   set_examples(verb, {"enfilade serve approve --db vln.sqlite --team 'A team'",
                       "enfilade serve approve --db vln.sqlite --team 'Another team' --new",
@@ -347,7 +340,7 @@ void add_backup(CLI::App& serve_verb, int& status) {
       *serve_verb.add_subcommand("backup", "Copy the database, also while a server uses it");
   const auto backup = std::make_shared<Backup>();
   add_database_option(verb, backup->database);
-  verb.add_option("copy", backup->copy, "Written whole, then renamed")
+  verb.add_option("copy", backup->copy, "File of the copy; written whole, then renamed")
       ->required()
       ->type_name("FILE");
   set_examples(verb, {"enfilade serve backup --db vln.sqlite vln-monday.sqlite"});
@@ -362,13 +355,13 @@ void add_copy(CLI::App& serve_verb, int& status) {
     std::string database, file;
   };
   CLI::App& verb = *serve_verb.add_subcommand(
-      "copy", "Copy a file's content into a database of PostgreSQL, while no server uses either");
+      "copy", "Copy a database file to PostgreSQL, while no server uses either");
   const auto copy = std::make_shared<Copy>();
-  verb.add_option("file", copy->file, "What `serve` has kept so far; it stays")
+  verb.add_option("file", copy->file, "Database file of `serve`; it stays")
       ->required()
       ->type_name("FILE");
   verb.add_option("--db", copy->database,
-                  "Where no server has written yet (default: ENFILADE_DATABASE)")
+                  "A database that no server has used (default: ENFILADE_DATABASE)")
       ->type_name("URL");
   set_examples(verb, {"enfilade serve copy vln.sqlite --db postgresql://enfilade@db/vln"});
   verb.callback([copy, &status] {
@@ -383,8 +376,7 @@ void add_copy(CLI::App& serve_verb, int& status) {
 
 void add_serve(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
-      "serve",
-      "A data set in the browser, a benchmark with a leaderboard, and collecting instructions");
+      "serve", "Serve a data set, a leaderboard and annotation pages over HTTP");
   const auto options = std::make_shared<Options>();
   add_serve_options(verb, *options);
   add_token(verb, status);

@@ -6,15 +6,13 @@ namespace enfilade::apps {
 
 void add_subset_option(CLI::App& verb, std::string& subset) {
   add_value(verb, "--subset", subset, "N|FILE|all",
-            "N episodes, spread over buildings and lengths (papers: 100, 216, 1000; default: 100, "
-            "or as many as there are); or a file with an instruction id a line; or all");
+            "N episodes, spread over buildings and lengths; file of ids; all "
+            "(default: 100, or as many as there are)");
 }
 
 void add_steps_option(CLI::App& verb, std::uint32_t& steps) {
   add_whole_number(verb, "--steps", steps,
-                   "Calls after which an episode ends; 0: 30, and in continuous space as many as "
-                   "the benchmark's actions take",
-                   0);
+                   "Most calls per episode; 0: 30, or the benchmark's limit if continuous", 0);
 }
 
 arena::Limits limits_of(const arena::World& world, std::uint32_t steps) {

@@ -78,8 +78,7 @@ void stats(const Options& options) {
 
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
-      "stats",
-      "What a data set is like: paths, instructions, vocabulary, goals, languages, graphs");
+      "stats", "Print statistics of a data set: paths, instructions, goals, graphs");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_task_option(verb, options->task, "r2r, or what the data set has");
@@ -89,7 +88,7 @@ void add_verb(CLI::App& app, int& /*status*/) {
   add_value(verb, "--json", options->json, "FILE",
             "Write the numbers as JSON; - for standard output, without the table");
   add_whole_number(verb, "--top", options->top,
-                   "How many of the most frequent first four words to list", 0);
+                   "Number of most frequent openings (first four words) to list", 0);
   set_examples(verb,
                {"enfilade stats", "enfilade stats --split train val_seen --json stats.json",
                 "enfilade stats --task reverie", "enfilade stats --json - | jq .all.vocabulary"});

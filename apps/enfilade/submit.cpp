@@ -66,16 +66,18 @@ ExitCode submit(const Options& options) {
 }
 
 void add_verb(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand("submit", "Hand a results file in at an Enfilade server");
+  CLI::App& verb = *app.add_subcommand("submit", "Submit a results file to an Enfilade server");
   const auto options = std::make_shared<Options>();
   verb.add_option("results", options->results, "Results file, in any of the usual forms")
       ->required()
       ->type_name("RESULTS.json");
-  verb.add_option("--server", options->server, "Its address")->required()->type_name("URL");
-  verb.add_option("--phase", options->phase, "As the server's leaderboard names it")
+  verb.add_option("--server", options->server, "Address of the server")
+      ->required()
+      ->type_name("URL");
+  verb.add_option("--phase", options->phase, "Phase of the server's leaderboard")
       ->required()
       ->type_name("NAME");
-  verb.add_option("--method", options->method, "What the leaderboard is to call it")
+  verb.add_option("--method", options->method, "Name of the method on the leaderboard")
       ->required()
       ->type_name("NAME");
   verb.add_option("--token-file", options->token_file,

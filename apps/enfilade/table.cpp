@@ -42,17 +42,16 @@ void table(const Options& options) {
 
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("table",
-                                       "The table of the paper or of another benchmark: agents by "
-                                       "splits with 95 % intervals, beside "
-                                       "the published figures where the data are theirs");
+                                       "Print a benchmark's table: agents by splits, with 95 % "
+                                       "intervals");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_task_option(verb, options->task,
                   "what the results are of; where they say nothing, r2r or what the data set has",
                   FreeTasks::kToo);
   add_value(verb, "runs", options->named, "PATH",
-            "Results files AGENT_SPLIT.json, model directories, or folders with these; runs "
-            "whose names differ in a number at the end (student-1, student-2) are one row")
+            "Results files AGENT_SPLIT.json, model directories, or folders of them "
+            "(docs/report.md)")
       ->required();
   add_setting(verb, "-o,--output", options->output, "FILE", "File; - for standard output");
   CLI::Option* json = verb.add_flag("--json", options->json, "As JSON");

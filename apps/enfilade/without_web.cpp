@@ -25,13 +25,13 @@ void serve_mcp_over_http(arena::McpServer& /*server*/, int /*port*/, const std::
 }
 
 void add_ask(CLI::App& app, int& /*status*/) {
-  add_missing(app, "ask", "Have a language model walk a split");
+  add_missing(app, "ask", "Evaluate a language model on a split");
 }
 void add_serve(CLI::App& app, int& /*status*/) {
-  add_missing(app, "serve", "A data set and a benchmark in the browser");
+  add_missing(app, "serve", "Serve a data set, a leaderboard and annotation pages over HTTP");
 }
 void add_submit(CLI::App& app, int& /*status*/) {
-  add_missing(app, "submit", "Hand a results file in at an Enfilade server");
+  add_missing(app, "submit", "Submit a results file to an Enfilade server");
 }
 
 }  // namespace enfilade::apps

@@ -164,7 +164,7 @@ const std::map<std::string_view, Maker>& makers() {
 std::unique_ptr<ContinuousAgent> make_continuous_agent(std::string_view name) {
   const auto found = makers().find(name);
   if (found == makers().end()) {
-    throw LookupError(fmt::format("no agent \"{}\" walks freely; there are {}", name,
+    throw LookupError(fmt::format("no continuous agent \"{}\"; there are {}", name,
                                   fmt::join(continuous_agent_names(), ", ")));
   }
   return found->second();

@@ -34,7 +34,7 @@ enum ErrorCode : int {
 constexpr const char* kInstructions =
     "You walk through a building as an instruction says, one tool call at a time. begin starts an "
     "episode; then the tools take the listed values, and stop ends it where the instruction leads "
-    "to. What is impossible is told and does nothing.";
+    "to. An invalid call has no effect, and the response says so.";
 
 Json text_block(std::string text) { return {{"type", "text"}, {"text", std::move(text)}}; }
 

@@ -295,7 +295,7 @@ class PolygonChecker {
       const auto& triangle = floor_.triangles[h.first_triangle + t];
       has_rim = has_rim || (triangle[3] & kAnySideOfPolygon) != 0;
       if (std::max({triangle[0], triangle[1], triangle[2]}) >= h.points) {
-        fault(where, "bad-index", fmt::format("triangle {} has a point that is none", t));
+        fault(where, "bad-index", fmt::format("triangle {} has an invalid point", t));
       }
     }
     if (!has_rim) fault(where, "bad-heights", "no triangle has a side of the polygon");

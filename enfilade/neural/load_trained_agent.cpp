@@ -161,8 +161,8 @@ std::unique_ptr<TrainedAgent> load_trained_agent(const fs::path& folder,
                                     folder.string()));
   }
   if (kind == models::AgentKind::kSeq2SeqCe) {
-    throw ArgumentError(fmt::format(
-        "{}: an agent that walks freely, not in the graph: --task r2r-ce", folder.string()));
+    throw ArgumentError(fmt::format("{}: a continuous agent, not one of the graph: --task r2r-ce",
+                                    folder.string()));
   }
   const c10::Device device = core::open_agents_device(device_name);
   models::InstructionWords words = models::load_instruction_words(files, config.training);

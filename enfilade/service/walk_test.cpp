@@ -190,7 +190,7 @@ TEST_F(Walk, TheExportIsScoredLikeAnyAgents) {
   // The third path has one walk of its two: it is left out of both, and the server says so.
   EXPECT_EQ(file->get_header_value("X-Enfilade-Export"),
             "4 of 6 instructions have a walk; 1 walk is left out: 1 of paths with an instruction "
-            "that nobody has walked");
+            "that no worker has walked");
   const json report = served_.json(target + "&what=report", organiser_);
   EXPECT_EQ(report.at("items"), 6);
   EXPECT_EQ(report.at("exported"), json({{"items", 4}, {"paths", 2}, {"tasks", 4}}));

@@ -47,7 +47,7 @@ std::vector<Case> arena_cases() {
       ask("a model and a stand-in", "--endpoint http://127.0.0.1:9/v1 --model m --stand-in oracle",
           2, "one of --endpoint URL"),
       ask("a captioner without captions", "--stand-in oracle --captioner http://127.0.0.1:9/v1", 2,
-          "nobody asks for captions"),
+          "need --words captions"),
       ask("a model without a name", "--endpoint http://127.0.0.1:9/v1", 2,
           "--model NAME is needed"),
       ask("a rule that is none", "--stand-in clever", 2,

@@ -12,16 +12,12 @@ Case line(std::string input, std::string command, int exit_code, std::string say
 std::vector<Case> command_line_cases() {
   return {
       line("no verb", "", 2, "A subcommand is required"),
-      line(
-          "a verb that is none", "fly", 2,
-          "\"fly\" is none of its verbs: ask, contact-sheet, continuous, convert, dataset, demo, "
-          "doctor, evaluate, "
-          "export, features, filmstrip, graph, homes, import, import-weights, mcp, pack, panorama, "
-          "pretrain, r4r, ray, "
-          "render, report, run, sample, scan-mesh, score, serve, slurm, speak, stats, study, "
-          "submit, "
-          "synth, "
-          "table, top-down, train"),
+      line("an unknown verb", "fly", 2,
+           "unknown verb \"fly\"; the verbs are ask, contact-sheet, continuous, convert, dataset, "
+           "demo, doctor, evaluate, export, features, filmstrip, graph, homes, import, "
+           "import-weights, mcp, pack, panorama, pretrain, r4r, ray, render, report, run, sample, "
+           "scan-mesh, score, serve, slurm, speak, stats, study, submit, synth, table, top-down, "
+           "train"),
       line("a job without a verb", "slurm -o {}/job", 2, "a verb is needed"),
       line("a job of a verb that cannot be cut", "slurm -o {}/job score x.json", 2,
            "\"score\": features and homes can be cut into shares"),

@@ -128,12 +128,12 @@ ClusterJob job_of_commands(const fs::path& file) {
 
 void add_job_options(CLI::App& verb, JobOptions& options) {
   verb.prefix_command();
-  add_whole_number(verb, "--shards", options.shards, "How many shares");
+  add_whole_number(verb, "--shards", options.shards, "Number of shards");
   add_value(verb, "--commands", options.commands, "FILE",
-            "In place of a verb: a command a line, each a share, such as evaluate, pack or export");
+            "File of commands, one per line and shard, instead of a verb");
   add_setting(verb, "-o,--output", options.folder, "DIR",
-              "For scripts, logs and what is done; on a file system that all machines see");
-  add_whole_number(verb, "--cpus", options.cpus, "Processors a share");
+              "Scripts, logs and state; on a file system that all machines share");
+  add_whole_number(verb, "--cpus", options.cpus, "Processors per shard");
 }
 
 ClaimedJob claim_job(const CLI::App& verb, const JobOptions& options) {

@@ -37,14 +37,15 @@ void run(const CLI::App& verb, const Options& options) {
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand("ray", "Cut a data job into shares, as tasks of Ray");
+  CLI::App& verb = *app.add_subcommand("ray", "Run a data job in shards, as tasks of Ray");
   const auto options = std::make_shared<Options>();
   add_job_options(verb, options->job);
-  add_whole_number(verb, "--attempts", options->attempts, "Times that a share is begun");
+  add_whole_number(verb, "--attempts", options->attempts, "Most attempts per shard");
   add_value(verb, "--address", options->address, "ADDRESS",
-            "Of a running cluster: auto, or HOST:PORT (default: one on this machine alone)");
+            "Address of a running cluster: auto, or HOST:PORT (default: one on this machine "
+            "alone)");
   add_setting(verb, "--python", options->python, "PROGRAM",
-              "A Python with the packages enfilade and ray");
+              "Python with the packages enfilade and ray");
   set_examples(verb, {"enfilade ray --shards 16 homes -o homes --preset full",
                       "enfilade ray --address auto --cpus 8 features --data homes --weights "
                       "resnet152.pth -o features.safetensors",

@@ -132,13 +132,15 @@ void run(const CLI::App& verb, const Options& options) {
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand("slurm", "Cut a data job into shares, as an array of Slurm");
+  CLI::App& verb = *app.add_subcommand("slurm",
+                                       "Split a data job into shards, as a job array of "
+                                       "Slurm");
   const auto options = std::make_shared<Options>();
   add_job_options(verb, options->job);
   add_value(verb, "--sbatch", options->sbatch, "OPTION",
-            "A line of options for sbatch, any number of times: --sbatch=--time=2:00:00")
+            "Options for sbatch, such as --sbatch=--time=2:00:00; may be repeated")
       ->allow_extra_args(false);
-  verb.add_flag("--submit", options->submit, "Hand it to sbatch as well");
+  verb.add_flag("--submit", options->submit, "Submit the job with sbatch");
   set_examples(verb,
                {"enfilade slurm --shards 16 homes -o homes --preset full",
                 "enfilade slurm --shards 32 --cpus 8 --sbatch=--partition=cpu --submit features "

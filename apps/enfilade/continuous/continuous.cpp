@@ -129,29 +129,27 @@ ExitCode make(const Options& options) {
 }
 
 void add_verb(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "continuous",
-      "Make the floors of a data set's buildings walkable freely, and episodes in VLN-CE's files");
+  CLI::App& verb =
+      *app.add_subcommand("continuous", "Build navigation meshes and derive VLN-CE episodes");
   const auto options = std::make_shared<Options>();
   add_value(verb, "data", options->data, "DATA", "Folder of the data set (default: ENFILADE_DATA)");
   add_setting(verb, "--task", options->task, "NAME",
-              "r2r-ce, from Room-to-Room, or rxr-ce, from RxR: its body, steps and files",
+              "Benchmark: r2r-ce (from R2R) or rxr-ce (from RxR)",
               CLI::IsMember({"r2r-ce", "rxr-ce"}));
   add_value(verb, "--meshes", options->meshes.folder, "DIR",
-            "Meshes DIR/SCAN.glb, .obj or .ply, instead of the data set's own");
+            "Folder of meshes SCAN.glb, .obj or .ply, instead of the data set's");
   add_setting(verb, "--up", options->meshes.up, "AXIS",
-              "Axis of meshes that points up; format: y for glTF, z for others and for mp3d/",
+              "Up axis of meshes; format: y for glTF, else z (also mp3d/)",
               CLI::IsMember({"format", "y", "z"}));
   add_setting(verb, "--start-headings", options->headings, "RULE",
-              "path: the annotation's, as VLN-CE since v1-3; random: as before",
+              "Start headings: path (the annotation's, as VLN-CE since v1-3) or random",
               CLI::IsMember({"path", "random"}));
-  add_whole_number(verb, "--seed", options->seed, "Of random headings", 0);
+  add_whole_number(verb, "--seed", options->seed, "Seed of random headings", 0);
   add_value(verb, "--dropped", options->dropped, "FILE",
-            "Write which paths no body can walk, and why: split, path, scan, reason, a line each");
-  verb.add_flag("--floors-only", options->floors_only, "Navigation meshes, no episodes");
+            "Write impossible paths, one per line: split, path, scan, reason");
+  verb.add_flag("--floors-only", options->floors_only, "Build navigation meshes, no episodes");
   verb.add_flag("--light", options->light,
-                "Keep the light of model homes too, some 20 MB each, so that an agent that sees "
-                "(`enfilade train --task r2r-ce`) opens them faster");
+                "Keep the light of homes (20 MB each), for faster training with images");
   add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade continuous homes", "enfilade continuous homes --light",
                       "enfilade continuous data --meshes glb --dropped dropped.tsv",

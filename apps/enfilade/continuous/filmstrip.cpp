@@ -120,27 +120,29 @@ void draw_strip(const Options& options) {
 
 void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
-      "filmstrip", "Draw what an agent saw on a walk in the continuous world, as small pictures");
+      "filmstrip", "Draw the views of a continuous trajectory as small pictures");
   const auto options = std::make_shared<Options>();
-  add_value(verb, "episode", options->episode, "EPISODE", "An episode's id")->required();
+  add_value(verb, "episode", options->episode, "EPISODE", "Id of the episode")->required();
   add_data_option(verb, options->data);
-  add_setting(verb, "--task", options->task, "NAME", "r2r-ce or rxr-ce",
+  add_setting(verb, "--task", options->task, "NAME", "Benchmark: r2r-ce or rxr-ce",
               CLI::IsMember({"r2r-ce", "rxr-ce"}));
-  add_setting(verb, "--split", options->split, "NAME", "Of the episode");
+  add_setting(verb, "--split", options->split, "NAME", "Split of the episode");
   add_value(verb, "--results", options->results, "FILE",
-            "Results of `run --task r2r-ce`: whose walk is drawn (default: an expert's)");
+            "Results file with the trajectory to draw (default: an expert's trajectory)");
   add_setting(verb, "-o,--output", options->output, "FILE",
               "PNG or JPEG file; - for standard output");
-  add_whole_number(verb, "--pictures", options->pictures, "How many, evenly spread over the walk",
+  add_whole_number(verb, "--pictures", options->pictures,
+                   "Number of pictures, evenly spaced "
+                   "along the trajectory",
                    1)
       ->type_name("N");
-  add_value(verb, "--columns", options->columns, "N", "Pictures in a row (default: chosen to fit)")
+  add_value(verb, "--columns", options->columns, "N", "Pictures per row (default: chosen to fit)")
       ->check(whole_number(1));
   add_setting(verb, "--thumb", options->thumb, "WxH", "Size of a picture, pixels");
   add_field_of_view_option(verb, options->vfov);
   add_appearance_option(verb, options->appearance);
   add_value(verb, "--meshes", options->meshes, "DIR",
-            "Draw SCAN.glb, .obj or .ply of this folder instead of the data set's mesh");
+            "Folder of meshes SCAN.glb, .obj or .ply, instead of the data set's");
   add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade filmstrip 12 --data homes --results walks.json -o walk.jpg",
                       "enfilade filmstrip 12 --data homes --pictures 24 --appearance panoramas"});

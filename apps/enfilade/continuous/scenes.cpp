@@ -86,7 +86,7 @@ exports::BuildingLook look_of_scan(const dataset::Dataset& data, const MeshSourc
 
 void add_appearance_option(CLI::App& verb, std::string& appearance) {
   add_setting(verb, "--appearance", appearance, "NAME",
-              "Where colours come from: mesh, or panoramas, where they see what is shown",
+              "Source of colours: mesh, or panoramas (where they show the surface)",
               CLI::IsMember({"mesh", "panoramas"}));
 }
 

@@ -68,16 +68,16 @@ void draw_map(const Options& options) {
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand(
-      "top-down", "Draw the floor of a building from above, with walks in the continuous world");
+  CLI::App& verb =
+      *app.add_subcommand("top-down", "Draw a floor from above, with continuous trajectories");
   const auto options = std::make_shared<Options>();
-  add_value(verb, "what", options->what, "EPISODE|SCAN", "An episode's id, or a scan")->required();
+  add_value(verb, "what", options->what, "EPISODE|SCAN", "Id of an episode, or a scan")->required();
   add_data_option(verb, options->data);
-  add_setting(verb, "--task", options->task, "NAME", "r2r-ce or rxr-ce",
+  add_setting(verb, "--task", options->task, "NAME", "Benchmark: r2r-ce or rxr-ce",
               CLI::IsMember({"r2r-ce", "rxr-ce"}));
-  add_setting(verb, "--split", options->split, "NAME", "Of the episode");
+  add_setting(verb, "--split", options->split, "NAME", "Split of the episode");
   add_value(verb, "--results", options->results, "FILE...",
-            "Results of `run --task r2r-ce`: whose walks are drawn");
+            "Results files with the trajectories to draw");
   add_value(verb, "-o,--output", options->output, "FILE.svg", "File, - for standard output")
       ->required();
   set_examples(verb, {"enfilade top-down 12 --data homes --results walks.json -o walk.svg",

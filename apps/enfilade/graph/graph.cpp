@@ -202,37 +202,34 @@ void draw_plan(const DrawArguments& a) {
 
 void add_check(CLI::App& graph, int& status) {
   CLI::App& verb = *graph.add_subcommand(
-      "check",
-      "Report what is odd about navigation graphs: unusable files (errors), edges that are long, "
-      "steep or one-way, isolated viewpoints, disconnected parts, bad poses (warnings). Changes "
-      "nothing. Exit code 1 if there is an error.");
+      "check", "Check navigation graphs for broken files, odd edges and isolated parts");
   const auto arguments = std::make_shared<CheckArguments>();
   add_value(verb, "directory", arguments->directory, "DIR",
             "Folder of *_connectivity.json (default: that of the data set)");
   add_data_option(verb, arguments->data);
   add_value(verb, "--json", arguments->json, "FILE",
-            "Write the report as JSON too; - for standard output instead of the text");
+            "Write the report as JSON; - for standard output, without the text");
   add_metres_option(verb, "--longest-edge", arguments->options.longest_edge,
-                    "Longer edges are reported; metres");
+                    "Report edges that are longer; metres");
   verb.add_flag("--strict", arguments->strict, "Exit code 1 for warnings too");
-  set_examples(verb, {"enfilade graph check", "enfilade graph check my-scans --strict",
-                      "enfilade graph check --json - | jq .codes"});
+  set_examples(verb,
+               {"enfilade graph check", "enfilade graph check my-scans --strict",
+                "enfilade graph check --json - | jq .codes"},
+               "Exit code 1 if there is an error: a file that cannot be used.");
   verb.callback([arguments, &status] { status = check(*arguments); });
 }
 
 void add_draw(CLI::App& graph) {
-  CLI::App& verb = *graph.add_subcommand(
-      "draw", "Draw a floor plan as SVG, a panel a storey, with paths over it");
+  CLI::App& verb = *graph.add_subcommand("draw", "Draw a floor plan as SVG, one panel per storey");
   const auto a = std::make_shared<DrawArguments>();
   add_scan_argument(verb, a->scan);
   add_value(verb, "-o,--output", a->output, "FILE",
             "SVG file (default: SCAN.svg); - for standard output");
   add_data_option(verb, a->data);
   add_value(verb, "--mesh", a->mesh, "FILE",
-            "The building's mesh, for its walls: GLB, glTF, OBJ, PLY in the graph's frame. "
-            "Model homes (homes.json in the data folder) need none");
+            "Mesh for walls, in the graph's frame: GLB, glTF, OBJ, PLY; homes need none");
   add_path_options(verb, a->path, "draw the agent's path of --instr too");
-  verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint");
+  verb.add_flag("--labels", a->labels, "Write indices beside viewpoints");
   set_examples(verb,
                {"enfilade graph draw 17DRP5sb8fy -o plan.svg",
                 "enfilade graph draw home0001 --data homes -o home.svg",

@@ -125,14 +125,11 @@ void add_body(CLI::App& verb, BuildArguments& a) {
   add_setting(verb, "--slope", a.walk.body.slope, "", "Steepest floor, degrees", finite_number());
   add_metres_option(verb, "--cell", a.walk.cell, "Grid spacing of the floor");
   add_metres_option(verb, "--longest-edge", a.edges.longest, "Longest edge");
-  add_metres_option(verb, "--body-width", a.edges.width, "Width that must be free along an edge");
+  add_metres_option(verb, "--body-width", a.edges.width, "Free width along an edge");
 }
 
 void add_verb(CLI::App& graph, int& /*status*/) {
-  CLI::App& verb = *graph.add_subcommand(
-      "build",
-      "Find where one can walk in a mesh, spread viewpoints over it, trace the edges between them, "
-      "and write a connectivity file and scans.txt");
+  CLI::App& verb = *graph.add_subcommand("build", "Build a navigation graph from a mesh");
   const auto a = std::make_shared<BuildArguments>();
   add_mesh_options(verb, a->mesh);
   add_value(verb, "-o,--output", a->output, "DIR", "Output folder; made if missing")->required();

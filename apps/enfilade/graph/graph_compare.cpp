@@ -64,17 +64,14 @@ int run(const CompareArguments& a) {
 
 void add_verb(CLI::App& graph, int& status) {
   CLI::App& verb = *graph.add_subcommand(
-      "compare",
-      "Compare the edges of graph A with those of graph B, the truth: precision, recall, F1, and "
-      "the edges that differ. Viewpoints are matched by id or, if they share none, by place.");
+      "compare", "Compare a navigation graph with a reference: precision, recall, F1");
   const auto a = std::make_shared<CompareArguments>();
   add_value(verb, "A", a->found, "FILE", "Connectivity file")->required();
-  add_value(verb, "B", a->truth, "FILE", "Connectivity file to compare with")->required();
+  add_value(verb, "B", a->truth, "FILE", "Connectivity file of the reference")->required();
   add_value(verb, "--plan", a->plan, "FILE",
-            "Draw the difference as SVG: extra edges red, missing ones dashed blue; - for "
-            "standard output instead of the report");
-  verb.add_flag("--labels", a->labels, "Write its index beside each viewpoint on the plan");
-  add_value(verb, "--least-f1", a->least_f1, "X", "Exit code 1 if F1 is below")
+            "Draw the difference as SVG; - for standard output, without the report");
+  verb.add_flag("--labels", a->labels, "Write indices beside viewpoints of the plan");
+  add_value(verb, "--least-f1", a->least_f1, "X", "Exit code 1 if F1 is lower")
       ->check(finite_number(0, 1));
   set_examples(verb, {"enfilade graph compare built/x_connectivity.json x_connectivity.json",
                       "enfilade graph compare A.json B.json --plan difference.svg",

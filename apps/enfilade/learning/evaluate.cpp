@@ -108,10 +108,11 @@ void evaluate_continuous(const Options& options) {
   const std::string task = options.task.empty() ? "r2r-ce" : options.task;
   const tasks::Benchmark* named = tasks::find_benchmark(task);
   if (named == nullptr || !named->continuous()) {
-    throw UsageError(fmt::format("--task {}: {} walks freely, in r2r-ce", task, options.model));
+    throw UsageError(
+        fmt::format("--task {}: {} is a continuous agent, of r2r-ce", task, options.model));
   }
   if (!options.features.empty() || !options.objects.empty()) {
-    throw UsageError("--features, --objects: not of an agent that walks freely");
+    throw UsageError("--features, --objects: not for a continuous agent");
   }
   for (const std::string& split : options.splits) {
     const fs::path own = models::ModelFiles{options.model}.results(split);
@@ -167,7 +168,7 @@ void run(const Options& options) {
                                  to_string(*kind), ranks.size()));
   }
   if (kind == models::AgentKind::kSeq2SeqCe) return evaluate_continuous(options);
-  if (!options.meshes.empty()) throw UsageError("--meshes: of an agent that walks freely only");
+  if (!options.meshes.empty()) throw UsageError("--meshes: for a continuous agent only");
   if (kind == models::AgentKind::kSpeaker) return evaluate_speaker(options);
   tell_failures(ranks, [&] { evaluate_walker(options, place, ranks); });
 }
@@ -176,17 +177,17 @@ void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("evaluate", kEvaluateHelp);
   const auto options = std::make_shared<Options>();
   add_value(verb, "model", options->model, "MODELDIR",
-            "What `enfilade train` made; of a speaker, perplexity and BLEU-4 are printed")
+            "Model directory of `enfilade train`; speakers: prints perplexity and BLEU-4")
       ->required();
   add_data_option(verb, options->data);
   add_value(verb, "--features", options->features, "FILE",
             "Image features, if the agent uses vision");
   add_value(verb, "--objects", options->objects, "FILE",
-            "Features of objects (HDF5), if the agent names one: REVERIE, SOON");
+            "Object features (HDF5), if the agent uses them: REVERIE, SOON");
   add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
   add_value(verb, "--meshes", options->meshes, "DIR",
-            "Of an agent that walks freely: meshes DIR/SCAN.glb, .obj or .ply to look at, instead "
-            "of the data set's own");
+            "Continuous agents: folder of meshes SCAN.glb, .obj or .ply, instead of the data "
+            "set's");
   add_setting(verb, "--split", options->splits, "NAMES", "train, val_seen, val_unseen, test, ...")
       ->delimiter(',');
   add_value(verb, "-o,--output", options->output, "DIR",
@@ -194,8 +195,7 @@ void add_verb(CLI::App& app, int& /*status*/) {
             "results/ in the model directory)");
   add_whole_number(verb, "--batch", options->batch_size, "Episodes at once");
   add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
-  add_threads_option(verb, options->threads,
-                     "0: all cores; of several processes each its share of them");
+  add_threads_option(verb, options->threads, "0: all cores, divided among the processes");
   add_rank_options(verb, options->ranks);
   set_examples(verb, {"enfilade evaluate student --features resnet.safetensors",
                       "torchrun --no-python --nproc-per-node 4 enfilade evaluate duet "

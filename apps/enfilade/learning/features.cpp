@@ -96,34 +96,28 @@ void run(Options o) {
 void add_options(CLI::App& verb, Options& o) {
   add_data_option(verb, o.data);
   add_value(verb, "-o,--output", o.output, "FILE",
-            "A .safetensors (mapped, resumable), .tsv (as R2R's authors published theirs) or "
-            ".h5 (as HAMT's and DUET's); with --shard, NAME.3-of-16.safetensors")
+            "File .safetensors (resumable), .tsv (R2R's form) or .h5 (HAMT's, DUET's)")
       ->required();
   add_setting(verb, "--encoder", o.job.encoder.name, "NAME",
-              fmt::format("One of: {}", fmt::join(neural::encoder_names(), ", ")),
+              fmt::format("Encoder: {}", fmt::join(neural::encoder_names(), ", ")),
               CLI::IsMember(neural::encoder_names()));
   add_value(verb, "--weights", o.weights, "FILE",
-            ".safetensors or PyTorch's .pth; of ResNets with torchvision's or timm's names, of "
-            "vit-b-16 with timm's, of CLIP with OpenAI's or Hugging Face's; of home: what "
-            "`enfilade pretrain` wrote; or the word random");
+            "Weights .safetensors or .pth (docs/features.md), or the word random");
   verb.add_flag("--logits", o.job.encoder.logits,
-                "With vit-b-16: behind its 768 numbers the scores of ImageNet's 1,000 classes, "
-                "which the pretraining of HAMT and DUET wants");
+                "vit-b-16: append the scores of ImageNet's 1,000 classes, for pretraining");
   add_setting(verb, "--preprocessing", o.preprocessing, "NAME",
-              "What ResNet's weights were trained with: caffe (the released R2R features) or "
-              "torchvision (all weights of torchvision and timm)",
+              "Preprocessing of ResNets: caffe (R2R's features) or torchvision (other weights)",
               CLI::IsMember({"caffe", "torchvision"}));
-  add_value(verb, "--scan", o.scans, "SCAN", "Only these (default: all of scans.txt)");
+  add_value(verb, "--scan", o.scans, "SCAN", "Scans to encode (default: all of scans.txt)");
   add_value(verb, "--images", o.images, "DIR",
             "Folder of stores or scans (default: the data set's)");
-  add_value(verb, "--shard", o.shard, "N/COUNT", "Do the third of 16 parts: 3/16");
-  add_whole_number(verb, "--batch", o.job.batch, "Pictures that the encoder sees at once");
+  add_value(verb, "--shard", o.shard, "N/COUNT", "Compute shard N of COUNT, such as 3/16");
+  add_whole_number(verb, "--batch", o.job.batch, "Pictures per batch");
   add_setting(verb, "--device", o.job.encoder.device, "NAME", "cpu, cuda or cuda:N");
   add_threads_option(verb, o.job.threads);
-  verb.add_flag("--float16", o.float16, "Half the size; three digits of each number");
+  verb.add_flag("--float16", o.float16, "Half the size; three digits per number");
   add_value(verb, "--merge", o.merge, "FILE...",
-            "Compute nothing: put these feature files together into --output, or change the "
-            "format of one");
+            "Merge these feature files into --output, or change a file's format");
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
@@ -141,7 +135,8 @@ void add_verb(CLI::App& app, int& /*status*/) {
        ("enfilade features --encoder vit-b-16 --weights vit_base_patch16_224.safetensors --logits "
         "-o pth_vit_base_patch16_224_imagenet.hdf5"),
        "enfilade features --merge features.*-of-16.safetensors -o features.safetensors",
-       "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"});
+       "enfilade features --merge ResNet-152-imagenet.tsv --float16 -o resnet152.safetensors"},
+      "An interrupted run resumes.");
   verb.callback([options] { run(*options); });
 }
 

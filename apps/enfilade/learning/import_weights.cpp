@@ -80,28 +80,27 @@ void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("import-weights", kImportWeightsHelp);
   const auto options = std::make_shared<Options>();
   add_value(verb, "file", options->file, "FILE",
-            "A checkpoint of PyTorch, .safetensors or .npz, with the published names")
+            "PyTorch checkpoint, .safetensors or .npz, with the published names")
       ->required();
   add_value(verb, "-o,--output", options->output, "MODELDIR", "The new model directory")
       ->required();
   add_value(verb, "--vocabulary", options->vocabulary, "FILE",
-            "What the weights' rows of words are: BERT's vocab.txt, XLM-R's .model, or a word a "
-            "line");
+            "Words of the weights: BERT's vocab.txt, XLM-R's .model, or lines");
   add_value(verb, "--letters", options->letters, "NAME",
             "cased or uncased (default: as the published vocabulary of that size)");
   add_value(verb, "--agent", options->agent, "NAME",
             "duet or panoramic (default: what the arrays' names say)");
   add_value(verb, "--heads", options->heads, "N",
-            "Heads of DUET's attention (default: one for 64 columns)")
+            "Attention heads of DUET (default: one per 64 columns)")
       ->check(whole_number(1, 1024));
   add_value(verb, "--max-words", options->max_words, "N",
-            "Words of an instruction that are read (default: duet 200, panoramic 80)")
+            "Most words of an instruction (default: duet 200, panoramic 80)")
       ->check(whole_number(2, 100'000));
   add_value(verb, "--max-steps", options->max_steps, "N",
-            "Decisions of an episode (default: duet 15, panoramic 35)")
+            "Most decisions per episode (default: duet 15, panoramic 35)")
       ->check(whole_number(1, 100'000));
   add_setting(verb, "--subout", options->subout, "NAME",
-              "What the panoramic agent's decoder starts from: max or tanh");
+              "Start of the panoramic agent's decoder: max or tanh");
   set_examples(verb, {"enfilade import-weights best_val_unseen --vocabulary vocab.txt -o duet",
                       "enfilade import-weights snap/agent/state_dict/best_val_unseen --vocabulary "
                       "train_vocab.txt -o envdrop",

@@ -5,7 +5,7 @@
 namespace enfilade::apps {
 
 inline constexpr const char* kImportWeightsHelp =
-    "Make a model directory of weights that others released: DUET's, ScaleVLN's, EnvDrop's";
+    "Make a model directory of released weights: DUET, ScaleVLN, EnvDrop";
 
 /// As the verbs of verbs.h. In `enfilade` it starts `enfilade-learn`.
 void add_import_weights(CLI::App& app, int& status);

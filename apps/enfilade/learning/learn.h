@@ -15,19 +15,13 @@ namespace enfilade::apps {
 
 // What the verbs are for, in the list of both programs.
 inline constexpr const char* kEvaluateHelp =
-    "Walk a trained agent through whole splits; writes results into its directory";
-inline constexpr const char* kFeaturesHelp =
-    "Compute image features of the 36 views of every viewpoint, for agents that see. A run that "
-    "was stopped goes on where it was.";
+    "Run a trained agent on whole splits and write its results";
+inline constexpr const char* kFeaturesHelp = "Compute image features of each viewpoint's 36 views";
 inline constexpr const char* kPretrainHelp =
-    "Train the small encoder `home` to say from pictures what is where, how far, and in which "
-    "room: for model homes, where ImageNet's weights are not at hand. Learns from the homes of "
-    "the split train alone; prints how well it does elsewhere.";
+    "Train the small encoder `home` for pictures of synthetic homes";
 inline constexpr const char* kSpeakHelp =
-    "Draw new paths in a data set's buildings, and describe them with a trained speaker: "
-    "instructions for more training (back-translation)";
-inline constexpr const char* kTrainHelp =
-    "Train an agent: seq2seq, panoramic or duet, or a speaker; run again, it goes on where it was";
+    "Describe new paths with a trained speaker, for back-translation";
+inline constexpr const char* kTrainHelp = "Train an agent or a speaker; an interrupted run resumes";
 
 /// What to do where the second program is missing: wheels do not have it.
 inline constexpr const char* kHowToLearn =

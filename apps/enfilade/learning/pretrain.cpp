@@ -151,16 +151,19 @@ void add_verb(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("pretrain", kPretrainHelp);
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  add_setting(verb, "-o,--output", options->output, "FILE", "For `enfilade features --weights`");
-  add_whole_number(verb, "--pictures", options->config.pictures, "To train on, about");
-  add_whole_number(verb, "--epochs", options->config.epochs, "Times that each is seen");
+  add_setting(verb, "-o,--output", options->output, "FILE",
+              "Weights, for `enfilade features "
+              "--weights`");
+  add_whole_number(verb, "--pictures", options->config.pictures,
+                   "Approximate number of training "
+                   "pictures");
+  add_whole_number(verb, "--epochs", options->config.epochs, "Passes over the pictures");
   add_whole_number(verb, "--seed", options->config.seed, "The same seed gives the same network", 0);
   add_setting(verb, "--device", options->config.device, "NAME", "cpu, cuda or cuda:N");
   add_value(verb, "--probe", options->probe, "FEATURES",
-            "Train nothing: score a file of `enfilade features`, of any encoder, by what a linear "
-            "fit reads from it in unseen homes");
+            "Only score a feature file, by a linear probe in unseen homes");
   add_threads_option(verb, options->config.threads,
-                     "0: all cores; part of what the seed stands for");
+                     "0: all cores; another number gives another network");
   set_examples(verb, {"enfilade pretrain --data homes",
                       "enfilade pretrain --data homes --epochs 6 -o better.safetensors",
                       "enfilade pretrain --data homes --probe features.safetensors"});

@@ -97,30 +97,33 @@ void speak(const Options& options) {
 }
 
 void add_options(CLI::App& verb, Options& options) {
-  add_value(verb, "model", options.model, "MODELDIR", "What `enfilade train --agent speaker` made")
+  add_value(verb, "model", options.model, "MODELDIR",
+            "Model directory of `enfilade train "
+            "--agent speaker`")
       ->required();
   add_data_option(verb, options.data);
   add_value(verb, "--features", options.features, "FILE",
             "Image features, if the speaker uses vision");
   add_value(verb, "-o,--output", options.output, "FILE",
-            "R2R's annotations to write, - for standard output. In the data set's folder of "
-            "annotations as R2R_NAME.json it is a split: `enfilade train --splits train,NAME`")
+            "Annotations to write, such as DATA/r2r/R2R_NAME.json; - for standard output")
       ->required();
-  add_setting(verb, "--splits", options.splits, "NAMES", "Whose buildings the paths are in")
+  add_setting(verb, "--splits", options.splits, "NAMES", "Splits whose buildings the paths are in")
       ->delimiter(',');
-  add_whole_number(verb, "--paths", options.sampling.paths, "Paths in all, at most");
-  add_whole_number(verb, "--min-edges", options.sampling.min_edges, "Of a path");
-  add_whole_number(verb, "--max-edges", options.sampling.max_edges, "Of a path");
-  add_setting(verb, "--min-length", options.sampling.min_length, "", "Of a path, in metres",
+  add_whole_number(verb, "--paths", options.sampling.paths, "Most paths");
+  add_whole_number(verb, "--min-edges", options.sampling.min_edges, "Fewest edges of a path");
+  add_whole_number(verb, "--max-edges", options.sampling.max_edges, "Most edges of a path");
+  add_setting(verb, "--min-length", options.sampling.min_length, "",
+              "Least length of a path, "
+              "metres",
               finite_number());
   add_whole_number(verb, "--seed", options.sampling.seed,
-                   "Of paths, drawn words and missing columns: one seed, one file", 0);
+                   "Seed of paths, words and dropout; one seed gives one file", 0);
   verb.add_flag("--draw-words", options.draw_words,
-                "Draw words by their probabilities, not the likeliest ones");
-  add_whole_number(verb, "--most-words", options.speaking.most_words, "Of an instruction");
+                "Sample words by probability, instead of the most probable ones");
+  add_whole_number(verb, "--most-words", options.speaking.most_words,
+                   "Most words of an instruction");
   add_setting(verb, "--environmental-dropout", options.speaking.environmental_dropout, "",
-              "Share of the features' columns that are missing all over a batch",
-              finite_number(0, 0.99));
+              "Share of feature columns that a whole batch lacks", finite_number(0, 0.99));
   add_whole_number(verb, "--batch", options.speaking.batch_size, "Paths at once");
   add_threads_option(verb, options.threads);
 }

@@ -149,29 +149,27 @@ class Study {
 };
 
 void add_verb(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand(
-      "study",
-      "Train agents in more and more model homes, at equal compute: a curve of success in "
-      "unseen homes");
+  CLI::App& verb =
+      *app.add_subcommand("study", "Measure success in unseen homes by number of training homes");
   const auto options = std::make_shared<Options>();
   add_value(verb, "-o,--output", options->output, "DIR",
-            "A new folder, or one of a study that was stopped: it goes on where it was")
+            "A new folder, or an interrupted study, which resumes")
       ->required();
   add_setting(verb, "--homes", options->homes, "N,...", "Training homes of each point",
               whole_number(1, 5000))
       ->delimiter(',');
-  add_whole_number(verb, "--seeds", options->seeds, "Agents a point");
+  add_whole_number(verb, "--seeds", options->seeds, "Agents per point");
   // The study gives these itself, and its agents walk.
   options->training.add_to(verb, "small");
   for (const char* own : {"--seed", "--evaluate-every", "--stage", "--task"})
     options->training.leave_out(verb, own);
-  set_examples(verb, {"enfilade study -o study --homes 10,30,100,300,1000",
-                      "enfilade study -o duet --agent duet --homes 10,30,100,300 --seeds 3",
-                      "enfilade study -o small --homes 3,6 --iterations 50 --batch 20"});
-  verb.footer(verb.get_footer() +
-              "\nEach agent is trained in the first N of the same homes and walks through the same "
-              "unseen ones.\nSeeds, and points below the largest, can be added later; a larger one "
-              "needs another folder.\nAll of it is synthetic, and says so.");
+  set_examples(verb,
+               {"enfilade study -o study --homes 10,30,100,300,1000",
+                "enfilade study -o duet --agent duet --homes 10,30,100,300 --seeds 3",
+                "enfilade study -o small --homes 3,6 --iterations 50 --batch 20"},
+               "Each agent is trained in the first N of the same homes, and evaluated in the "
+               "same unseen ones.\nSeeds, and points below the largest, can be added later; a "
+               "larger one needs another folder.\nAll of it is synthetic, and says so.");
   verb.callback([options, &status] {
     if (!can_learn()) hand_over_to_learn();  // says what is missing
     std::ranges::sort(options->homes);

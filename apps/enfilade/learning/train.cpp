@@ -226,29 +226,26 @@ void run(const Options& options) {
 void add_data(CLI::App& verb, Options& options) {
   add_data_option(verb, options.data);
   add_value(verb, "--features", options.features, "FILE",
-            "Of the views, as `enfilade features` writes them");
+            "Image features (made by `enfilade features`)");
   add_setting(verb, "--encoder", options.encoder, "NAME",
-              fmt::format("r2r-ce: network that encodes pictures: {}",
-                          fmt::join(neural::encoder_names(), ", ")));
+              fmt::format("r2r-ce: image encoder: {}", fmt::join(neural::encoder_names(), ", ")));
   add_value(verb, "--weights", options.weights, "FILE",
-            "r2r-ce: its weights, which stay as they are and are copied into the model directory");
+            "r2r-ce: encoder's weights, constant, copied into the model directory");
   add_value(verb, "--meshes", options.meshes, "DIR",
-            "r2r-ce: meshes DIR/SCAN.glb, .obj or .ply to look at, instead of the data set's own");
+            "r2r-ce: folder of meshes SCAN.glb, .obj or .ply, instead of the data set's");
   add_value(verb, "-o,--output", options.output, "MODELDIR",
-            "Model directory; one that is there is trained on from its last checkpoint")
+            "Model directory; an existing one resumes from its last checkpoint")
       ->required();
   add_value(verb, "--from", options.from, "MODELDIR",
-            "duet: begin with the weights and words of this model, as pretrained; its sizes have "
-            "to be the same");
+            "duet: start from this model's weights and vocabulary, of equal sizes");
   add_setting(verb, "--splits", options.splits, "",
-              "Trained on, and the vocabulary's; for the test submission "
+              "Splits for training and vocabulary; for the test submission "
               "train,val_seen,val_unseen")
       ->delimiter(',');
   add_value(verb, "--buildings", options.buildings, "N",
-            "Train in the first N buildings of the splits alone, for curves; else in all")
+            "Train in the first N buildings of the splits (default: all)")
       ->check(whole_number(1));
-  add_setting(verb, "--validation", options.validation, "", "Splits to validate with")
-      ->delimiter(',');
+  add_setting(verb, "--validation", options.validation, "", "Validation splits")->delimiter(',');
 }
 
 void add_verb(CLI::App& app, int& /*status*/) {
@@ -258,15 +255,12 @@ void add_verb(CLI::App& app, int& /*status*/) {
   options->training.add_to(verb);
   add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
   add_setting(verb, "--precision", options->precision, "",
-              "Of a card's products: float32, tf32 or bfloat16 (not of seq2seq)")
+              "GPU matrix products: float32, tf32 or bfloat16 (not seq2seq)")
       ->check(CLI::IsMember({"float32", "tf32", "bfloat16"}));
-  add_threads_option(verb, options->threads,
-                     "0: all cores; of several processes each its share of them");
+  add_threads_option(verb, options->threads, "0: all cores, divided among the processes");
   auto* const all_reduce =
       verb.add_flag("--all-reduce", options->all_reduce,
-                    "In several processes: each computes its share of a batch at once, and "
-                    "gradients are added as "
-                    "they come. Faster; the weights then depend on the number of processes");
+                    "Several processes: faster, but the weights depend on their number");
   all_reduce->excludes(verb.get_option("--parts"));
   add_rank_options(verb, options->ranks);
   set_examples(

@@ -81,27 +81,21 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
   recipe_ = recipe;
   stage_ = "fine-tune";
   task_ = "r2r";
-  add_setting(
-      verb, "--agent", agent_, "",
-      "seq2seq: six actions (Anderson et al. 2018); panoramic: an LSTM that chooses among "
-      "neighbours (EnvDrop's, 2019); duet: a Transformer with a map (2022); speaker: describes "
-      "paths in "
-      "words instead of walking them (EnvDrop's), for `enfilade speak`",
-      CLI::IsMember({"seq2seq", "panoramic", "duet", "speaker"}));
+  add_setting(verb, "--agent", agent_, "",
+              "Agent: seq2seq (2018), panoramic (EnvDrop, 2019), duet (2022), or EnvDrop's speaker",
+              CLI::IsMember({"seq2seq", "panoramic", "duet", "speaker"}));
   add_setting(verb, "--task", task_, "",
-              "r2r, in the graph; r2r-ce: seq2seq walks freely, with colour and depth (Krantz et "
-              "al. 2020), in a data set that `enfilade continuous` has prepared",
+              "r2r (graph), or r2r-ce (continuous: seq2seq, after `enfilade continuous`)",
               CLI::IsMember({"r2r", "r2r-ce"}));
   add_setting(verb, "--recipe", recipe_, "",
-              "What the options below change: as published, or small networks from nothing, for "
-              "model homes and two cores",
+              "Base of the options below: published, or small (homes, two cores)",
               CLI::IsMember({"published", "small"}));
   add_setting(verb, "--stage", stage_, "",
-              "Of duet: fine-tune: it walks; pretrain: it guesses masked words, masked views and "
-              "the next step, as published in 100000 updates of batch 64 with a rate of 5e-5 after "
-              "a warm-up of 10000",
+              "duet: fine-tune (episodes) or pretrain (masked words and views, next step)",
               CLI::IsMember({"fine-tune", "pretrain"}));
-  name(verb, "--feedback", "What is done next in training (default: student)",
+  name(verb, "--feedback",
+       "Action taken in training: sampled (student) or the teacher's "
+       "(default: student)",
        {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet}, {"student", "teacher"},
        [this](TrainConfig& config, const std::string& value) {
          config.feedback = models::parse_feedback(value);
@@ -109,41 +103,38 @@ void TrainingOptions::add_to(CLI::App& verb, const std::string& recipe) {
            config.iterations = models::paper_iterations(config.feedback);
          }
        });
-  name(verb, "--inputs", "What the agent may use (default: language+vision)", {},
+  name(verb, "--inputs", "Inputs of the agent (default: language+vision)", {},
        {"language+vision", "language", "vision", "none"},
        [](TrainConfig& config, const std::string& value) {
          config.network.inputs = models::parse_inputs(value);
        });
   name(verb, "--after-end",
-       "An agent that ended away from its goal walks on, labelled, as in the released code, or "
-       "stays (default: walks-on)",
+       "After a stop away from the goal: walks-on (as released) or stays (default: walks-on)",
        {AgentKind::kSeq2Seq}, {"walks-on", "stays"},
        [](TrainConfig& config, const std::string& value) {
          config.after_end = models::parse_after_end(value);
        });
   name(verb, "--forward",
-       "In training, forward leads to the nearest neighbour, as in the released code, or to the "
-       "one that the teacher intended (default: nearest)",
+       "Neighbour that forward reaches in training: nearest (as released) or intended "
+       "(teacher's) (default: nearest)",
        {AgentKind::kSeq2Seq}, {"nearest", "intended"},
        [](TrainConfig& config, const std::string& value) {
          config.forward = models::parse_forward_to(value);
        });
   name(verb, "--sampled-loss",
-       "What is learned from a walk of its own: the teacher's choices (labels), or rewards by "
-       "advantage actor-critic, as EnvDrop (default: reinforce)",
+       "Loss of own rollouts: teacher's choices (labels) or actor-critic, as EnvDrop (reinforce) "
+       "(default: reinforce)",
        {AgentKind::kPanoramic}, {"labels", "reinforce"},
        [](TrainConfig& config, const std::string& value) {
          config.sampled_loss = models::parse_sampled_loss(value);
        });
   name(verb, "--map-teacher",
-       "The node that the teacher names: the least way to the goal, or the walk most like the "
-       "annotated path (default: spl)",
+       "Teacher's node: on the shortest path (spl) or the annotated one (ndtw) (default: spl)",
        {AgentKind::kDuet}, {"spl", "ndtw"}, [](TrainConfig& config, const std::string& value) {
          config.map_teacher = models::parse_map_teacher(value);
        });
   name(verb, "--final-stop",
-       "After a stop the agent goes back to where stopping was most probable, as in the released "
-       "code, or stays where it is (default: best)",
+       "End of an episode: most probable stop (best, as released) or own (default: best)",
        {AgentKind::kDuet}, {"best", "own"}, [](TrainConfig& config, const std::string& value) {
          config.final_stop = models::parse_final_stop(value);
        });
@@ -156,18 +147,17 @@ void TrainingOptions::add_updates(CLI::App& verb) {
   const Kinds viewpoints{AgentKind::kPanoramic, AgentKind::kDuet};
   const Kinds newer{AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker,
                     AgentKind::kSeq2SeqCe};
-  whole(verb, "--iterations", "Updates; of seq2seq 5000 with --feedback teacher", kOfGraph,
+  whole(verb, "--iterations", "Updates; seq2seq with --feedback teacher: 5000", kOfGraph,
         [](TrainConfig& config) -> std::size_t& { return config.iterations; });
-  whole(verb, "--batch", "Episodes an iteration", {},
+  whole(verb, "--batch", "Episodes per iteration", {},
         [](TrainConfig& config) -> std::size_t& { return config.batch_size; });
   change<std::uint64_t>(
       verb, "--parts",
-      "Parts that a batch is computed in, so that several processes share them and get the weights "
-      "of one (default: those of the model in -o, if there is one; else 8 where a launcher started "
-      "the process, and the batch at once where none did)",
+      "Parts of a batch, shared by processes; weights equal one process's (default: as the model "
+      "in -o; else 8 with a launcher, 1 without)",
       {}, [](TrainConfig& config, std::uint64_t parts) { config.parts = parts; })
       ->check(whole_number(1));
-  whole(verb, "--max-steps", "Actions an episode, or choices of a viewpoint",
+  whole(verb, "--max-steps", "Most actions, or choices of a viewpoint, per episode",
         {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSeq2SeqCe},
         [](TrainConfig& config) -> std::size_t& { return config.max_steps; });
   whole(
@@ -175,27 +165,33 @@ void TrainingOptions::add_updates(CLI::App& verb) {
       [](TrainConfig& config) -> std::size_t& { return config.evaluate_every; }, 0);
   whole(verb, "--checkpoint-every", "Iterations between checkpoints", {},
         [](TrainConfig& config) -> std::size_t& { return config.checkpoint_every; });
-  change<std::uint64_t>(verb, "--seed", "Of weights, order, dropout and drawn actions (default: 1)",
+  change<std::uint64_t>(verb, "--seed",
+                        "Seed of weights, order, dropout and sampled actions "
+                        "(default: 1)",
                         {}, [](TrainConfig& config, std::uint64_t seed) { config.seed = seed; })
       ->check(whole_number(0));
-  real(verb, "--teacher-weight", "Of the loss of a walk behind the teacher, beside an own one",
+  real(verb, "--teacher-weight",
+       "Weight of the teacher-forced rollout's loss, beside the "
+       "sampled one's",
        viewpoints, [](TrainConfig& config) -> double& { return config.teacher_weight; });
-  real(verb, "--learning-rate", "Of the optimizer", {},
+  real(verb, "--learning-rate", "Learning rate of the optimizer", {},
        [](TrainConfig& config) -> double& { return config.adam.learning_rate; });
-  real(verb, "--weight-decay", "L2 inside adam, beside adamw", {},
+  real(verb, "--weight-decay", "Weight decay: L2 in adam, decoupled in adamw", {},
        [](TrainConfig& config) -> double& { return config.adam.weight_decay; });
-  name(verb, "--optimizer", "Default: panoramic rmsprop, duet adamw, others adam, as published",
+  name(verb, "--optimizer",
+       "Optimizer (default: panoramic rmsprop, duet adamw, others adam, as "
+       "published)",
        newer, {"adam", "adamw", "rmsprop"}, [](TrainConfig& config, const std::string& value) {
          config.optimizer = models::parse_optimizer(value);
        });
-  real(verb, "--beta2", "Share of the old mean of squared gradients", {},
+  real(verb, "--beta2", "Decay of the mean of squared gradients", {},
        [](TrainConfig& config) -> double& { return config.adam.beta2; });
   real(verb, "--clip", "Largest norm of the gradients", newer,
        [](TrainConfig& config) -> double& { return config.clip; });
   whole(
-      verb, "--warm-up", "First updates, in which the rate rises", newer,
+      verb, "--warm-up", "First updates, in which the learning rate rises", newer,
       [](TrainConfig& config) -> std::size_t& { return config.warm_up; }, 0);
-  name(verb, "--schedule", "The rate stays, or falls to 0 in a line (default: constant)", newer,
+  name(verb, "--schedule", "Learning rate: constant, or linear to 0 (default: constant)", newer,
        {"constant", "linear"}, [](TrainConfig& config, const std::string& value) {
          config.schedule = models::parse_schedule(value);
        });
@@ -206,26 +202,27 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
                     AgentKind::kSeq2SeqCe};
   const Kinds panoramic{AgentKind::kPanoramic};
   const Kinds newer{AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker};
-  name(verb, "--size", "Of all of DUET: as published, or small (default: duet)", {AgentKind::kDuet},
-       {"duet-s", "duet"}, [](TrainConfig& config, const std::string& value) {
+  name(verb, "--size", "Sizes of DUET: as published (duet) or small (duet-s) (default: duet)",
+       {AgentKind::kDuet}, {"duet-s", "duet"}, [](TrainConfig& config, const std::string& value) {
          const double dropped = config.duet.feature_dropout;  // the stage's
          config.duet = models::duet_preset(value);
          config.duet.feature_dropout = dropped;
        });
-  whole(verb, "--hidden", "Of all LSTMs; of r2r-ce the GRU", lstms,
+  whole(verb, "--hidden", "Hidden size of all LSTMs; r2r-ce: of the GRU", lstms,
         [](TrainConfig& config) -> std::size_t& {
           if (config.agent == AgentKind::kSeq2SeqCe) return config.seq2seq_ce.hidden;
           if (config.agent == AgentKind::kSpeaker) return config.speaker.hidden;
           return config.agent == AgentKind::kPanoramic ? config.panoramic.hidden
                                                        : config.network.hidden;
         });
-  whole(verb, "--word-embedding", "Numbers a word", lstms, [](TrainConfig& config) -> std::size_t& {
-    if (config.agent == AgentKind::kSeq2SeqCe) return config.seq2seq_ce.word_embedding;
-    if (config.agent == AgentKind::kSpeaker) return config.speaker.word_embedding;
-    return config.agent == AgentKind::kPanoramic ? config.panoramic.word_embedding
-                                                 : config.network.word_embedding;
-  });
-  whole(verb, "--action-embedding", "Numbers an action, or the agent's own direction",
+  whole(verb, "--word-embedding", "Numbers per word", lstms,
+        [](TrainConfig& config) -> std::size_t& {
+          if (config.agent == AgentKind::kSeq2SeqCe) return config.seq2seq_ce.word_embedding;
+          if (config.agent == AgentKind::kSpeaker) return config.speaker.word_embedding;
+          return config.agent == AgentKind::kPanoramic ? config.panoramic.word_embedding
+                                                       : config.network.word_embedding;
+        });
+  whole(verb, "--action-embedding", "Numbers per action, or for the agent's own direction",
         {AgentKind::kSeq2Seq, AgentKind::kPanoramic, AgentKind::kSeq2SeqCe},
         [](TrainConfig& config) -> std::size_t& {
           if (config.agent == AgentKind::kSeq2SeqCe) return config.seq2seq_ce.action_embedding;
@@ -233,23 +230,22 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
                                                        : config.network.action_embedding;
         });
   whole(
-      verb, "--angle", "Numbers of a direction: 4, repeated",
+      verb, "--angle", "Numbers per direction: 4, repeated",
       {AgentKind::kPanoramic, AgentKind::kSpeaker},
       [](TrainConfig& config) -> std::size_t& {
         return config.agent == AgentKind::kSpeaker ? config.speaker.angle : config.panoramic.angle;
       },
       4);
   name(verb, "--subout",
-       "What the decoder starts from: the last hidden state (tanh), the largest values over the "
-       "sentence and its padding, as published (max), or without the padding (own-max)",
+       "Decoder's start: last state (tanh), maxima with padding (max) or without (own-max)",
        panoramic, {"tanh", "max", "own-max"}, [](TrainConfig& config, const std::string& value) {
          config.panoramic.subout = models::parse_subout(value);
        });
-  whole(verb, "--max-words", "Of an instruction; the rest is cut off", {},
+  whole(verb, "--max-words", "Most words of an instruction; the rest is cut off", {},
         [](TrainConfig& config) -> std::size_t& { return config.network.max_words; });
-  whole(verb, "--least-count", "Uses of a word that make it known", {},
+  whole(verb, "--least-count", "Least count of a word in the vocabulary", {},
         [](TrainConfig& config) -> std::size_t& { return config.least_count; });
-  real(verb, "--dropout", "Share, below 1", kOfGraph, [](TrainConfig& config) -> double& {
+  real(verb, "--dropout", "Dropout, below 1", kOfGraph, [](TrainConfig& config) -> double& {
     switch (config.agent) {
       case AgentKind::kPanoramic:
         return config.panoramic.dropout;
@@ -261,7 +257,7 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
         return config.network.dropout;
     }
   });
-  real(verb, "--feature-dropout", "Share of the pictures' numbers, below 1",
+  real(verb, "--feature-dropout", "Dropout of image features, below 1",
        {AgentKind::kPanoramic, AgentKind::kDuet, AgentKind::kSpeaker},
        [](TrainConfig& config) -> double& {
          if (config.agent == AgentKind::kSpeaker) return config.speaker.feature_dropout;
@@ -272,18 +268,16 @@ void TrainingOptions::add_sizes(CLI::App& verb) {
 
 void TrainingOptions::add_seq2seq_ce(CLI::App& verb) {
   const Kinds free{AgentKind::kSeq2SeqCe};
-  whole(verb, "--sets", "r2r-ce: sets of walks that are gathered one after another (DAgger)", free,
+  whole(verb, "--sets", "r2r-ce: sets of rollouts, gathered one after another (DAgger)", free,
         [](TrainConfig& config) -> std::size_t& { return config.seq2seq_ce.sets; });
-  whole(verb, "--set-walks", "r2r-ce: walks in each; all episodes, if there are fewer", free,
+  whole(verb, "--set-walks", "r2r-ce: rollouts per set; all episodes, if there are fewer", free,
         [](TrainConfig& config) -> std::size_t& { return config.seq2seq_ce.set_walks; });
-  whole(verb, "--epochs", "r2r-ce: passes over all sets so far after each", free,
+  whole(verb, "--epochs", "r2r-ce: passes over all sets so far, after each set", free,
         [](TrainConfig& config) -> std::size_t& { return config.seq2seq_ce.epochs; });
-  real(verb, "--teacher-share",
-       "r2r-ce: share of the teacher's actions in the second set; its square in the third, ...",
+  real(verb, "--teacher-share", "r2r-ce: teacher's share of actions in set 2; then its powers",
        free, [](TrainConfig& config) -> double& { return config.seq2seq_ce.teacher_share; });
-  real(verb, "--inflection",
-       "r2r-ce: weight of the loss where the teacher's action changes, beside 1", free,
-       [](TrainConfig& config) -> double& { return config.seq2seq_ce.inflection; });
+  real(verb, "--inflection", "r2r-ce: loss weight where the teacher's action changes, beside 1",
+       free, [](TrainConfig& config) -> double& { return config.seq2seq_ce.inflection; });
 }
 
 AgentKind TrainingOptions::kind() const {

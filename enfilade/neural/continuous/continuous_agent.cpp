@@ -185,9 +185,9 @@ std::unique_ptr<TrainedContinuousAgent> load_continuous_agent(const fs::path& fo
   const models::ModelFiles files = models::require_model(folder);
   models::ModelConfig config = models::load_model_config(files.config());
   if (config.training.agent != models::AgentKind::kSeq2SeqCe) {
-    throw ArgumentError(fmt::format(
-        "{}: an agent {}, which walks in the graph; it walks freely with --walk-graph alone",
-        folder.string(), to_string(config.training.agent)));
+    throw ArgumentError(
+        fmt::format("{}: an agent {}, of the graph; continuous episodes need --walk-graph",
+                    folder.string(), to_string(config.training.agent)));
   }
   std::optional<continuous::Sight> eyes;
   if (config.training.network.inputs.vision) eyes.emplace(open_sight(files, config, sight));

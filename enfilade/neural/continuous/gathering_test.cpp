@@ -394,7 +394,7 @@ TEST_F(SeesTwoBuildings, OtherOptionsAndOtherEyesAreRefused) {
   EXPECT_THAT([&] { load_continuous_agent(folder("model"), {}); },
               ThrowsMessage<ArgumentError>(HasSubstr("scene_of: empty")));
   EXPECT_THAT([&] { load_trained_agent(folder("model")); },
-              ThrowsMessage<ArgumentError>(HasSubstr("walks freely, not in the graph")));
+              ThrowsMessage<ArgumentError>(HasSubstr("a continuous agent, not one of the graph")));
   // An encoder of another width in the model's place.
   std::string text = read_file(models::ModelFiles{folder("model")}.config());
   const std::string features =
@@ -412,9 +412,8 @@ TEST_F(SeesTwoBuildings, AModelOfTheGraphDoesNotWalkFreely) {
   fs::create_directories(folder("graph"));
   write_file_atomically(models::ModelFiles{folder("graph")}.config(), to_json(config));
   write_file_atomically(models::ModelFiles{folder("graph")}.weights(), "");
-  EXPECT_THAT(
-      [&] { load_continuous_agent(folder("graph"), world_->sight()); },
-      ThrowsMessage<ArgumentError>(HasSubstr("an agent seq2seq, which walks in the graph")));
+  EXPECT_THAT([&] { load_continuous_agent(folder("graph"), world_->sight()); },
+              ThrowsMessage<ArgumentError>(HasSubstr("an agent seq2seq, of the graph")));
   EXPECT_THAT([&] { train(config.training, data(small_config()), folder("other")); },
               ThrowsMessage<ArgumentError>(HasSubstr("the agent seq2seq walks in the graph")));
 }

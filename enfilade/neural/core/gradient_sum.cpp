@@ -41,8 +41,8 @@ BatchParts share_parts(std::size_t parts, const Ranks& ranks) {
       if (parts % n == 0 && std::has_single_bit(parts / n)) allowed += fmt::format(", {}", n);
     }
     throw ArgumentError(
-        fmt::format("parts: {}, in {} processes; so many parts are shared by {} processes", parts,
-                    size, allowed));
+        fmt::format("parts: {}, in {} processes; this number of parts is shared by {} processes",
+                    parts, size, allowed));
   }
   const std::size_t own = parts / size;
   return {parts, rank * own, own, true};

@@ -318,9 +318,10 @@ TEST_F(RanksTest, SumsOfTwoFourAndEightProcessesAreTheTreeToTheBit) {
 
 TEST_F(RanksTest, OtherNumbersOfPartsAreRefusedOrAdded) {
   in_ranks(3, [](Ranks& ranks) {
-    EXPECT_THAT([&] { share_parts(8, ranks); },
-                ThrowsMessage<ArgumentError>(HasSubstr(
-                    "parts: 8, in 3 processes; so many parts are shared by 1, 2, 4, 8 processes")));
+    EXPECT_THAT(
+        [&] { share_parts(8, ranks); },
+        ThrowsMessage<ArgumentError>(HasSubstr(
+            "parts: 8, in 3 processes; this number of parts is shared by 1, 2, 4, 8 processes")));
     const BatchParts own = share_parts(12, ranks);
     EXPECT_EQ(own.count, 4U);
     EXPECT_EQ(own.first, 4U * static_cast<std::size_t>(ranks.rank()));

@@ -107,7 +107,7 @@ bool SharedFile::open_existing() {
   }
   if (head.version != kVersion) {
     fail(path_, fmt::format("a shared cache of version {}, not {}: name another file, or remove "
-                            "it when nobody uses it",
+                            "it when no process uses it",
                             head.version, kVersion));
   }
   // On a disk it outlives the machine's restart; then nobody can be using it.

@@ -133,7 +133,7 @@ std::string ExportReport::summary() const {
   add(rejected, "rejected");
   add(repeated, "later walks of the same instruction");
   add(incomplete, dialogue ? "of dialogues without the other one's task"
-                           : "of paths with an instruction that nobody has walked");
+                           : "of paths with an instruction that no worker has walked");
   if (!parts.empty()) {
     text += fmt::format("; {} {}{} left out: {}", left_out(),
                         written    ? "text"
@@ -235,17 +235,16 @@ std::string rxr_lines(const Selection& selection) {
   for (const Task& task : tasks_of(selection)) {
     const Item& item = task.item;
     const ordered_json content = ordered_json::parse(task.content);
-    tasks::PathAnnotation path{item.path_id, item.scan,     item.heading,
-                               item.path,    item.distance,
-                               {content.at("instruction").get<std::string>()}};
+    tasks::PathAnnotation path{item.path_id,  item.scan,
+                               item.heading,  item.path,
+                               item.distance, {content.at("instruction").get<std::string>()}};
     path.group = item.path_id;
     tasks::InstructionDetails& details = path.details.emplace_back();
     details.id = guide_id(task);
     details.language = selection.report.language;
     for (const ordered_json& word : content.at("words")) {
-      details.words.push_back(
-          {word.at("word").get<std::string>(), word.at("start").get<double>(),
-           word.at("end").get<double>()});
+      details.words.push_back({word.at("word").get<std::string>(), word.at("start").get<double>(),
+                               word.at("end").get<double>()});
     }
     annotations.paths.push_back(std::move(path));
   }

@@ -225,7 +225,7 @@ Response error_response(const std::exception_ptr& thrown, std::string& fault) {
     return error_response(422, "what was sent has faults", error.diagnostics());
   } catch (const store::DatabaseError& error) {
     if (error.cause() == store::DatabaseError::Cause::kNoText) {
-      return error_response(400, "a text has a character that is none");
+      return error_response(400, "a text has an invalid character");
     }
     fault = error.what();
     if (const auto trouble = store::trouble_of(error)) {

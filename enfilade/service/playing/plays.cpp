@@ -298,7 +298,7 @@ ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
     // First what is kept, then what follows from it: whoever is killed in between walks it again.
     db_.transact([&] {
       if (db_.run("UPDATE play SET touched = ? WHERE id = ?", db_.now(), live.id) == 0) {
-        throw Refusal(Reason::kNotFound, "the session was forgotten: nobody has called for long");
+        throw Refusal(Reason::kNotFound, "the session has expired: no call for too long");
       }
       const int kept = db_.run(
           "INSERT INTO play_call (play, number, tool, argument, fault) VALUES (?, ?, ?, ?, ?) "

@@ -50,7 +50,7 @@ void read_midstop(const std::optional<json::Element>& midstop, Task task, PathAn
     entry.goal = NamedTurningPoint{std::string(json::string(*midstop, place, faults).value_or(""))};
   } else if (entry.path.size() > 1) {
     faults.error(path, "missing-field",
-                 "has no field \"midstop\", which paths of R2R-Back have, but for a start alone");
+                 "has no field \"midstop\", which paths of R2R-Back have, except a start alone");
   } else {
     entry.goal = HiddenGoal{};
   }
