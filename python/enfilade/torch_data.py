@@ -34,8 +34,13 @@ class EpisodeDataset(torch.utils.data.Dataset):  # type: ignore[misc, type-arg, 
         vocabulary: file of words, for token ids; None: no tokens.
         tokens: length of the row of ids.
 
-    An item is a dict: instruction_id, scan, text; path: k viewpoint ids, only the start if the goal is
-    hidden; heading: at the start, radians; features: (k, views, D) float32; tokens: (tokens,) int64.
+    An item is a dict:
+        - instruction_id, scan, text.
+        - path: k viewpoint ids; only the start if the goal is hidden.
+        - heading: at the start, radians.
+        - features: (k, views, D) float32.
+        - tokens: (tokens,) int64.
+
     Reading an item raises KeyError for a viewpoint without features.
     """
 

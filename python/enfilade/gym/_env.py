@@ -151,8 +151,8 @@ class VlnEnv(gymnasium.Env[Observation, Any], EzPickle):
         return self._batch.arrays
 
     def metrics(self) -> dict[str, float]:
-        """All metrics of the trajectory and the answer so far (docs/tasks.md): ours for R2R, VLN-CE's
-        measures if continuous, those of the first of enfilade.scorers(task) for others. Raises
+        """All metrics of the trajectory and the answer so far (docs/tasks.md). On graphs: ours for R2R,
+        those of the first of enfilade.scorers(task) for others. Continuous: VLN-CE's measures; raises
         ArgumentError for a hidden goal."""
         return self._batch.metrics(0)
 
