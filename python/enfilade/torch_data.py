@@ -34,7 +34,7 @@ class EpisodeDataset(torch.utils.data.Dataset):  # type: ignore[misc, type-arg, 
         vocabulary: file of words, for token ids; None: no tokens.
         tokens: length of the row of ids.
 
-    An item is a dict:
+    Item:
         - instruction_id, scan, text.
         - path: k viewpoint ids; only the start if the goal is hidden.
         - heading: at the start, radians.

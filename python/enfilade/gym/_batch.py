@@ -195,8 +195,11 @@ class Batch:
         pose[:, 1] = self.arrays["elevation"]
         seen: dict[str, Any] = {"pose": pose, **self._numbers()}
         if self.config.text:
-            seen["instruction"] = tuple(self._texts[episode] for episode in self.arrays["episode"])
+            seen["instruction"] = self._instructions()
         return seen
+
+    def _instructions(self) -> tuple[str, ...]:
+        return tuple(self._texts[episode] for episode in self.arrays["episode"])
 
     def _numbers(self) -> dict[str, Any]:
         """Copies of the world's own observations by name."""

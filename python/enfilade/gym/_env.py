@@ -39,12 +39,13 @@ class VlnEnv(gymnasium.Env[Observation, Any], EzPickle):
         task: overrides the config's.
         options: fields of the config: data, split, observe, ...
 
-    Observations of both worlds:
+    Observations:
         - instruction: text, unless the config has text=False.
         - pose: (2,) heading and elevation, radians. Continuous: of the camera, heading clockwise from +y.
         - rgb, depth, semantic, instance: those of the config's `observe`.
+        - Those of the task's world, below.
 
-    Observations on graphs:
+    Graphs:
         - candidates: (m, 3) rel_heading, rel_elevation (radians from the agent's view) and distance
           (metres); row 0 is the current viewpoint.
         - candidate_mask: (m,) 1 for rows in use.
@@ -53,7 +54,7 @@ class VlnEnv(gymnasium.Env[Observation, Any], EzPickle):
           is [stop].
         - node_mask: "map" actions only, (actions,) 1 for nodes that the agent can go to.
 
-    Continuous observations:
+    Continuous:
         - position: (3,) the feet, metres, world frame (z up).
         - collided: (1,) whether a wall shortened the last step.
 

@@ -52,6 +52,7 @@ class GraphBatch(Batch):
         self.arrays = self.core.arrays()
         self._views = self._views_of(slice(None))
         self.vocabulary = Vocabulary.load(config.vocabulary) if config.vocabulary else None
+        self._current = [""] * n  # the texts of the current episodes
         self.answers: list[Any] = [None] * n
         self.tokens = np.zeros((n, config.tokens), np.int64)
         self._renderer: Optional[Renderer] = None
@@ -224,12 +225,16 @@ class GraphBatch(Batch):
 
     def read_instructions(self) -> None:
         for agent in np.flatnonzero(self.arrays["began"]):
+            text = self._texts[self.arrays["episode"][agent]]
+            self._current[agent] = text
             self.answers[agent] = None
             if self.vocabulary is not None:
-                text = self._texts[self.arrays["episode"][agent]]
                 self.tokens[agent] = self.vocabulary.encode(text, self.config.tokens)
 
     # --- observations -----------------------------------------------------------------------------
+
+    def _instructions(self) -> tuple[str, ...]:
+        return tuple(self._current)
 
     def _numbers(self) -> dict[str, Any]:
         names = ["candidate_mask", "candidates"]

@@ -145,7 +145,7 @@ class VlnVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[Any]], E
         """The state of n agents, by name, for teachers. Read-only views of the environment's memory; the
         next call overwrites them.
 
-        Arrays on graphs:
+        Graphs:
             - (n,): scan, viewpoint (indices), heading, elevation (radians), view_index, step, episode,
               distance (metres), reward, terminated, truncated, began, success, spl.
             - (n, m): candidate_viewpoint (indices), candidate_mask.
