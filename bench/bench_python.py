@@ -22,7 +22,7 @@ from typing import Any, Callable, Optional
 import enfilade
 import MatterSim
 import numpy as np
-from enfilade.gym import EnvConfig, RoomToRoomVectorEnv
+from enfilade.gym import EnvConfig, VlnVectorEnv
 
 STEPS = 3000
 
@@ -78,7 +78,7 @@ def drop_in(connectivity: str, batch: int, read: bool) -> float:
 
 
 def vector_environment(data: str) -> float:
-    envs = RoomToRoomVectorEnv(EnvConfig(data, "train"), 256)
+    envs = VlnVectorEnv(EnvConfig(data, "train"), 256)
     envs.reset(seed=1)
     actions = np.random.default_rng(1).integers(1, 4, (200, 256))
 
@@ -158,7 +158,7 @@ class Pictures:
         width, height = self.shape[2], self.shape[1]
         config = EnvConfig(self.homes, observe=("rgb",), width=width, height=height, reward="none",
                            max_steps=10**9)  # fmt: skip
-        envs = RoomToRoomVectorEnv(config, self.batch)
+        envs = VlnVectorEnv(config, self.batch)
         envs._batch._renderer = self.renderer  # whose threads and cache the others have
         here = [k for k, episode in enumerate(envs.episodes) if episode.scan in self.scans]
         envs.reset(seed=1, options={"episode": [here[k % len(here)] for k in range(self.batch)]})
@@ -183,7 +183,7 @@ class Pictures:
         return 5 * max(FRAMES // self.batch, 1) * self.batch / (seconds[1] - seconds[0])
 
     def compare(self, program: str) -> str:
-        out = {"colour": np.empty(self.shape, np.uint8)}
+        out = {"rgb": np.empty(self.shape, np.uint8)}
         ways: dict[str, Callable[[], float]] = {
             "out=": lambda: self.from_python(out),
             "fresh arrays": lambda: self.from_python(None),

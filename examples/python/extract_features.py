@@ -41,8 +41,8 @@ def main(data: str, out: str) -> None:
             graph = graphs[scan]
             for viewpoint in filter(graph.included, graph.viewpoints):
                 renderer.render_36(
-                    scan, viewpoint, colour="imagenet", width=WIDTH, height=HEIGHT,
-                    out={"colour": pictures},
+                    scan, viewpoint, rgb="imagenet", width=WIDTH, height=HEIGHT,
+                    out={"rgb": pictures},
                 )  # fmt: skip
                 found[scan, viewpoint] = model(pictures).numpy()
     features.write_tsv(out, found, width=WIDTH, height=HEIGHT, vfov=60)

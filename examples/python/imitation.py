@@ -17,7 +17,7 @@ from typing import Optional
 
 import numpy as np
 import torch
-from enfilade.gym import EnvConfig, RoomToRoomVectorEnv
+from enfilade.gym import EnvConfig, VlnVectorEnv
 from torch import nn
 
 BATCH, WORDS, SIZE = 64, 400, 64
@@ -60,7 +60,7 @@ class Agent(nn.Module):
 class Teacher:
     """Which candidate the shortest path to the goal takes."""
 
-    def __init__(self, envs: RoomToRoomVectorEnv) -> None:
+    def __init__(self, envs: VlnVectorEnv) -> None:
         self.arrays, self.graphs = envs.arrays, envs.episodes.graphs
         self.goals = [(e.scan, e.path[-1]) for e in envs.episodes]
 
@@ -82,7 +82,7 @@ class Teacher:
 
 
 # %%
-def train(agent: Agent, envs: RoomToRoomVectorEnv, steps: int) -> None:
+def train(agent: Agent, envs: VlnVectorEnv, steps: int) -> None:
     """Teacher forcing: one update a batch of episodes."""
     teacher, best = Teacher(envs), torch.optim.Adam(agent.parameters(), 2e-3)
     for update in range(steps):
@@ -108,7 +108,7 @@ def train(agent: Agent, envs: RoomToRoomVectorEnv, steps: int) -> None:
 
 def evaluate(agent: Agent, config: EnvConfig) -> float:
     """Share of successes, each agent on its own from start to stop."""
-    envs = RoomToRoomVectorEnv(config, BATCH, autoreset_mode="SameStep")
+    envs = VlnVectorEnv(config, BATCH, autoreset_mode="SameStep")
     seen, _ = envs.reset(seed=100)
     memory, success, done = torch.zeros(BATCH, SIZE), np.zeros(BATCH), np.zeros(BATCH, bool)
     with torch.no_grad():
@@ -129,7 +129,7 @@ def main(data: str, steps: int = 300) -> None:
     torch.manual_seed(1)
     torch.set_num_threads(1)  # the network is small
     config = EnvConfig(data, "train", reward="none", max_steps=12)
-    envs = RoomToRoomVectorEnv(config, BATCH)
+    envs = VlnVectorEnv(config, BATCH)
     agent = Agent()
     begin, before = time.time(), evaluate(agent, config)
     envs.reset(seed=1)

@@ -19,7 +19,7 @@ from typing import Optional
 import numpy as np
 import torch
 from enfilade.features import open_features
-from enfilade.gym import EnvConfig, RoomToRoomVectorEnv
+from enfilade.gym import EnvConfig, VlnVectorEnv
 from torch import nn
 
 BATCH, WORDS, SIZE, MOST_ACTIONS = 64, 400, 64, 12
@@ -40,7 +40,7 @@ def directions(right: torch.Tensor, up: torch.Tensor) -> torch.Tensor:
 class Eyes:
     """What a batch of agents sees: the 36 views, and the candidates by the views that have them."""
 
-    def __init__(self, envs: RoomToRoomVectorEnv, features: Optional[str]) -> None:
+    def __init__(self, envs: VlnVectorEnv, features: Optional[str]) -> None:
         self.arrays, self.graphs = envs.arrays, envs.episodes.graphs
         self.features = open_features(features) if features else None
         self.size = 4 + (self.features.dimensions if self.features else 0)
@@ -97,7 +97,7 @@ class Agent(nn.Module):
 
 
 # %%
-def train(agent: Agent, envs: RoomToRoomVectorEnv, eyes: Eyes, steps: int) -> None:
+def train(agent: Agent, envs: VlnVectorEnv, eyes: Eyes, steps: int) -> None:
     """Teacher forcing: one update a batch of episodes."""
     best = torch.optim.Adam(agent.parameters(), 2e-3)
     for update in range(steps):
@@ -120,7 +120,7 @@ def train(agent: Agent, envs: RoomToRoomVectorEnv, eyes: Eyes, steps: int) -> No
             print(f"update {update}: loss {total.item():.3f}")
 
 
-def evaluate(agent: Agent, envs: RoomToRoomVectorEnv, eyes: Eyes) -> float:
+def evaluate(agent: Agent, envs: VlnVectorEnv, eyes: Eyes) -> float:
     """Share of successes, each agent on its own from start to stop."""
     seen, _ = envs.reset(seed=100)
     memory, success, done = START, np.zeros(BATCH), np.zeros(BATCH, bool)
@@ -139,7 +139,7 @@ def main(data: str, steps: int = 300, features: Optional[str] = None) -> None:
     torch.manual_seed(1)
     torch.set_num_threads(1)  # the network is small
     config = EnvConfig(data, "train", actions="panoramic", reward="none", max_steps=MOST_ACTIONS)
-    envs = RoomToRoomVectorEnv(config, BATCH)
+    envs = VlnVectorEnv(config, BATCH)
     eyes = Eyes(envs, features)
     agent = Agent(eyes.size)
     begin, before = time.time(), evaluate(agent, envs, eyes)

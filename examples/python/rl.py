@@ -12,7 +12,7 @@ import sys
 
 import gymnasium
 import numpy as np
-from enfilade.gym import EnvConfig, RoomToRoomEnv
+from enfilade.gym import EnvConfig, VlnEnv
 from stable_baselines3 import PPO
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
@@ -23,7 +23,7 @@ class PointGoal(gymnasium.ObservationWrapper):
     """One row of numbers: for each candidate its direction, length, and how much nearer to the goal
     it leads as the crow flies; and how far the goal is."""
 
-    def __init__(self, env: RoomToRoomEnv) -> None:
+    def __init__(self, env: VlnEnv) -> None:
         super().__init__(env)
         self.rows = env.observation_space["candidates"].shape[0]
         self.observation_space = gymnasium.spaces.Box(-10, 10, (self.rows * 5 + 1,), np.float32)
@@ -49,7 +49,7 @@ def main(data: str, steps: int = 12_000) -> None:
     config = EnvConfig(data, "train", max_steps=15)
 
     def make() -> gymnasium.Env:
-        return Monitor(PointGoal(RoomToRoomEnv(config)))
+        return Monitor(PointGoal(VlnEnv(config)))
 
     model = PPO("MlpPolicy", make(), n_steps=512, batch_size=128, learning_rate=1e-3, seed=1)
     before, _ = evaluate_policy(model, make(), n_eval_episodes=60)

@@ -15,7 +15,7 @@ import sys
 import gymnasium
 import numpy as np
 import ray
-from enfilade.gym import EnvConfig, RoomToRoomVectorEnv
+from enfilade.gym import EnvConfig, VlnVectorEnv
 from ray.rllib.algorithms.ppo import PPOConfig
 from ray.tune.registry import register_env
 
@@ -25,7 +25,7 @@ class PointGoals(gymnasium.vector.VectorObservationWrapper):
     """For each agent one row of numbers: for each candidate its direction, length, and how much
     nearer to the goal it leads as the crow flies; and how far the goal is."""
 
-    def __init__(self, envs: RoomToRoomVectorEnv) -> None:
+    def __init__(self, envs: VlnVectorEnv) -> None:
         super().__init__(envs)
         self.rows = envs.single_observation_space["candidates"].shape[0]
         single = gymnasium.spaces.Box(-10, 10, (self.rows * 5 + 1,), np.float32)
@@ -52,7 +52,7 @@ class PointGoals(gymnasium.vector.VectorObservationWrapper):
 def make(config: dict) -> PointGoals:
     """Called by RLlib in each of its runners."""
     return PointGoals(
-        RoomToRoomVectorEnv(EnvConfig(config["data"], "train", max_steps=15), config["num_envs"])
+        VlnVectorEnv(EnvConfig(config["data"], "train", max_steps=15), config["num_envs"])
     )
 
 

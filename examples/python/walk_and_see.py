@@ -28,12 +28,12 @@ sim.new_random_episodes(d.graphs.scans[:1] * 4)
 for _ in range(3):
     sim.step(np.minimum(1, sim.state.navigable_count - 1), heading_changes=[1, 1, -1, -1])
     seen = renderer.render_agents(sim, layers=("depth",))
-print(sim.viewpoint_ids(), seen["colour"].shape, f"{seen['depth'].max():.1f} m deep")
+print(sim.viewpoint_ids(), seen["rgb"].shape, f"{seen['depth'].max():.1f} m deep")
 
 # %% tags=["active-py"]
-np.save(sys.argv[2], seen["colour"])
+np.save(sys.argv[2], seen["rgb"])
 
 # %% tags=["active-ipynb"]
 # from PIL import Image
 #
-# Image.fromarray(np.hstack(seen["colour"])).resize((1280, 240))
+# Image.fromarray(np.hstack(seen["rgb"])).resize((1280, 240))

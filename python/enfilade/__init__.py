@@ -13,7 +13,7 @@ environments) and `MatterSim` (a drop-in for Matterport3DSimulator's module).
 
 Frames: metres, +z up; headings in radians clockwise from +y; elevations in radians above the
 horizon; row 0 of an image on top. Importing this takes milliseconds: NumPy is imported with the
-first class that needs it, Gymnasium with `enfilade.gym`, torch never.
+first class that needs it, Gymnasium with `enfilade.gym`, torch with `enfilade.torch_data`.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ _LATER = {
     "write_small_dataset": "synth",
 }
 
-_MODULES = ("agents", "camera", "eyes", "features", "goals", "habitat")
+_MODULES = ("agents", "camera", "eyes", "features", "goals", "habitat", "torch_data")
 
 __all__ = [
     "Arena",

@@ -1,8 +1,10 @@
-"""Checks of arguments; the messages name them. Does not need NumPy."""
+"""Checks of arguments; the messages name them. Warnings of old names. Does not need NumPy."""
 
 from __future__ import annotations
 
 import operator
+import sys
+import warnings
 from typing import Any
 
 from enfilade._errors import ArgumentError
@@ -19,3 +21,16 @@ def whole(name: str, value: Any, most: int = MOST) -> int:
     if not 0 <= number <= most:
         raise ArgumentError(f"{name} {number}: 0 to {most} are allowed")
     return number
+
+
+def deprecated(old: str, new: str) -> None:
+    """Warns of an old name, at the nearest line outside of this package and Gymnasium."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and _package(frame.f_globals) in ("enfilade", "gymnasium"):
+        frame, level = frame.f_back, level + 1
+    message = f"{old} is deprecated and will be removed in the next release: write {new}"
+    warnings.warn(message, DeprecationWarning, stacklevel=level)
+
+
+def _package(names: dict[str, Any]) -> str:
+    return str(names.get("__name__", "")).partition(".")[0]

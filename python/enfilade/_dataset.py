@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 
 from enfilade._core import DatasetFolder, Graphs, Panoramas
 from enfilade._episodes import Episodes
+from enfilade._layers import checked_layer
 
 if TYPE_CHECKING:
-    from numpy import uint8
     from numpy.typing import NDArray
 
     from enfilade._renderer import Renderer
@@ -163,16 +163,25 @@ class Dataset:
         width: int = 640,
         height: int = 480,
         vfov: float = math.radians(60),
-    ) -> NDArray[uint8]:
-        """One image, (height, width, 3) RGB uint8; angles in radians. For many images use renderer(). One
-        thread at a time. Raises UnknownNameError, FileError, InvalidInput, and ArgumentError for
-        invalid angles or sizes."""
+        layer: str = "rgb",
+    ) -> NDArray[Any]:
+        """One image; angles in radians. For many images use renderer(). One thread at a time.
+
+        Args:
+            layer: "rgb": (height, width, 3) uint8; "depth", "semantic" or "instance": (height, width), as
+                in Renderer.render().
+
+        Raises UnknownNameError, FileError, InvalidInput, and ArgumentError for invalid angles, sizes or
+        layers.
+        """
+        layer = checked_layer("layer", layer)
         if self._renderer is None:
             self._renderer = self.renderer()
         drawn = self._renderer.render(
-            [scan], [viewpoint], heading, elevation, width=width, height=height, vfov=vfov
-        )
-        picture: NDArray[uint8] = drawn["colour"][0]
+            [scan], [viewpoint], heading, elevation, width=width, height=height, vfov=vfov,
+            rgb="rgb8" if layer == "rgb" else None, layers=(layer,),
+        )  # fmt: skip
+        picture: NDArray[Any] = drawn[layer][0]
         return picture
 
 

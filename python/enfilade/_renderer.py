@@ -6,20 +6,22 @@ import importlib
 import math
 import os
 from collections.abc import Mapping
-from typing import Any, Optional, Union
+from typing import Any, Dict, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from enfilade._arguments import whole
+from enfilade._arguments import deprecated, whole
 from enfilade._core import DatasetFolder, Graphs, Panoramas, ViewArrays, ViewRenderer
 from enfilade._errors import ArgumentError
+from enfilade._layers import LAYERS, checked_layer, layer_of
 from enfilade._simulator import Names, Simulator, _make_again, scan_indices, viewpoint_indices
 
-# The type of an image's values.
-_COLOURS = {"rgb8": "uint8", "bgr8": "uint8", "rgba8": "uint8", "planar": "float32",
+# The type of an image's values: by format of rgb, and by layer.
+_FORMATS = {"rgb8": "uint8", "bgr8": "uint8", "rgba8": "uint8", "planar": "float32",
             "imagenet": "float32"}  # fmt: skip
-_LAYERS = {"depth": "float32", "classes": "uint16", "instances": "uint32"}
+_TYPES = {"depth": "float32", "semantic": "uint16", "instance": "uint32"}
+_NOT_GIVEN: Any = object()
 CACHES = ("private", "shared")
 
 
@@ -35,6 +37,16 @@ def open_panoramas(folder: Union[str, os.PathLike[str]], graphs: Graphs) -> Pano
 def _panoramas_again(images: Any, connectivity: Any, scans: list[str]) -> Panoramas:
     """For unpickling Panoramas."""
     return Panoramas.of_scans(images, connectivity, scans)
+
+
+class _Pictures(Dict[str, Any]):
+    """Arrays by layer; the key "colour" of earlier releases warns."""
+
+    def __missing__(self, name: str) -> Any:
+        if name != "colour":
+            raise KeyError(name)
+        deprecated("the key 'colour'", "'rgb'")
+        return self["rgb"]
 
 
 class Renderer:
@@ -121,32 +133,34 @@ class Renderer:
         width: int = 640,
         height: int = 480,
         vfov: float = math.radians(60),
-        colour: Optional[str] = "rgb8",
+        rgb: Optional[str] = "rgb8",
         layers: tuple[str, ...] = (),
         ray_depth: bool = False,
         out: Optional[Mapping[str, Any]] = None,
         stream: Optional[int] = None,
+        colour: Optional[str] = _NOT_GIVEN,
     ) -> dict[str, Any]:
         """Renders n views, by names or indices of scans and viewpoints; angles in radians.
 
         Args:
-            colour: "rgb8", "bgr8": (n, h, w, 3) uint8; "rgba8": (n, h, w, 4); "planar": (n, 3, h, w)
-                float32 in [0, 1]; "imagenet": the same, normalised for torchvision's models; None: no
-                colour.
-            layers: any of "depth" ((n, h, w) float32 metres along the optical axis, 0: no reading),
-                "classes" ((n, h, w) uint16), "instances" ((n, h, w) uint32).
+            rgb: the format of the layer rgb: "rgb8", "bgr8": (n, h, w, 3) uint8; "rgba8": (n, h, w, 4);
+                "planar": (n, 3, h, w) float32 in [0, 1]; "imagenet": the same, normalised for
+                torchvision's models; None: no rgb.
+            layers: further layers, any of "depth" ((n, h, w) float32 metres along the optical axis, 0: no
+                reading), "semantic" ((n, h, w) uint16), "instance" ((n, h, w) uint32).
             ray_depth: depth along each pixel's ray instead.
-            out: target arrays, by "colour" and the layers' names: contiguous, writable, of those
+            out: target arrays, by "rgb" and the layers' names: contiguous, writable, of those
                 shapes, of any library with DLPack or the buffer protocol (NumPy, torch on the CPU).
-                Depth may be uint16 (quarter millimetres), classes uint8, planar colour float16.
+                Depth may be uint16 (quarter millimetres), semantic uint8, planar rgb float16.
                 Missing arrays are allocated on the CPU. With the back end "cuda", arrays may be in
                 its GPU's memory (torch, CuPy); nothing is then copied to the CPU.
             stream: for arrays in GPU memory, the address of a stream
                 (torch.cuda.current_stream().cuda_stream). Work is queued in it, and render() returns
                 before it is complete. None: the current stream of torch or CuPy; with other libraries
                 there is no stream, and the images are complete when render() returns.
+            colour: the old name of `rgb`.
 
-        Returns the arrays by name, including those of `out`. Raises ArgumentError or TypeError for
+        Returns the arrays by layer, including those of `out`. Raises ArgumentError or TypeError for
         invalid arguments; UnknownNameError, FileError, InvalidInput for missing or broken images.
         """
         scan = scan_indices(self.graphs, scans)
@@ -155,7 +169,7 @@ class Renderer:
         views = ViewArrays(
             scan, viewpoint, _angles("headings", headings, n), _angles("elevations", elevations, n)
         )
-        return self._draw(views, width, height, vfov, colour, layers, ray_depth, out, stream)
+        return self._draw(views, width, height, vfov, rgb, layers, ray_depth, out, stream, colour)
 
     def _draw(
         self,
@@ -163,11 +177,12 @@ class Renderer:
         width: int,
         height: int,
         vfov: float,
-        colour: Optional[str] = "rgb8",
+        rgb: Optional[str] = "rgb8",
         layers: tuple[str, ...] = (),
         ray_depth: bool = False,
         out: Optional[Mapping[str, Any]] = None,
         stream: Optional[int] = None,
+        colour: Optional[str] = _NOT_GIVEN,
     ) -> dict[str, Any]:
         n, width, height = len(views), whole("width", width), whole("height", height)
         if out is not None and type(out) is not dict and not isinstance(out, Mapping):
@@ -175,25 +190,40 @@ class Renderer:
         if isinstance(layers, str):
             raise TypeError(f"layers '{layers}': a tuple is wanted: ('{layers}',)")
         pictures = dict(out) if out else {}
-        for name in pictures:
-            _check_shape(name, colour, pictures[name], n, height, width)
-        for name in layers if colour is None else ("colour", *layers):
-            if name not in pictures:
-                shape = _shape(name, colour, n, height, width)
-                pictures[name] = self._core.memory(shape, _type(name, colour))
+        words: dict[str, str] = {}  # by layer: the caller's word, the key of the result
+        for word in pictures:
+            layer = _checked_out(word, words)
+            words[layer] = word
+        for word in layers:
+            words.setdefault(checked_layer("layers", word), word)
+        if colour is not _NOT_GIVEN:
+            deprecated("colour=", "rgb=")
+            rgb = colour
+            if rgb is not None:
+                words.setdefault("rgb", "colour")
+        if rgb is not None and "rgb" not in words:
+            pictures, words["rgb"] = _Pictures(pictures), "rgb"
+        drawn: dict[str, Any] = {}
+        for layer, word in words.items():
+            shape = _shape(layer, rgb, n, height, width)
+            if word in pictures:
+                _check_shape(word, pictures[word], shape)
+            else:
+                pictures[word] = self._core.memory(shape, _type(layer, rgb))
+            drawn[layer] = pictures[word]
         try:
             self._core.render(
                 views,
                 width,
                 height,
                 vfov,
-                pictures.get("colour"),
-                colour or "rgb8",
-                pictures.get("depth"),
+                drawn.get("rgb"),
+                rgb or "rgb8",
+                drawn.get("depth"),
                 ray_depth,
-                pictures.get("classes"),
-                pictures.get("instances"),
-                _current_stream(pictures) if stream is None else whole("stream", stream, 2**64 - 1),
+                drawn.get("semantic"),
+                drawn.get("instance"),
+                _current_stream(drawn) if stream is None else whole("stream", stream, 2**64 - 1),
             )
         except TypeError as error:
             if not out:
@@ -228,32 +258,40 @@ class Renderer:
         )
 
 
-def _shape(name: str, colour: Optional[str], n: int, h: int, w: int) -> tuple[int, ...]:
-    if name != "colour":
+def _shape(layer: str, rgb: Optional[str], n: int, h: int, w: int) -> tuple[int, ...]:
+    if layer != "rgb":
         return (n, h, w)
-    if colour in ("planar", "imagenet"):
+    if rgb in ("planar", "imagenet"):
         return (n, 3, h, w)
-    return (n, h, w, 4 if colour == "rgba8" else 3)
+    return (n, h, w, 4 if rgb == "rgba8" else 3)
 
 
-def _type(name: str, colour: Optional[str]) -> str:
-    known, wanted = (_COLOURS, colour or "") if name == "colour" else (_LAYERS, name)
-    if wanted not in known:
-        raise ArgumentError(f"'{wanted}': one of {', '.join(known)} is wanted")
-    return known[wanted]
+def _type(layer: str, rgb: Optional[str]) -> str:
+    if layer != "rgb":
+        return _TYPES[layer]
+    if (rgb or "rgb8") not in _FORMATS:
+        raise ArgumentError(f"rgb '{rgb}': one of {', '.join(_FORMATS)} is wanted")
+    return _FORMATS[rgb or "rgb8"]
 
 
-def _check_shape(name: str, colour: Optional[str], picture: Any, n: int, h: int, w: int) -> None:
-    wanted = _shape(name, colour, n, h, w)
-    if name not in ("colour", *_LAYERS):
-        raise ArgumentError(f"out['{name}']: one of colour, {', '.join(_LAYERS)} is wanted")
+def _checked_out(word: str, words: Mapping[str, str]) -> str:
+    """The layer of a key of `out`."""
+    layer = layer_of(word)
+    if layer not in LAYERS:
+        raise ArgumentError(f"out['{word}']: one of {', '.join(LAYERS)} is wanted")
+    if layer in words:
+        raise ArgumentError(f"out['{word}']: the same as out['{words[layer]}']; one of them is wanted")
+    return checked_layer("out", word)
+
+
+def _check_shape(word: str, picture: Any, wanted: tuple[int, ...]) -> None:
     if type(picture).__module__.startswith("jax"):  # its arrays do not report that they are read-only
-        raise ArgumentError(f"out['{name}']: JAX's arrays never change, so nothing can be drawn there")
+        raise ArgumentError(f"out['{word}']: JAX's arrays never change, so nothing can be drawn there")
     shape = getattr(picture, "shape", None)
     if shape is None:
-        raise TypeError(f"out['{name}']: a {type(picture).__name__}; an array is wanted")
+        raise TypeError(f"out['{word}']: a {type(picture).__name__}; an array is wanted")
     if tuple(shape) != wanted:
-        raise ArgumentError(f"out['{name}'] has shape {tuple(shape)}, not {wanted}")
+        raise ArgumentError(f"out['{word}'] has shape {tuple(shape)}, not {wanted}")
 
 
 def _current_stream(pictures: Mapping[str, Any]) -> Optional[int]:

@@ -21,18 +21,15 @@ from enfilade import _eyes
 from enfilade._arguments import whole
 from enfilade._continuous import ContinuousSimulator, PathLike, _data_folder, _points, _row
 from enfilade._errors import ArgumentError, FileError, UnknownNameError
+from enfilade._layers import LAYERS, checked_layer, layer_of
 
 __all__ = ["LAYERS", "SIZES", "Eyes"]
 
-LAYERS = ("rgb", "depth", "class", "instance")
-"""The layers: (n, h, w, 3) uint8; (n, h, w) float32 metres along the optical axis, 0: no surface;
-(n, h, w) uint16 of mpcat40; (n, h, w) uint32, 0: no object."""
-
-SIZES = {"rgb": (224, 224), "depth": (256, 256), "class": (256, 256), "instance": (256, 256)}
+SIZES = {"rgb": (224, 224), "depth": (256, 256), "semantic": (256, 256), "instance": (256, 256)}
 """Width and height of VLN-CE's images, pixels."""
 
 Size = Tuple[int, int]
-_TYPES: dict[str, Any] = {"rgb": np.uint8, "depth": np.float32, "class": np.uint16, "instance": np.uint32}
+_TYPES: dict[str, Any] = {"rgb": np.uint8, "depth": np.float32, "semantic": np.uint16, "instance": np.uint32}
 _SUFFIXES = (".glb", ".gltf", ".obj", ".ply")
 
 
@@ -86,14 +83,16 @@ class Eyes:
         size: Union[None, Size, Mapping[str, Size]] = None,
         vfov: float = math.pi / 2,
     ) -> dict[str, NDArray[Any]]:
-        """Images of n views, by the names in LAYERS.
+        """Images of n views, by layer.
 
         Args:
             scans: (n,) names of buildings.
             eyes: (n, 3) positions of the camera, metres, world frame.
             headings: (n,) or one, radians clockwise from +y, of the centre of the image.
             elevations: (n,) or one, radians, up positive.
-            layers: names of LAYERS.
+            layers: any of "rgb" ((n, h, w, 3) uint8), "depth" ((n, h, w) float32 metres along the optical
+                axis, 0: no surface), "semantic" ((n, h, w) uint16 of mpcat40) and "instance"
+                ((n, h, w) uint32, 0: no object).
             size: (width, height) of all layers, or by layer; default: SIZES.
             vfov: vertical field of view, radians.
 
@@ -103,11 +102,10 @@ class Eyes:
         n = len(places)
         if isinstance(scans, str) or len(scans) != n:
             raise ArgumentError(f"scans: {n} names are wanted, one for each of the eyes")
-        for layer in layers:
-            if layer not in LAYERS:
-                raise ArgumentError(f"layers '{layer}': any of {', '.join(LAYERS)} are wanted")
+        asked = {word: checked_layer("layers", word) for word in layers}
         by_layer = size if isinstance(size, Mapping) else {} if size is None else dict.fromkeys(layers, size)
-        sizes = {layer: _size(layer, by_layer.get(layer, SIZES[layer])) for layer in layers}
+        chosen = {**SIZES, **{layer_of(word): pixels for word, pixels in by_layer.items()}}
+        sizes = {layer: _size(layer, chosen[layer]) for layer in asked.values()}
         turned, raised = _row(headings, n), _row(elevations, n)
         drawn: dict[str, NDArray[Any]] = {}
         for width, height in dict.fromkeys(sizes.values()):
@@ -119,7 +117,7 @@ class Eyes:
                 rows = np.flatnonzero([one == scan for one in scans])
                 camera = (width, height, vfov)
                 self._draw(scan, rows, places, turned, raised, camera, {k: drawn[k] for k in here})
-        return drawn
+        return {word: drawn[layer] for word, layer in asked.items()}
 
     def render_agents(
         self, simulator: ContinuousSimulator, **options: Any

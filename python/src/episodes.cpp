@@ -205,7 +205,7 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
 Set episode_set(nb::handle episodes) { return nb::cast<const Episodes&>(episodes).set(); }
 
 void bind_episodes(nb::module_& m) {
-  nb::class_<Episodes>(m, "EpisodeSet", "What enfilade.Episodes is made of.")
+  nb::class_<Episodes>(m, "EpisodeSet", "The core of enfilade.Episodes.")
       .def(nb::new_(&load_episodes), "dataset"_a, "task"_a, "split"_a, "all_instructions"_a,
            "file"_a.none())
       .def("__len__", [](const Episodes& s) { return s.set()->episodes.size(); })

@@ -45,23 +45,23 @@ def points(entry: dict[str, Any]) -> list[str]:
     return [point[0] for point in entry["trajectory"]]
 
 
-def test_a_split_is_walked_and_scored(small: str, model: Path, tmp_path: Path) -> None:
+def test_a_split_is_run_and_scored(small: str, model: Path, tmp_path: Path) -> None:
     agents = learn_module()
     agent = agents.load(model, threads=1)
     assert (agent.kind, agent.iteration, agent.sees) == ("seq2seq", 2, False)
     assert "seq2seq" in repr(agent)
     episodes = enfilade.Dataset(small).episodes("val_unseen")
-    with pytest.raises(RuntimeError, match="enter"):
-        agent.walk()
-    agent.enter(episodes)
     results, attention = tmp_path / "r.json", tmp_path / "a.json"
-    walked = agent.walk(7, results=results, attention=attention)
-    assert len(walked) == len(episodes)
-    assert [entry["instr_id"] for entry in walked] == [e.instruction_id for e in episodes]
-    assert json.loads(results.read_text()) == walked
+    entries = agent.run(episodes, batch_size=7, results=results, attention=attention)
+    assert len(entries) == len(episodes)
+    assert [entry["instr_id"] for entry in entries] == [e.instruction_id for e in episodes]
+    assert json.loads(results.read_text()) == entries
     assert attention.is_file()
-    assert 0 <= episodes.score(walked).means["success"][0] <= 1
-    assert agent.walk(100) == walked, "the batch size changes nothing"
+    assert agent.run(episodes) == entries, "the batch size changes nothing"
+    assert agent.evaluate(episodes, batch_size=9) == episodes.score(entries)
+    other = enfilade.Dataset(small).episodes("val_seen")  # in any order, without a call in between
+    assert len(agent.evaluate(other).episodes) == len(other)
+    assert agent.run(episodes) == entries
 
 
 @pytest.mark.parametrize("actions", ["six", "viewpoint", "panoramic"])
@@ -69,44 +69,99 @@ def test_an_environment_goes_where_the_agent_goes(small: str, model: Path, actio
     gym = pytest.importorskip("enfilade.gym")
     agents = learn_module()
     config = gym.EnvConfig(small, "val_unseen", actions=actions, reward="none", max_steps=50)
-    envs = gym.RoomToRoomVectorEnv(config, 3, autoreset_mode="NextStep")
+    envs = gym.VlnVectorEnv(config, 3, autoreset_mode="NextStep")
     agent = agents.load(model, threads=1)
-    agent.enter(envs)
-    walked = agent.walk()
-    envs.reset(options={"episode": np.arange(3)})
+    policy = agent.policy(envs)
+    entries = agent.run(envs.episodes)
+    seen, _ = envs.reset(options={"episode": np.arange(3)})
     ends: dict[int, str] = {}
     for _ in range(60):
-        _, _, stopped, cut, _ = envs.step(agent.act(envs))
+        seen, _, stopped, cut, _ = envs.step(policy(seen))
         for slot in np.flatnonzero(stopped | cut):
             scan = envs.episodes[int(slot)].scan
             ids = envs.episodes.graphs[scan].viewpoints
             ends.setdefault(int(slot), ids[envs.arrays["viewpoint"][slot]])
         if len(ends) == 3:
             break
-    assert [ends[slot] for slot in range(3)] == [points(walked[slot])[-1] for slot in range(3)]
+    assert [ends[slot] for slot in range(3)] == [points(entries[slot])[-1] for slot in range(3)]
+
+
+def moving(env: Any, act: Any) -> tuple[int, int]:
+    """The episode and its first action, of one in which the agent moves, where there are two ways."""
+    for episode in range(len(env.episodes)):
+        env.reset(options={"episode": episode})
+        first = int(act())
+        others = [k for k in range(1, 16) if k != first and env.action_masks()[k]]
+        if first != 0 and others:
+            return episode, others[0]
+    raise AssertionError("the agent stops everywhere")
 
 
 def test_actions_that_were_not_taken_are_noticed(small: str, model: Path) -> None:
     gym = pytest.importorskip("enfilade.gym")
     agents = learn_module()
-    env = gym.RoomToRoomEnv(gym.EnvConfig(small, "val_unseen", max_steps=50))
+    env = gym.VlnEnv(gym.EnvConfig(small, "val_unseen", max_steps=50))
     agent = agents.load(model, threads=1)
-    env.reset(options={"episode": 0})
-    with pytest.raises(enfilade.ArgumentError, match="enter"):
-        agent.act(env)
-    agent.enter(env)
-    others: list[int] = []
-    for episode in range(len(env.episodes)):  # one in which it moves, where there are two ways
-        env.reset(options={"episode": episode})
-        first = agent.act(env)
-        assert first.shape == (1,) and first.dtype == np.int64
-        others = [k for k in range(1, 16) if k != first[0] and env.action_masks()[k]]
-        if first[0] != 0 and others:
-            break
-    env.step(others[0])
+    policy = agent.policy(env)
+    with pytest.raises(enfilade.ArgumentError, match="reset"):
+        policy()
+    _, other = moving(env, policy)
+    env.step(other)
     with pytest.raises(enfilade.ArgumentError, match="take its actions"):
-        agent.act(env)
-    with pytest.raises(TypeError, match="enfilade.gym"):
+        policy()
+    for wrong in (3, enfilade):
+        with pytest.raises(TypeError, match="enfilade.gym"):
+            agent.policy(wrong)
+
+
+def test_policies_of_one_agent_say_when_they_have_to_begin_again(small: str, model: Path) -> None:
+    gym = pytest.importorskip("enfilade.gym")
+    agents = learn_module()
+    agent = agents.load(model, threads=1)
+    one, two = (gym.VlnEnv(gym.EnvConfig(small, split, max_steps=50)) for split in ("val_unseen", "val_seen"))
+    first, second = agent.policy(one), agent.policy(two)
+    episode, _ = moving(one, first)  # though the second was made later
+    before = int(first())
+    one.step(before)
+    two.reset(seed=1)
+    second()
+    with pytest.raises(enfilade.ArgumentError, match="begin together: reset"):
+        first()
+    one.reset(options={"episode": episode})
+    assert first() == before
+    one.step(before)
+    agent.run(one.episodes)
+    with pytest.raises(enfilade.ArgumentError, match="begin together: reset"):
+        first()
+
+
+def test_the_old_order_of_calls_warns_and_works(small: str, model: Path) -> None:
+    gym = pytest.importorskip("enfilade.gym")
+    agents = learn_module()
+    agent = agents.load(model, threads=1)
+    envs = gym.VlnVectorEnv(gym.EnvConfig(small, "val_unseen", max_steps=50), 3)
+    envs.reset(options={"episode": np.arange(3)})
+    with pytest.warns(DeprecationWarning), pytest.raises(RuntimeError, match="enter"):
+        agent.walk()
+    with pytest.warns(DeprecationWarning), pytest.raises(enfilade.ArgumentError, match="enter"):
+        agent.act(envs)
+    with pytest.warns(DeprecationWarning, match=r"write run\(\), evaluate\(\) or policy\(\)") as seen:
+        agent.enter(envs)
+    assert seen[0].filename == __file__
+    with pytest.warns(DeprecationWarning, match=r"write run\(episodes, features\)"):
+        assert agent.walk(7) == agent.run(envs.episodes)
+    policy = agent.policy(envs)
+    wanted = []
+    for _ in range(4):
+        wanted.append(policy().tolist())
+        envs.step(wanted[-1])
+    envs.reset(options={"episode": np.arange(3)})
+    for actions in wanted:
+        with pytest.warns(DeprecationWarning, match=r"write policy\(env\)\(\)"):
+            old = agent.act(envs)
+        assert old.dtype == np.int64 and old.tolist() == actions
+        envs.step(old)
+    with pytest.warns(DeprecationWarning), pytest.raises(TypeError, match="enfilade.gym"):
         agent.act(3)
 
 

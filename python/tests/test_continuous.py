@@ -285,10 +285,10 @@ def test_depth_is_that_of_the_mesh(free: Path, boxes: Path, one: enfilade.Contin
     scan = one.scan
     seen = eyes.render(
         [scan] * 3, [(0, 0, 20)] * 3, [0, math.pi / 2, 0], [0, 0, -math.pi / 2],
-        layers=("depth", "rgb", "class", "instance"), size={"rgb": (64, 32)},
+        layers=("depth", "rgb", "semantic", "instance"), size={"rgb": (64, 32)},
     )  # fmt: skip
     assert seen["rgb"].shape == (3, 32, 64, 3) and seen["rgb"].dtype == np.uint8
-    assert seen["depth"].shape == (3, 256, 256) and seen["class"].dtype == np.uint16
+    assert seen["depth"].shape == (3, 256, 256) and seen["semantic"].dtype == np.uint16
     assert np.abs(seen["depth"][:2, 100:156] - 50).max() < 1e-3
     assert np.abs(seen["depth"][2, 100:156, 100:156] - 25).max() < 1e-3
     sim = ContinuousSimulator(free, batch_size=2)
@@ -329,10 +329,10 @@ def test_homes_have_light_that_is_kept(free: Path, tmp_path: Path, one: enfilade
 
     x, y, z = one.start
     eyes = Eyes(free, light=tmp_path, light_spacing=0.2)
-    layers = ("rgb", "depth", "class", "instance")
+    layers = ("rgb", "depth", "semantic", "instance")
     down = eyes.render([one.scan], [(x, y, z + 1.25)], 0, -math.pi / 2, layers=layers)
     assert abs(down["depth"][0, 128, 128] - 1.25) < 0.1  # the floor, or a rug
-    assert down["rgb"].std() > 1 and down["class"].any()
+    assert down["rgb"].std() > 1 and down["semantic"].any()
     assert (tmp_path / f"{one.scan}.light").exists()
     again = Eyes(free, light=tmp_path).render([one.scan], [(x, y, z + 1.25)], 0, -math.pi / 2, layers=layers)
     assert all(np.array_equal(down[layer], again[layer]) for layer in layers)
@@ -475,9 +475,7 @@ def equal(a: Any, b: Any) -> bool:
     return bool(np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind == "f"))
 
 
-@pytest.mark.parametrize(
-    "name", ["Enfilade/ContinuousRoomToRoom-v0", "Enfilade/ContinuousRoomAcrossRoom-v0"]
-)
+@pytest.mark.parametrize("name", ["enfilade/R2R-CE-v0", "enfilade/RxR-CE-v0"])
 def test_the_environments_pass_gymnasiums_checker(free: Path, boxes: Path, name: str) -> None:
     gymnasium = pytest.importorskip("gymnasium", minversion="1.0")
     from enfilade.gym import ContinuousEnvConfig
@@ -489,7 +487,7 @@ def test_the_environments_pass_gymnasiums_checker(free: Path, boxes: Path, name:
         check_env(env.unwrapped, skip_render_check=True)
     env.reset(seed=1)
     assert "heading" in env.render()
-    assert env.action_space.n == (4 if "ToRoom" in name else 6)
+    assert env.action_space.n == (4 if "R2R" in name else 6)
     size = {"rgb": (24, 16), "depth": (16, 16)}
     looking = ContinuousEnvConfig(free, observe=("rgb", "depth"), sizes=size, eyes={"meshes": boxes})
     sees = gymnasium.make(name, config=looking, render_mode="rgb_array")
@@ -504,14 +502,14 @@ def test_the_environments_pass_gymnasiums_checker(free: Path, boxes: Path, name:
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
 def test_the_vector_environment_does_what_single_ones_do(free: Path, boxes: Path, mode: str) -> None:
     pytest.importorskip("gymnasium", minversion="1.0")
-    from enfilade.gym import ContinuousEnvConfig, ContinuousRoomToRoomEnv, ContinuousRoomToRoomVectorEnv
+    from enfilade.gym import ContinuousEnvConfig, VlnEnv, VlnVectorEnv
     from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
     n, kind = 4, AutoresetMode(mode)
     pictures = {"observe": ("depth",), "sizes": {"depth": (12, 8)}, "eyes": {"meshes": boxes, "threads": 1}}
     config = ContinuousEnvConfig(free, max_steps=12, **(pictures if kind == AutoresetMode.SAME_STEP else {}))
-    ours = ContinuousRoomToRoomVectorEnv(config, n, autoreset_mode=kind)
-    theirs = SyncVectorEnv([lambda: ContinuousRoomToRoomEnv(config)] * n, autoreset_mode=kind)
+    ours = VlnVectorEnv(config, n, autoreset_mode=kind)
+    theirs = SyncVectorEnv([lambda: VlnEnv(config)] * n, autoreset_mode=kind)
     assert ours.observation_space == theirs.observation_space
     assert ours.action_space == theirs.action_space
     assert equal(ours.reset(seed=7)[0], theirs.reset(seed=7)[0])
@@ -541,9 +539,9 @@ def test_the_vector_environment_does_what_single_ones_do(free: Path, boxes: Path
 
 def test_the_teacher_arrives_and_rewards_add_up(free: Path) -> None:
     pytest.importorskip("gymnasium", minversion="1.0")
-    from enfilade.gym import ContinuousEnvConfig, ContinuousRoomToRoomEnv
+    from enfilade.gym import ContinuousEnvConfig, VlnEnv
 
-    env = ContinuousRoomToRoomEnv(ContinuousEnvConfig(free, "val_unseen"))
+    env = VlnEnv(ContinuousEnvConfig(free, "val_unseen"))
     with pytest.raises(enfilade.ArgumentError, match="reset"):
         env.step(1)
     for rule in ("reference", "shortest"):
@@ -565,13 +563,49 @@ def test_the_teacher_arrives_and_rewards_add_up(free: Path) -> None:
         env.expert("spl")
     with pytest.raises(enfilade.ArgumentError, match="not in the split"):
         env.reset(options={"episode": "none"})
-    quiet = ContinuousRoomToRoomEnv(ContinuousEnvConfig(free, reward="success", text=False, max_steps=1))
+    quiet = VlnEnv(ContinuousEnvConfig(free, reward="success", text=False, max_steps=1))
     seen, _ = quiet.reset(seed=1)
     assert "instruction" not in seen
     _, reward, stopped, cut, info = quiet.step(1)
     assert (reward, stopped, cut, info["success"]) == (0.0, False, True, 0)
     with pytest.raises(enfilade.ArgumentError, match="task 'r2r'"):
         ContinuousEnvConfig(free, task="r2r")
+
+
+def test_no_config_object_is_needed_and_old_ids_warn(free: Path, boxes: Path) -> None:
+    gymnasium = pytest.importorskip("gymnasium", minversion="1.0")
+    import enfilade.gym
+
+    options = {"data": free, "split": "val_unseen", "max_steps": 5}
+    env = gymnasium.make("enfilade/R2R-CE-v0", **options)
+    assert env.unwrapped.episodes.task == "r2r-ce" and env.unwrapped.action_masks().all()
+    with pytest.warns(DeprecationWarning, match="write enfilade/R2R-CE-v0"):
+        old = gymnasium.make("Enfilade/ContinuousRoomToRoom-v0", **options)
+    assert equal(env.reset(seed=3)[0], old.reset(seed=3)[0])
+    envs = gymnasium.make_vec("enfilade/RxR-CE-v0", 2, data=free)
+    assert isinstance(envs.unwrapped, enfilade.gym.VlnVectorEnv) and envs.reset(seed=1)
+    for call in (lambda: env.unwrapped.answer("x"), env.unwrapped.objects):
+        with pytest.raises(enfilade.ArgumentError, match="r2r-ce"):
+            call()
+    size, eyes = {"class": (12, 8)}, {"meshes": boxes, "threads": 1}
+    with pytest.warns(DeprecationWarning, match="write 'semantic'"):
+        looking = enfilade.gym.VlnEnv(
+            task="r2r-ce", data=free, observe=("class", "instance"), sizes=size, eyes=eyes
+        )
+    seen, _ = looking.reset(seed=1)
+    assert looking.observation_space.contains(seen)
+    assert seen["class"].shape == (8, 12) and seen["instance"].shape == (256, 256)
+
+
+def test_old_words_of_layers_are_the_callers(boxes: Path, one: enfilade.ContinuousEpisode) -> None:
+    from enfilade.eyes import Eyes
+
+    eyes, where = Eyes(meshes=boxes), ([one.scan], [(0, 0, 20)])
+    with pytest.warns(DeprecationWarning, match="write 'semantic'") as warned:
+        seen = eyes.render(*where, layers=("class", "depth"), size={"class": (6, 4)})
+    assert warned[0].filename == __file__ and list(seen) == ["class", "depth"]
+    again = eyes.render(*where, layers=("semantic",), size={"semantic": (6, 4)})
+    assert np.array_equal(again["semantic"], seen["class"])
 
 
 # --- experts' walks for video models --------------------------------------------------------------

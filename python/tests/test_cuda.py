@@ -65,7 +65,7 @@ def test_draws_the_cpus_pictures_into_torchs_memory(
 ) -> None:
     cpu = enfilade.Renderer(*pictures)
     where = views(pictures[0], 40)
-    options: dict[str, Any] = {"width": 64, "height": 48, "colour": colour, "layers": ("depth",)}
+    options: dict[str, Any] = {"width": 64, "height": 48, "rgb": colour, "layers": ("depth",)}
     wanted = cpu.render(*where, **options)
     out = {name: torch.full(picture.shape, 7, dtype=getattr(torch, str(picture.dtype)), device="cuda")
            for name, picture in wanted.items()}  # fmt: skip
@@ -80,17 +80,17 @@ def test_draws_the_cpus_pictures_into_torchs_memory(
 
 def test_halves_are_those_of_the_cpu(pictures: Any, card: Any, torch: Any) -> None:
     where = views(pictures[0], 12)
-    options: dict[str, Any] = {"width": 224, "height": 224, "colour": "imagenet"}
+    options: dict[str, Any] = {"width": 224, "height": 224, "rgb": "imagenet"}
     wanted = np.empty((12, 3, 224, 224), np.float16)
-    enfilade.Renderer(*pictures).render(*where, out={"colour": wanted}, **options)
+    enfilade.Renderer(*pictures).render(*where, out={"rgb": wanted}, **options)
     out = torch.empty(wanted.shape, dtype=torch.float16, device="cuda")
-    card.render(*where, out={"colour": out}, **options)
+    card.render(*where, out={"rgb": out}, **options)
     np.testing.assert_array_equal(out.cpu().numpy(), wanted)
 
 
 def test_is_drawn_in_the_order_of_torchs_stream(pictures: Any, card: Any, torch: Any) -> None:
     where = views(pictures[0], 100)
-    wanted = enfilade.Renderer(*pictures).render(*where)["colour"]
+    wanted = enfilade.Renderer(*pictures).render(*where)["rgb"]
     stream = torch.cuda.Stream()
     for current in (torch.cuda.current_stream(), stream):
         with torch.cuda.stream(current):
@@ -99,7 +99,7 @@ def test_is_drawn_in_the_order_of_torchs_stream(pictures: Any, card: Any, torch:
             for _ in range(20):
                 busy = busy @ busy / 64
             out.fill_(7)  # behind milliseconds of work, and before the pictures
-            card.render(*where, out={"colour": out})
+            card.render(*where, out={"rgb": out})
             total = out.sum(dtype=torch.int64)
         current.synchronize()
         assert int(total) == int(wanted.sum(dtype=np.int64))
@@ -110,7 +110,7 @@ def test_a_graph_draws_again(pictures: Any, card: Any, torch: Any) -> None:
     options: dict[str, Any] = {"width": 64, "height": 48, "layers": ("depth",)}
     wanted = enfilade.Renderer(*pictures).render(*where, **options)
     out = {
-        "colour": torch.empty((30, 48, 64, 3), dtype=torch.uint8, device="cuda"),
+        "rgb": torch.empty((30, 48, 64, 3), dtype=torch.uint8, device="cuda"),
         "depth": torch.empty((30, 48, 64), dtype=torch.float32, device="cuda"),
     }
     stream = torch.cuda.Stream()
@@ -131,16 +131,16 @@ def test_a_graph_draws_again(pictures: Any, card: Any, torch: Any) -> None:
 def test_draws_into_cupys_memory(pictures: Any, card: Any) -> None:
     cupy = pytest.importorskip("cupy")
     where = views(pictures[0], 10)
-    wanted = enfilade.Renderer(*pictures).render(*where)["colour"]
+    wanted = enfilade.Renderer(*pictures).render(*where)["rgb"]
     out = cupy.empty(wanted.shape, cupy.uint8)
-    card.render(*where, out={"colour": out})
+    card.render(*where, out={"rgb": out})
     np.testing.assert_array_equal(cupy.asnumpy(out), wanted)
 
 
 def test_memory_of_a_card_is_refused_by_other_back_ends(pictures: Any, torch: Any) -> None:
     out = torch.empty((1, 480, 640, 3), dtype=torch.uint8, device="cuda")
     with pytest.raises(enfilade.ArgumentError, match="the back end cpu"):
-        enfilade.Renderer(*pictures).render(*views(pictures[0], 1), out={"colour": out})
+        enfilade.Renderer(*pictures).render(*views(pictures[0], 1), out={"rgb": out})
 
 
 def test_a_stream_is_refused_by_other_back_ends(pictures: Any) -> None:

@@ -48,7 +48,7 @@ def test_a_picture_is_the_renderers(homes: str) -> None:
     picture = d.render(scan, viewpoint, 1.0, -0.1, width=64, height=48)
     drawn = d.renderer().render([scan], [viewpoint], 1.0, -0.1, width=64, height=48)
     assert picture.shape == (48, 64, 3) and picture.dtype == np.uint8
-    assert (picture == drawn["colour"][0]).all()
+    assert (picture == drawn["rgb"][0]).all()
     with pytest.raises(enfilade.UnknownNameError, match="nowhere"):
         d.render(scan, "nowhere")
 
@@ -63,7 +63,7 @@ def test_two_views_of_a_wall_are_one_wall(homes: str) -> None:
     here = graph.positions[graph.index(viewpoint)]
     vfov = 1.2
     drawn = d.renderer().render([graph.scan] * 2, [viewpoint] * 2, [0.0, 0.4], width=96, height=72,
-                                vfov=vfov, colour=None, layers=("depth",))["depth"]  # fmt: skip
+                                vfov=vfov, rgb=None, layers=("depth",))["depth"]  # fmt: skip
     points = camera.unproject(drawn[0], vfov, here, 0.0)
     pixels, depth = camera.project(points, 96, 72, vfov, here, 0.4)
     inside = (pixels > 1).all(-1) & (pixels[..., 0] < 95) & (pixels[..., 1] < 71)

@@ -352,22 +352,22 @@ def test_renderer_draws_into_what_it_is_given(pictured: Any) -> None:
     _, renderer, view = pictured
     size = {"width": 64, "height": 48}
     fresh = renderer.render(*view, layers=("depth",), **size)
-    assert fresh["colour"].shape == (1, 48, 64, 3) and fresh["depth"].dtype == np.float32
-    mine = {"colour": np.zeros((1, 48, 64, 3), np.uint8), "depth": np.zeros((1, 48, 64), np.uint16)}
+    assert fresh["rgb"].shape == (1, 48, 64, 3) and fresh["depth"].dtype == np.float32
+    mine = {"rgb": np.zeros((1, 48, 64, 3), np.uint8), "depth": np.zeros((1, 48, 64), np.uint16)}
     drawn = renderer.render(*view, out=mine, **size)
-    assert drawn["colour"] is mine["colour"] and (mine["colour"] == fresh["colour"]).all()
+    assert drawn["rgb"] is mine["rgb"] and (mine["rgb"] == fresh["rgb"]).all()
     assert np.abs(mine["depth"] / 4000 - fresh["depth"]).max() < 1e-3
-    planar = renderer.render(*view, colour="planar", **size)["colour"]
-    away = np.abs(planar[0].transpose(1, 2, 0) * 255 - fresh["colour"][0])
+    planar = renderer.render(*view, rgb="planar", **size)["rgb"]
+    away = np.abs(planar[0].transpose(1, 2, 0) * 255 - fresh["rgb"][0])
     assert planar.shape == (1, 3, 48, 64) and away.max() <= 1
-    for bad in ({"colour": np.zeros((1, 48, 64, 3))}, {"colour": np.zeros((48, 64, 3), np.uint8)},
+    for bad in ({"rgb": np.zeros((1, 48, 64, 3))}, {"rgb": np.zeros((48, 64, 3), np.uint8)},
                 {"smell": np.zeros((1, 48, 64))}):  # fmt: skip
         with pytest.raises((ValueError, TypeError)):
             renderer.render(*view, out=bad, **size)
     read_only = np.zeros((1, 48, 64, 3), np.uint8)
     read_only.flags.writeable = False
     with pytest.raises(TypeError):
-        renderer.render(*view, out={"colour": read_only}, **size)
+        renderer.render(*view, out={"rgb": read_only}, **size)
 
 
 def test_pictures_are_ones_own_until_they_are_let_go_of(pictured: Any) -> None:
@@ -377,7 +377,7 @@ def test_pictures_are_ones_own_until_they_are_let_go_of(pictured: Any) -> None:
     def draw(heading: float) -> Any:
         return renderer.render(  # noqa: F821 (deleted below, after the last call)
             scan, viewpoint, [heading], width=64, height=48
-        )["colour"]
+        )["rgb"]
 
     first = draw(0.0)
     kept, row = first.copy(), first[0, 5]
@@ -398,17 +398,17 @@ def test_pictures_are_ones_own_until_they_are_let_go_of(pictured: Any) -> None:
 def test_jax_takes_pictures_without_a_copy(pictured: Any) -> None:
     jax = pytest.importorskip("jax", reason="JAX is not installed")
     _, renderer, view = pictured
-    drawn = renderer.render(*view, colour="planar", width=64, height=48)["colour"]
+    drawn = renderer.render(*view, rgb="planar", width=64, height=48)["rgb"]
     shared = jax.dlpack.from_dlpack(drawn)
     assert shared.shape == (1, 3, 48, 64) and (np.asarray(shared) == drawn).all()
     assert shared.unsafe_buffer_pointer() == drawn.ctypes.data
     # Headings may come from there too; its arrays cannot be drawn into, as they never change.
-    again = renderer.render(*view[:2], jax.numpy.asarray(view[2]), width=64, height=48)["colour"]
+    again = renderer.render(*view[:2], jax.numpy.asarray(view[2]), width=64, height=48)["rgb"]
     assert again.shape == (1, 48, 64, 3)
     before = np.array(shared)
     with pytest.raises(enfilade.ArgumentError, match="JAX"):
-        renderer.render(view[0], view[1], [2.0], colour="planar", width=64, height=48,
-                        out={"colour": shared})  # fmt: skip
+        renderer.render(view[0], view[1], [2.0], rgb="planar", width=64, height=48,
+                        out={"rgb": shared})  # fmt: skip
     assert (np.asarray(shared) == before).all()
 
 
@@ -416,9 +416,9 @@ def test_tensors_of_torch_are_drawn_into(pictured: Any) -> None:
     torch = pytest.importorskip("torch")
     _, renderer, view = pictured
     tensor = torch.zeros((1, 3, 48, 64))
-    renderer.render(*view, colour="imagenet", width=64, height=48, out={"colour": tensor})
+    renderer.render(*view, rgb="imagenet", width=64, height=48, out={"rgb": tensor})
     assert tensor.std() > 0.1
-    shared = torch.from_dlpack(renderer.render(*view, width=64, height=48)["colour"])
+    shared = torch.from_dlpack(renderer.render(*view, width=64, height=48)["rgb"])
     assert shared.shape == (1, 48, 64, 3)
 
 
@@ -427,7 +427,7 @@ def test_the_36_views_are_those_of_the_drop_in(pictured: Any, data: Path, refere
 
     _, renderer, _ = pictured
     scan, viewpoint = "17DRP5sb8fy", "5b9b2794954e4694a45fc424a8643081"
-    views = renderer.render_36(scan, viewpoint, width=64, height=48, colour="bgr8")["colour"]
+    views = renderer.render_36(scan, viewpoint, width=64, height=48, rgb="bgr8")["rgb"]
     sim = MatterSim.Simulator()
     sim.setNavGraphPath(str(data / "connectivity"))
     sim.setDatasetPath(str(reference / "golden" / "scans"))
@@ -451,12 +451,12 @@ def test_wrong_arguments_of_a_renderer_are_named(pictured: Any, graphs: enfilade
         return renderer.render(scan, viewpoint, headings, **{**size, **options})
 
     def into(picture: Any, **options: Any) -> Callable[[], Any]:
-        return lambda: draw(out={"colour": picture}, **options)
+        return lambda: draw(out={"rgb": picture}, **options)
 
     whole = np.zeros((1, 48, 64, 6), np.uint8)
     planar = (1, 3, 48, 64)
     for error, words, call in [
-        (wrong, "'hsv'", lambda: draw(colour="hsv")),
+        (wrong, "'hsv'", lambda: draw(rgb="hsv")),
         (wrong, "'smell'", lambda: draw(layers=("smell",))),
         (refused, "a tuple is wanted", lambda: draw(layers="depth")),
         (wrong, "width -1", lambda: draw(width=-1)),
@@ -472,13 +472,13 @@ def test_wrong_arguments_of_a_renderer_are_named(pictured: Any, graphs: enfilade
         (wrong, "viewpoint: 9999", lambda: renderer.render(scan, [9999], [0])),
         (enfilade.UnknownNameError, "nope", lambda: renderer.render(scan, ["nope"], [0])),
         (refused, "out: a ndarray", lambda: draw(out=whole)),
-        (refused, "out.'colour'.: a list", into([[0]])),
-        (refused, "out.'colour'.: a bytes", into(b"123")),
+        (refused, "out.'rgb'.: a list", into([[0]])),
+        (refused, "out.'rgb'.: a bytes", into(b"123")),
         (refused, "contiguous", into(whole[..., ::2])),
         (refused, "contiguous", into(np.zeros((1, 48, 64, 3), np.uint8, order="F"))),
         (wrong, "64 bits a value", into(np.zeros((1, 48, 64, 3)))),
-        (wrong, "16 bits a value", into(np.zeros(planar, np.int16), colour="planar")),
-        (wrong, "out.'rgb'", lambda: draw(out={"rgb": whole[..., :3]})),
+        (wrong, "16 bits a value", into(np.zeros(planar, np.int16), rgb="planar")),
+        (wrong, "out.'smell'", lambda: draw(out={"smell": whole[..., :3]})),
         (wrong, "cache_bytes -1", lambda: make_like(renderer, real, cache_bytes=-1)),
         (wrong, "different scans", lambda: make_like(renderer, graphs)),
         (wrong, "different scans", lambda: renderer.render_agents(enfilade.Simulator(graphs))),
@@ -493,8 +493,8 @@ def test_halves_of_torch_are_told_apart(pictured: Any) -> None:
 
     def draw(type: Any) -> Any:
         picture = torch.zeros((1, 3, 48, 64), dtype=type)
-        renderer.render(scan, viewpoint, headings, width=64, height=48, colour="planar",
-                        out={"colour": picture})  # fmt: skip
+        renderer.render(scan, viewpoint, headings, width=64, height=48, rgb="planar",
+                        out={"rgb": picture})  # fmt: skip
         return picture
 
     raises(enfilade.ArgumentError, "16 bits a value", lambda: draw(torch.bfloat16))

@@ -21,7 +21,7 @@ from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv  # noq
 from gymnasium.wrappers import vector as vector_wrappers  # noqa: E402
 
 import enfilade  # noqa: E402
-from enfilade.gym import EnvConfig, RoomToRoomEnv, RoomToRoomVectorEnv, Transition  # noqa: E402
+from enfilade.gym import EnvConfig, VlnEnv, VlnVectorEnv, Transition  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -44,7 +44,7 @@ def test_the_environment_passes_gymnasiums_checker(
     small: str, vocabulary: str, actions: str
 ) -> None:
     config = EnvConfig(small, actions=actions, vocabulary=vocabulary)
-    env = gymnasium.make("RoomToRoom-v0", config=config, render_mode="ansi")
+    env = gymnasium.make("enfilade/R2R-v0", config=config, render_mode="ansi")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(env.unwrapped, skip_render_check=True)
@@ -62,8 +62,8 @@ def test_the_vector_environment_does_what_single_ones_do(
     """Observations, rewards, ends and final observations, for 300 steps of 5 agents."""
     n = 5
     config = EnvConfig(small, actions=actions, vocabulary=vocabulary, max_steps=9)
-    ours = RoomToRoomVectorEnv(config, n, autoreset_mode=mode)
-    theirs = SyncVectorEnv([lambda: RoomToRoomEnv(config)] * n, autoreset_mode=mode)
+    ours = VlnVectorEnv(config, n, autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: VlnEnv(config)] * n, autoreset_mode=mode)
     assert ours.observation_space == theirs.observation_space
     assert ours.action_space == theirs.action_space
     assert ours.metadata["autoreset_mode"] == mode
@@ -102,7 +102,7 @@ def check_final(ours: dict[str, Any], theirs: dict[str, Any], mode: AutoresetMod
 
 @pytest.mark.parametrize("actions", ["viewpoint", "six", "panoramic", "map"])
 def test_the_teacher_names_possible_actions_and_arrives(small: str, actions: str) -> None:
-    env = RoomToRoomEnv(EnvConfig(small, actions=actions, max_steps=200))
+    env = VlnEnv(EnvConfig(small, actions=actions, max_steps=200))
     with pytest.raises(enfilade.ArgumentError, match="reset"):
         env.expert()
     for episode in range(4):
@@ -120,7 +120,7 @@ def test_the_teacher_names_possible_actions_and_arrives(small: str, actions: str
 
 
 def test_map_arrays_say_where_each_action_leads(small: str) -> None:
-    env = RoomToRoomEnv(EnvConfig(small, actions="map"))
+    env = VlnEnv(EnvConfig(small, actions="map"))
     env.reset(seed=3)
     rng = np.random.default_rng(4)
     for _ in range(6):
@@ -146,9 +146,9 @@ def test_map_arrays_say_where_each_action_leads(small: str) -> None:
 def test_environments_in_other_processes_do_the_same(small: str, mode: AutoresetMode) -> None:
     """Without shared memory: there Gymnasium (1.4) reads texts once, before the first reset()."""
     config = EnvConfig(small, max_steps=5)
-    ours = RoomToRoomVectorEnv(config, 3, autoreset_mode=mode)
+    ours = VlnVectorEnv(config, 3, autoreset_mode=mode)
     theirs = AsyncVectorEnv(
-        [lambda: RoomToRoomEnv(config)] * 3, shared_memory=False, autoreset_mode=mode
+        [lambda: VlnEnv(config)] * 3, shared_memory=False, autoreset_mode=mode
     )
     try:
         assert equal(ours.reset(seed=2)[0], theirs.reset(seed=2)[0])
@@ -162,7 +162,7 @@ def test_environments_in_other_processes_do_the_same(small: str, mode: Autoreset
 
 def test_gymnasiums_wrappers_wrap_them(small: str) -> None:
     config = EnvConfig(small, max_steps=9)
-    one = wrappers.RecordEpisodeStatistics(wrappers.TimeLimit(RoomToRoomEnv(config), 3))
+    one = wrappers.RecordEpisodeStatistics(wrappers.TimeLimit(VlnEnv(config), 3))
     one.reset(seed=1)
     rewards, ended = [], False
     while not ended:
@@ -171,9 +171,9 @@ def test_gymnasiums_wrappers_wrap_them(small: str) -> None:
         ended = stopped or cut
     assert len(rewards) == 3 and info["episode"]["r"] == pytest.approx(sum(rewards), abs=1e-5)
     for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
-        plain = RoomToRoomVectorEnv(config, 4, autoreset_mode=mode)
+        plain = VlnVectorEnv(config, 4, autoreset_mode=mode)
         many = vector_wrappers.RecordEpisodeStatistics(
-            vector_wrappers.NormalizeReward(RoomToRoomVectorEnv(config, 4, autoreset_mode=mode))
+            vector_wrappers.NormalizeReward(VlnVectorEnv(config, 4, autoreset_mode=mode))
         )
         many.reset(seed=3), plain.reset(seed=3)
         lengths = []
@@ -187,7 +187,7 @@ def test_gymnasiums_wrappers_wrap_them(small: str) -> None:
                 lengths += info["episode"]["l"][info["_episode"]].tolist()
         assert lengths and set(lengths) <= {8, 9}  # Gymnasium 1.1 counts one less after the first
     numbers = vector_wrappers.FlattenObservation(
-        vector_wrappers.FilterObservation(RoomToRoomVectorEnv(config, 4), ["pose", "candidates"])
+        vector_wrappers.FilterObservation(VlnVectorEnv(config, 4), ["pose", "candidates"])
     )
     assert numbers.reset(seed=1)[0].shape == (4, 2 + 16 * 3)
 
@@ -200,12 +200,12 @@ def test_the_same_seed_gives_the_same_steps(small: str) -> None:
         found = [env.reset(seed=11)]
         for _ in range(60):
             found.append(env.step(env.action_space.sample()))
-            if isinstance(env, RoomToRoomEnv) and (found[-1][2] or found[-1][3]):
+            if isinstance(env, VlnEnv) and (found[-1][2] or found[-1][3]):
                 found.append(env.reset())
         return found
 
     config = EnvConfig(small, max_steps=5)
-    for env in (RoomToRoomEnv(config), RoomToRoomVectorEnv(config, 3, autoreset_mode="SameStep")):
+    for env in (VlnEnv(config), VlnVectorEnv(config, 3, autoreset_mode="SameStep")):
         first = walk(env)
         again = [walk(env), walk(pickle.loads(pickle.dumps(env))), walk(copy.deepcopy(env))]
         assert all(str(one) == str(first) for one in again)
@@ -214,7 +214,7 @@ def test_the_same_seed_gives_the_same_steps(small: str) -> None:
 def test_what_is_seen_at_the_end_is_in_its_space(small: str) -> None:
     for actions in ("viewpoint", "six"):
         config = EnvConfig(small, max_steps=4, actions=actions)
-        envs = RoomToRoomVectorEnv(config, 8, autoreset_mode=AutoresetMode.SAME_STEP)
+        envs = VlnVectorEnv(config, 8, autoreset_mode=AutoresetMode.SAME_STEP)
         envs.reset(seed=0)
         envs.action_space.seed(0)
         ends = {"terminated": 0, "truncated": 0}
@@ -230,20 +230,20 @@ def test_what_is_seen_at_the_end_is_in_its_space(small: str) -> None:
 
 def test_make_vec_gives_the_native_one(small: str) -> None:
     envs = gymnasium.make_vec(
-        "RoomToRoom-v0", 3, config=EnvConfig(small), autoreset_mode="SameStep"
+        "enfilade/R2R-v0", 3, config=EnvConfig(small), autoreset_mode="SameStep"
     )
     assert envs.unwrapped.metadata["autoreset_mode"] == AutoresetMode.SAME_STEP
     with pytest.raises(enfilade.ArgumentError, match="reset_mask"):
         envs.reset(options={"reset_mask": np.zeros(3, bool)})
     assert envs.reset(options={"episode": [2, 0, 1]})[1]["episode_index"].tolist() == [2, 0, 1]
-    envs = gymnasium.make_vec("RoomToRoom-v0", 3, config=EnvConfig(small))
-    assert isinstance(envs.unwrapped, RoomToRoomVectorEnv) and envs.num_envs == 3
+    envs = gymnasium.make_vec("enfilade/R2R-v0", 3, config=EnvConfig(small))
+    assert isinstance(envs.unwrapped, VlnVectorEnv) and envs.num_envs == 3
     envs.reset(seed=1)
     envs.step(envs.action_space.sample())
 
 
 def test_what_is_returned_is_ones_own(small: str) -> None:
-    envs = RoomToRoomVectorEnv(EnvConfig(small), 4)
+    envs = VlnVectorEnv(EnvConfig(small), 4)
     first, _ = envs.reset(seed=1)
     kept = {name: np.array(value) for name, value in first.items()}
     _, rewards, *_ = envs.step([1, 1, 1, 1])
@@ -255,7 +255,7 @@ def test_what_is_returned_is_ones_own(small: str) -> None:
 
 def test_the_teacher_is_paid_for_its_way(small: str) -> None:
     """Along the reference path the rewards sum to its length and the prize for stopping there."""
-    env = RoomToRoomEnv(EnvConfig(small))
+    env = VlnEnv(EnvConfig(small))
     episodes = env.episodes
     graphs = episodes.graphs
     for index in range(0, len(episodes), 17):
@@ -279,7 +279,7 @@ def test_the_teacher_is_paid_for_its_way(small: str) -> None:
 
 
 def test_candidates_say_where_one_gets(small: str) -> None:
-    env = RoomToRoomEnv(EnvConfig(small))
+    env = VlnEnv(EnvConfig(small))
     seen, info = env.reset(seed=3)
     right, _, metres = seen["candidates"][1]
     graph = env.episodes.graphs[info["scan"]]
@@ -298,9 +298,9 @@ def halfway(transition: Transition) -> Any:
 
 def test_rewards_are_pluggable(small: str) -> None:
     config = EnvConfig(small, reward=halfway, max_steps=5)
-    mine = RoomToRoomVectorEnv(config, 8)
-    plain = RoomToRoomVectorEnv(EnvConfig(small, max_steps=5), 8)
-    none = RoomToRoomVectorEnv(EnvConfig(small, reward="none", max_steps=5), 8)
+    mine = VlnVectorEnv(config, 8)
+    plain = VlnVectorEnv(EnvConfig(small, max_steps=5), 8)
+    none = VlnVectorEnv(EnvConfig(small, reward="none", max_steps=5), 8)
     for envs in (mine, plain, none):
         envs.reset(seed=4)
     rng = np.random.default_rng(1)
@@ -326,17 +326,17 @@ def test_configs_are_pickled_and_bad_ones_refused(small: str) -> None:
         EnvConfig(small, max_steps=2.5)  # type: ignore[arg-type]
     for wrong in ({"max_steps": 0}, {"max_candidates": 2}, {"vfov": -1.0}):
         with pytest.raises(ValueError):
-            RoomToRoomEnv(EnvConfig(small, **wrong))
-    RoomToRoomEnv(EnvConfig(Path(small))).reset()
+            VlnEnv(EnvConfig(small, **wrong))
+    VlnEnv(EnvConfig(Path(small))).reset()
     with pytest.raises(ValueError, match="episode 'x'"):
-        RoomToRoomEnv(EnvConfig(small)).reset(options={"episode": "x"})
+        VlnEnv(EnvConfig(small)).reset(options={"episode": "x"})
     with pytest.raises(ValueError, match="hides its goals"):
-        RoomToRoomEnv(EnvConfig(small, split="test"))
-    RoomToRoomEnv(EnvConfig(small, split="test", reward="none")).reset()
+        VlnEnv(EnvConfig(small, split="test"))
+    VlnEnv(EnvConfig(small, split="test", reward="none")).reset()
 
 
 def test_an_ended_episode_has_to_be_reset(small: str) -> None:
-    env = RoomToRoomEnv(EnvConfig(small))
+    env = VlnEnv(EnvConfig(small))
     with pytest.raises(ValueError, match="reset"):
         env.step(0)
     env.reset()
@@ -350,7 +350,7 @@ def test_an_ended_episode_has_to_be_reset(small: str) -> None:
 
 def test_wrong_calls_are_named_and_change_nothing(small: str) -> None:
     config = EnvConfig(small)
-    one, many = RoomToRoomEnv(config, render_mode="ansi"), RoomToRoomVectorEnv(config, 2)
+    one, many = VlnEnv(config, render_mode="ansi"), VlnVectorEnv(config, 2)
     for call in (one.render, lambda: many.step([0, 0])):
         with pytest.raises(enfilade.ArgumentError, match=r"reset\(\) has to come first"):
             call()
@@ -370,8 +370,8 @@ def test_wrong_calls_are_named_and_change_nothing(small: str) -> None:
         (wrong, "2 elements for 1 agents", lambda: one.reset(options={"episode": [0, 1]})),
         (wrong, "seed -1", lambda: many.reset(seed=[5, -1])),
         (wrong, "seed 1180591620717411303424", lambda: many.reset(seed=[None, 2**70])),
-        (wrong, "num_envs 0|batch_size 0", lambda: RoomToRoomVectorEnv(config, 0)),
-        (wrong, "num_envs -1", lambda: RoomToRoomVectorEnv(config, -1)),
+        (wrong, "num_envs 0|batch_size 0", lambda: VlnVectorEnv(config, 0)),
+        (wrong, "num_envs -1", lambda: VlnVectorEnv(config, -1)),
         (wrong, "reset_mask", lambda: many.reset(options={"reset_mask": np.zeros(2, bool)})),
     ]:  # fmt: skip
         with pytest.raises(error, match=words):
@@ -396,24 +396,24 @@ def pictured(reference: Path, data: Path, tmp_path: Path) -> str:
 @pytest.mark.parametrize("mode", ["rgb_array", None])
 def test_pictures_are_seen_where_there_are_some(pictured: str, mode: Any) -> None:
     config = EnvConfig(pictured, observe=("rgb", "depth"), width=64, height=48)
-    env = RoomToRoomEnv(config, render_mode=mode)
+    env = VlnEnv(config, render_mode=mode)
     seen, _ = env.reset(seed=1)
     assert env.observation_space.contains(seen)
     assert seen["rgb"].std() > 5 and 0 < seen["depth"].max() < 20
     assert mode is None or (env.render() == seen["rgb"]).all()
-    envs = RoomToRoomVectorEnv(config, 2)
+    envs = VlnVectorEnv(config, 2)
     both, _ = envs.reset(seed=1)
     assert (both["rgb"][0] == seen["rgb"]).all() and envs.observation_space.contains(both)
 
 
 def test_the_checker_passes_with_pictures_and_render_modes(homes: str) -> None:
-    layers = ("rgb", "depth", "class", "instance")
+    layers = ("rgb", "depth", "semantic", "instance")
     config = EnvConfig(homes, observe=layers, width=64, height=48)
-    env = gymnasium.make("RoomToRoom-v0", config=config, render_mode="rgb_array")
+    env = gymnasium.make("enfilade/R2R-v0", config=config, render_mode="rgb_array")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(env.unwrapped)
-    envs = RoomToRoomVectorEnv(config, 2, render_mode="rgb_array")
+    envs = VlnVectorEnv(config, 2, render_mode="rgb_array")
     envs.reset(seed=1)
     drawn = envs.render()
     assert isinstance(drawn, tuple) and [one.shape for one in drawn] == [(48, 64, 3)] * 2
@@ -424,8 +424,8 @@ def test_pictures_of_ended_episodes_are_those_of_single_environments(
     pictured: str, mode: AutoresetMode
 ) -> None:
     config = EnvConfig(pictured, actions="six", observe=("rgb", "depth"), width=32, height=24)
-    ours = RoomToRoomVectorEnv(config, 3, autoreset_mode=mode)
-    theirs = SyncVectorEnv([lambda: RoomToRoomEnv(config)] * 3, autoreset_mode=mode)
+    ours = VlnVectorEnv(config, 3, autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: VlnEnv(config)] * 3, autoreset_mode=mode)
     assert equal(ours.reset(seed=7)[0], theirs.reset(seed=7)[0])
     stop, kept = 5, []
     for actions in ([0, 1, stop], [stop, 0, 2], [3, 1, 0], [stop, stop, 1], [0, stop, 0]):
@@ -442,7 +442,7 @@ def test_pictures_of_ended_episodes_are_those_of_single_environments(
 
 IDS = {
     "enfilade/R2R-v0": "val_unseen",
-    "enfilade/R2RBack-v0": "val_unseen",
+    "enfilade/R2R-Back-v0": "val_unseen",
     "enfilade/R4R-v0": "val_unseen",
     "enfilade/RxR-v0": "val_unseen",
     "enfilade/REVERIE-v0": "val_unseen",
@@ -530,7 +530,7 @@ def test_objects_are_pointed_at(made: Path) -> None:
 
 
 def test_the_vector_environment_answers(made: Path) -> None:
-    envs = RoomToRoomVectorEnv(EnvConfig(made, "val_unseen", task="reverie"), 2)
+    envs = VlnVectorEnv(EnvConfig(made, "val_unseen", task="reverie"), 2)
     envs.reset(options={"episode": [0, 1]})
     envs.answer(1, 7)
     info = envs.step([0, 0])[4]
@@ -540,7 +540,7 @@ def test_the_vector_environment_answers(made: Path) -> None:
 
 @pytest.mark.parametrize("actions", ["viewpoint", "six", "panoramic", "map"])
 def test_masks_say_which_actions_do_something(small: str, actions: str) -> None:
-    envs = RoomToRoomVectorEnv(EnvConfig(small, actions=actions, max_steps=1000), 4,
+    envs = VlnVectorEnv(EnvConfig(small, actions=actions, max_steps=1000), 4,
                                autoreset_mode="Disabled")  # fmt: skip
     envs.reset(seed=3)
     rng = np.random.default_rng(1)
@@ -558,28 +558,28 @@ def test_masks_say_which_actions_do_something(small: str, actions: str) -> None:
         assert (changed == allowed).all()
         forbidden += int((~allowed).sum())
     assert forbidden > 5
-    env = RoomToRoomEnv(EnvConfig(small, actions=actions))
+    env = VlnEnv(EnvConfig(small, actions=actions))
     env.reset(seed=3)
     assert env.action_masks().dtype == np.bool_ and env.action_masks().ndim == 1
 
 
 def test_the_checker_renders_without_pictures(small: str) -> None:
     """check_env() makes one for each render mode that there is."""
-    env = gymnasium.make("RoomToRoom-v0", config=EnvConfig(small))
+    env = gymnasium.make("enfilade/R2R-v0", config=EnvConfig(small))
     assert env.unwrapped.metadata["render_modes"] == ["ansi"]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(env.unwrapped)
     with pytest.raises(enfilade.ArgumentError, match="no pictures"):
-        RoomToRoomEnv(EnvConfig(small), render_mode="rgb_array")
-    assert RoomToRoomVectorEnv(EnvConfig(small), 2).metadata["render_modes"] == ["ansi"]
+        VlnEnv(EnvConfig(small), render_mode="rgb_array")
+    assert VlnVectorEnv(EnvConfig(small), 2).metadata["render_modes"] == ["ansi"]
 
 
 def test_observations_may_be_without_text(small: str) -> None:
-    env = gymnasium.make("RoomToRoom-v0", config=EnvConfig(small, text=False))
+    env = gymnasium.make("enfilade/R2R-v0", config=EnvConfig(small, text=False))
     seen, _ = env.reset(seed=1)
     assert "instruction" not in seen and env.observation_space.contains(seen)
-    assert "instruction" not in RoomToRoomVectorEnv(EnvConfig(small, text=False), 2).reset()[0]
+    assert "instruction" not in VlnVectorEnv(EnvConfig(small, text=False), 2).reset()[0]
 
 
 def test_hidden_goals_are_walked_and_no_answer_is_right(made: Path, tmp_path: Path) -> None:
@@ -601,3 +601,83 @@ def test_hidden_goals_are_walked_and_no_answer_is_right(made: Path, tmp_path: Pa
     assert stopped and info["answered"] is False and np.isnan(info["success"])
     with pytest.raises(enfilade.ArgumentError, match="element 0 is hidden"):
         env.unwrapped.metrics()
+
+
+# --- configs from keywords, and names of earlier releases ------------------------------------------
+
+
+def test_no_config_object_is_needed(small: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    env = gymnasium.make("enfilade/R2R-v0", data=small, split="val_unseen", max_steps=3)
+    assert env.unwrapped.episodes.split == "val_unseen"
+    same = VlnEnv(EnvConfig(small, "val_unseen", max_steps=3))
+    assert equal(env.reset(seed=4), same.reset(seed=4))
+    envs = gymnasium.make_vec("enfilade/R2R-v0", 2, data=small, actions="six", autoreset_mode="SameStep")
+    assert envs.unwrapped.single_action_space.n == 6 and envs.unwrapped.episodes.split == "train"
+    for one in (env.unwrapped, envs.unwrapped):
+        again = pickle.loads(pickle.dumps(one))
+        assert equal(again.reset(seed=4)[0], one.reset(seed=4)[0])
+    shorter = VlnEnv(EnvConfig(small), max_steps=1)  # both: the keywords count
+    shorter.reset(seed=1)
+    assert shorter.step(1)[3] and same.episodes.task == "r2r"
+    with pytest.raises(TypeError, match="flavour"):
+        VlnEnv(data=small, flavour="mint")
+    with pytest.raises(enfilade.ArgumentError, match="ContinuousEnvConfig"):
+        VlnEnv(EnvConfig(small), task="r2r-ce")
+    monkeypatch.setenv("ENFILADE_DATA", small)
+    assert len(gymnasium.make("enfilade/R2R-v0").unwrapped.episodes) > 0
+    monkeypatch.delenv("ENFILADE_DATA")
+    with pytest.raises(enfilade.FileError, match="ENFILADE_DATA"):
+        gymnasium.make("enfilade/R2R-v0")
+
+
+def test_old_ids_warn_and_work(made: Path) -> None:
+    for old, new in (("RoomToRoom-v0", "enfilade/R2R-v0"), ("enfilade/R2RBack-v0", "enfilade/R2R-Back-v0")):
+        config = EnvConfig(made, "val_unseen", task=enfilade.gym.ENV_TASKS[new])
+        with pytest.warns(DeprecationWarning, match=f"write {new}") as seen:
+            env = gymnasium.make(old, config=config)
+        assert seen[0].filename == __file__
+        assert equal(env.reset(seed=1), gymnasium.make(new, config=config).reset(seed=1))
+        with pytest.warns(DeprecationWarning, match=f"write {new}"):
+            envs = gymnasium.make_vec(old, 2, config=config)
+        assert isinstance(envs.unwrapped, VlnVectorEnv)
+        with pytest.warns(DeprecationWarning, match=old):
+            again = pickle.loads(pickle.dumps(env.unwrapped))
+        assert equal(again.reset(seed=1), env.reset(seed=1))
+
+
+def test_old_classes_warn() -> None:
+    for old, new in (("RoomToRoomEnv", VlnEnv), ("ContinuousRoomToRoomVectorEnv", VlnVectorEnv)):
+        with pytest.warns(DeprecationWarning, match=f"write enfilade.gym.{new.__name__}"):
+            assert getattr(enfilade.gym, old) is new
+    with pytest.warns(DeprecationWarning, match="write enfilade.gym.ENV_TASKS"):
+        assert len(enfilade.gym.CONTINUOUS_ENV_TASKS) == 2
+    with pytest.raises(AttributeError, match="RoomEnv"):
+        enfilade.gym.RoomEnv  # noqa: B018
+
+
+def test_old_words_of_layers_are_the_callers(homes: str) -> None:
+    size = {"width": 32, "height": 24}
+    with pytest.warns(DeprecationWarning, match="write 'semantic'") as seen:
+        config = EnvConfig(homes, observe=("rgb", "class"), **size)
+    assert seen[0].filename == __file__
+    old, new = VlnEnv(config), VlnEnv(EnvConfig(homes, observe=("rgb", "semantic"), **size))
+    before, now = old.reset(seed=2)[0], new.reset(seed=2)[0]
+    assert old.observation_space.contains(before) and "semantic" not in before
+    assert (before["class"] == now["semantic"]).all() and now["semantic"].any()
+
+
+def test_one_image_of_any_layer(homes: str) -> None:
+    d = enfilade.Dataset(homes)
+    episode = d.episodes("val_unseen")[0]
+    where = (episode.scan, episode.path[0], episode.heading)
+    size = {"width": 32, "height": 24}
+    drawn = d.renderer().render(
+        [where[0]], [where[1]], where[2], layers=("depth", "semantic", "instance"), **size
+    )
+    assert set(drawn) == {"rgb", "depth", "semantic", "instance"}
+    for layer in drawn:
+        assert (d.render(*where, layer=layer, **size) == drawn[layer][0]).all()
+    with pytest.raises(enfilade.ArgumentError, match="any of rgb, depth"):
+        d.render(*where, layer="smell")
+    with pytest.warns(DeprecationWarning, match="write 'instance'"):
+        assert d.render(*where, layer="instances", **size).dtype == np.uint32

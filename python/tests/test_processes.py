@@ -68,7 +68,7 @@ def test_eight_threads_draw_as_one_does(data: Any, reference: Any) -> None:
         start = "5b9b2794954e4694a45fc424a8643081"
         return renderer.render(
             ["17DRP5sb8fy"] * 5, [start] * 5, headings, width=64, height=48
-        )["colour"]
+        )["rgb"]
 
     alone = [draw(seed) for seed in range(8)]
     with concurrent.futures.ThreadPoolExecutor(8) as pool:
@@ -85,7 +85,7 @@ def test_other_processes_walk_as_this_one_does(small: str, method: str) -> None:
 
 
 def draw_in_child(renderer: Any, view: Any, expected: Any) -> bool:
-    drawn = renderer.render(*view, width=64, height=48)["colour"]
+    drawn = renderer.render(*view, width=64, height=48)["rgb"]
     return bool((drawn == expected).all())
 
 
@@ -106,7 +106,7 @@ def test_a_forked_renderer_draws(data: Any, reference: Any, cache: str) -> None:
     panoramas = enfilade.Panoramas([scans], str(data / "connectivity"), graphs)
     renderer = enfilade.Renderer(graphs, panoramas, threads=2, cache=cache, shared_bytes=shared_bytes)
     view = (["17DRP5sb8fy"], ["5b9b2794954e4694a45fc424a8643081"], [0.3])
-    expected = renderer.render(*view, width=64, height=48)["colour"]
+    expected = renderer.render(*view, width=64, height=48)["rgb"]
     child = os.fork()
     if child == 0:
         os._exit(0 if draw_in_child(renderer, view, expected) else 1)
@@ -203,7 +203,7 @@ def test_pictures_pickle(homes: str) -> None:
     viewpoint = next(filter(d.graphs[scan].included, d.graphs[scan]))
     for renderer in (d.renderer(), enfilade.Renderer(d.graphs, enfilade.open_panoramas(homes, d.graphs))):
         again = pickle.loads(pickle.dumps(renderer))
-        views = [r.render([scan], [viewpoint], 1.0, width=32, height=24)["colour"] for r in (renderer, again)]
+        views = [r.render([scan], [viewpoint], 1.0, width=32, height=24)["rgb"] for r in (renderer, again)]
         assert (views[0] == views[1]).all()
     assert scan in d.panoramas and "nowhere" not in d.panoramas
 

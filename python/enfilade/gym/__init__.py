@@ -1,56 +1,48 @@
-"""Room-to-Room and later benchmarks as Gymnasium environments.
+"""Every benchmark as a Gymnasium environment.
 
 >>> import gymnasium, enfilade.gym
->>> env = gymnasium.make("RoomToRoom-v0", config=enfilade.gym.EnvConfig("data", "train"))
->>> envs = gymnasium.make_vec("RoomToRoom-v0", 256, config=enfilade.gym.EnvConfig("data", "train"))
->>> walk = enfilade.gym.ContinuousEnvConfig("data", "train")
->>> env = gymnasium.make("Enfilade/ContinuousRoomToRoom-v0", config=walk)
->>> env = gymnasium.make("enfilade/REVERIE-v0", config=enfilade.gym.EnvConfig("data", "train"))
+>>> env = gymnasium.make("enfilade/R2R-v0", data="homes", split="train")
+>>> envs = gymnasium.make_vec("enfilade/R2R-v0", 256, data="homes", split="train")
+>>> env = gymnasium.make("enfilade/R2R-CE-v0", data="homes", split="train")
+>>> config = enfilade.gym.EnvConfig("homes", "train", observe=("rgb", "depth"))
+>>> env = gymnasium.make("enfilade/REVERIE-v0", config=config)
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import gymnasium
 
-from enfilade.gym._config import EnvConfig, Transition
-from enfilade.gym._continuous import ContinuousEnvConfig
-from enfilade.gym._continuous_env import ContinuousRoomToRoomEnv, ContinuousRoomToRoomVectorEnv
-from enfilade.gym._env import RoomToRoomEnv
-from enfilade.gym._vector import RoomToRoomVectorEnv
+from enfilade._arguments import deprecated
+from enfilade.gym._config import ContinuousEnvConfig, EnvConfig, Transition
+from enfilade.gym._env import VlnEnv
+from enfilade.gym._old import OLD_CLASSES, OLD_IDS
+from enfilade.gym._vector import VlnVectorEnv
 
 __all__ = [
-    "CONTINUOUS_ENV_TASKS",
     "ENV_TASKS",
     "ContinuousEnvConfig",
-    "ContinuousRoomToRoomEnv",
-    "ContinuousRoomToRoomVectorEnv",
     "EnvConfig",
-    "RoomToRoomEnv",
-    "RoomToRoomVectorEnv",
     "Transition",
+    "VlnEnv",
+    "VlnVectorEnv",
     "register",
 ]
 
-ENV_ID = "RoomToRoom-v0"
-
 ENV_TASKS = {
-    ENV_ID: None,
     "enfilade/R2R-v0": "r2r",
-    "enfilade/R2RLast-v0": "r2r-last",
-    "enfilade/R2RBack-v0": "r2r-back",
+    "enfilade/R2R-Last-v0": "r2r-last",
+    "enfilade/R2R-Back-v0": "r2r-back",
     "enfilade/R4R-v0": "r4r",
     "enfilade/RxR-v0": "rxr",
     "enfilade/REVERIE-v0": "reverie",
     "enfilade/CVDN-v0": "cvdn",
     "enfilade/SOON-v0": "soon",
+    "enfilade/R2R-CE-v0": "r2r-ce",
+    "enfilade/RxR-CE-v0": "rxr-ce",
 }
-"""The ids of environments, and the task that each sets; None: the config's."""
-
-CONTINUOUS_ENV_TASKS = {
-    "Enfilade/ContinuousRoomToRoom-v0": "r2r-ce",
-    "Enfilade/ContinuousRoomAcrossRoom-v0": "rxr-ce",
-}
-"""The same for continuous environments; they take a ContinuousEnvConfig."""
+"""The ids of environments, one per benchmark, and their tasks. Those of r2r-ce and rxr-ce are continuous."""
 
 
 def register() -> None:
@@ -59,18 +51,28 @@ def register() -> None:
         if name not in gymnasium.registry:
             gymnasium.register(
                 name,
-                entry_point="enfilade.gym:RoomToRoomEnv",
-                vector_entry_point="enfilade.gym:RoomToRoomVectorEnv",
-                kwargs={} if task is None else {"task": task},
+                entry_point="enfilade.gym:VlnEnv",
+                vector_entry_point="enfilade.gym:VlnVectorEnv",
+                kwargs={"task": task},
             )
-    for name, task in CONTINUOUS_ENV_TASKS.items():
+    for name, (old_task, _) in OLD_IDS.items():
         if name not in gymnasium.registry:
             gymnasium.register(
                 name,
-                entry_point="enfilade.gym:ContinuousRoomToRoomEnv",
-                vector_entry_point="enfilade.gym:ContinuousRoomToRoomVectorEnv",
-                kwargs={"task": task},
+                entry_point="enfilade.gym._old:OldEnv",
+                vector_entry_point="enfilade.gym._old:OldVectorEnv",
+                kwargs={"old": name, **({} if old_task is None else {"task": old_task})},
             )
 
 
 register()
+
+
+def __getattr__(name: str) -> Any:
+    if name == "CONTINUOUS_ENV_TASKS":
+        deprecated("enfilade.gym.CONTINUOUS_ENV_TASKS", "enfilade.gym.ENV_TASKS")
+        return {name: task for name, task in ENV_TASKS.items() if task.endswith("-ce")}
+    if name not in OLD_CLASSES:
+        raise AttributeError(f"module 'enfilade.gym' has no attribute '{name}'")
+    deprecated(f"enfilade.gym.{name}", f"enfilade.gym.{OLD_CLASSES[name].__name__}")
+    return OLD_CLASSES[name]

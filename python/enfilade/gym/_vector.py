@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import replace
 from typing import Any, Dict, Optional, Union
 
 import gymnasium
@@ -14,33 +13,36 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from enfilade._continuous import ContinuousEpisodes
 from enfilade._dataset import SeenObject
 from enfilade._episodes import Episodes
 from enfilade._errors import ArgumentError
-from enfilade.gym._batch import ANSWERS, RENDER_MODES, Batch
-from enfilade.gym._config import EnvConfig
+from enfilade.gym._batch import RENDER_MODES
+from enfilade.gym._config import AnyConfig, config_of
+from enfilade.gym._env import batch_of
 
 Observation = Dict[str, Any]
 Flags = NDArray[np.bool_]
 
 
-class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[Any]], EzPickle):
-    """n environments of RoomToRoom-v0. Observations are those of RoomToRoomEnv, with n in front of each
-    shape.
+class VlnVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[Any]], EzPickle):
+    """n environments of a benchmark. Observations are those of VlnEnv, with n in front of each shape.
 
     Args:
-        config: of all agents; reset(seed=s) gives agent k the episodes of a single environment's
-            reset(seed=s + k).
+        config: of all agents, as in VlnEnv; reset(seed=s) gives agent k the episodes of a single
+            environment's reset(seed=s + k).
         num_envs: n.
         autoreset_mode: Gymnasium's NEXT_STEP, SAME_STEP (final_obs and final_info in the info) or
             DISABLED (reset(options={"reset_mask": flags})).
         render_mode: "rgb_array" or "ansi"; render() returns n of them.
         task: overrides the config's.
+        options: fields of the config.
 
     Info:
         - distance: (n,) metres to the goal.
         - episode_index: (n,) indices into `episodes`.
-        - success, spl: (n,) at an episode's end. metrics(k) has the others.
+        - success, spl: (n,) at an episode's end. metrics(k) has the others. Continuous: all of VLN-CE's
+          measures.
         - answered: (n,) at an episode's end, in tasks with answers.
         - Each has its mask `_name`, as usual in Gymnasium.
 
@@ -51,29 +53,26 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
 
     def __init__(
         self,
-        config: EnvConfig,
+        config: Optional[AnyConfig] = None,
         num_envs: int = 1,
         *,
         autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
         render_mode: Optional[str] = None,
         task: Optional[str] = None,
+        **options: Any,
     ) -> None:
         super().__init__()
         EzPickle.__init__(
-            self, config, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, task=task
-        )
+            self, config, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, task=task,
+            **options,
+        )  # fmt: skip
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         next_step = self.autoreset_mode == AutoresetMode.NEXT_STEP
-        chosen = config if task is None else replace(config, task=task)
-        self._batch = Batch(chosen, num_envs, reset_at_next_step=next_step)
-        self._batch.checked_mode(render_mode)
+        own = config_of(config, task, options)
+        self._batch = batch_of(own, num_envs, reset_at_next_step=next_step)
         self.num_envs = num_envs
-        self.render_mode = render_mode
-        self.metadata = {
-            **self.metadata,
-            "autoreset_mode": self.autoreset_mode,
-            "render_modes": self._batch.render_modes(),
-        }
+        self.render_mode = self._batch.checked_mode(render_mode)
+        self.metadata = {**self._batch.metadata(), "autoreset_mode": self.autoreset_mode}
         self.single_observation_space = self._batch.single_observation_space
         self.single_action_space = self._batch.single_action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -108,13 +107,12 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         """One action per environment, (n,). Raises TypeError or ArgumentError for invalid actions."""
         batch = self._batch
         rewards = batch.step(actions)
-        terminated = batch.arrays["terminated"].astype(bool)
-        truncated = batch.arrays["truncated"].astype(bool)
+        terminated, truncated = batch.terminated(), batch.truncated()
         info = self._info(self._all)
         seen = batch.observe()
         ended = terminated | truncated
         if ended.any():
-            final = self._end_metrics(ended)
+            final = batch.final_info(ended)
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
                 info = self._reset_ended(ended, seen, {**info, **final})
             else:
@@ -122,15 +120,15 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         return seen, rewards, terminated, truncated, info
 
     def answer(self, agent: int, answer: Any) -> None:
-        """Sets an agent's answer in its episode; see RoomToRoomEnv.answer()."""
+        """Sets an agent's answer in its episode; see VlnEnv.answer()."""
         self._batch.answer(agent, answer)
 
     def objects(self, agent: int) -> list[SeenObject]:
-        """The objects that an agent may name; see RoomToRoomEnv.objects()."""
+        """The objects that an agent may name; see VlnEnv.objects()."""
         return self._batch.objects(agent)
 
-    def expert(self, agent: int, rule: str = "spl") -> Optional[int]:
-        """A teacher's action; see RoomToRoomEnv.expert()."""
+    def expert(self, agent: int, rule: Optional[str] = None) -> Optional[int]:
+        """A teacher's action; see VlnEnv.expert()."""
         return self._batch.expert(agent, rule)
 
     def action_masks(self) -> NDArray[np.bool_]:
@@ -138,7 +136,7 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         return self._batch.action_masks()
 
     @property
-    def episodes(self) -> Episodes:
+    def episodes(self) -> Union[Episodes, ContinuousEpisodes]:
         """The episodes of the split; `arrays["episode"]` has the indices of the current ones."""
         return self._batch.episodes
 
@@ -147,7 +145,7 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         """The state of n agents, by name, for teachers. Read-only views of the environment's memory; the
         next call overwrites them.
 
-        Arrays:
+        Graphs:
             - (n,): scan, viewpoint (indices), heading, elevation (radians), view_index, step, episode,
               distance (metres), reward, terminated, truncated, began, success, spl.
             - (n, m): candidate_viewpoint (indices), candidate_mask.
@@ -155,6 +153,9 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
             - (n, m), "panoramic" and "map" actions only: candidate_view (of 36).
             - (n, actions), "map" only: node_viewpoint, node_visited, node_mask.
             - (n, actions, 7), "map" only: nodes.
+
+        Continuous arrays are those of ContinuousState, with two changes: `episode` is the index into
+        `episodes`, and `state` the EpisodeStatus. There is also `distance`, metres.
         """
         return self._batch.arrays
 
@@ -164,7 +165,7 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
         return self._batch.metrics(agent)
 
     def render(self) -> Optional[tuple[Any, ...]]:
-        """A tuple of n results of RoomToRoomEnv.render(); None without a render mode."""
+        """A tuple of n results of VlnEnv.render(); None without a render mode."""
         seen = self._batch.render(self.render_mode)
         return None if seen is None else tuple(seen)
 
@@ -183,15 +184,6 @@ class RoomToRoomVectorEnv(gymnasium.vector.VectorEnv[Observation, Any, NDArray[A
             "episode_index": arrays["episode"].copy(),
             "_episode_index": mask.copy(),
         }
-
-    def _end_metrics(self, ended: Flags) -> dict[str, Any]:
-        info: dict[str, Any] = {}
-        for name in ("success", "spl"):
-            info[name] = np.where(ended, self._batch.arrays[name], 0.0)
-            info[f"_{name}"] = ended.copy()
-        if self._batch.config.task in ANSWERS:
-            info["answered"], info["_answered"] = self._batch.answered(ended), ended.copy()
-        return info
 
     def _reset_ended(
         self, ended: Flags, seen: Observation, final_info: dict[str, Any]
