@@ -49,7 +49,7 @@ usage: ./enfilade.sh COMMAND [ARGUMENTS]
   help                          this text
 
 Each command first installs what it needs and the machine lacks, from the packages of Debian 12 or 13
-(or of Ubuntu 24.04, where nobody has tried it yet); it asks for nothing. Presets (CMakePresets.json):
+(Ubuntu 24.04: untested); it asks for nothing. Presets (CMakePresets.json):
 release, dev, ci, asan, tsan, fuzz, and aarch64, which compiles for 64-bit ARM on another machine and
 tests in qemu-user.
 

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Optional, Union
 
-import networkx
+import networkx  # type: ignore[import-untyped]
 
 from enfilade import FileError, Graph, Graphs, InvalidInput, UnknownNameError
 
