@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds everything that ./enfilade.sh test builds on the Debian that this machine is not (12 or 13), in a bare root
-# of its own, and runs the quick tests there. Skipped, with the reason, without root or debootstrap.
+# of its own, and runs the quick tests there. Skipped, with the reason, without root or debootstrap. By hand: it has not
+# run whole yet, so .ci/run does not call it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
