@@ -6,6 +6,7 @@ from enfilade._arguments import deprecated
 from enfilade._errors import ArgumentError
 
 LAYERS = ("rgb", "depth", "semantic", "instance")
+"""All of them."""
 _OLD = {"colour": "rgb", "class": "semantic", "classes": "semantic", "instances": "instance"}
 
 

@@ -23,7 +23,8 @@ _HTML_LINK = re.compile(r"<(?:a|img|source)\b[^>]*?\b(?:href|src|srcset)=\"([^\"
 _HEADING = re.compile(r"^(#{1,6})\s+(.+?)\s*#*\s*$", re.M)
 _EXTERNAL = re.compile(r"^[a-z][a-z0-9+.-]*:")
 # Code that is a path of this tree: it begins with one of its folders, or is a file at its root.
-_PATH = re.compile(r"^(?:(?:apps|bench|cmake|docs|enfilade|examples|python|tests|tools|web)/[\w.*/{},+-]*|[A-Z]\w+\.md)$")
+# `enfilade/R2R-v0` is an environment of Gymnasium.
+_PATH = re.compile(r"^(?:(?:apps|bench|cmake|docs|enfilade|examples|python|tests|tools|web)/(?![\w-]+-v\d+$)[\w.*/{},+-]*|[A-Z]\w+\.md)$")
 
 
 @dataclass(frozen=True)
