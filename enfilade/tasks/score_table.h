@@ -98,7 +98,8 @@ bool goals_hidden(const EpisodeSet& episodes) noexcept;
 /// add "task", "scorer" and "source", own_scorer() adds "options", continuous space
 /// "trajectories" (groups). What is not finite is null.
 /// @{
-/// \param per_episode  whether each episode's values are in it
+
+/// The JSON of a table. \param per_episode  whether it has the values of each episode
 std::string to_json(const ScoreTable& table, bool per_episode = false);
 /// One line for a database: as to_json(), always with "task" and "scorer".
 std::string to_record(const ScoreTable& table);
