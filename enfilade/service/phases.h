@@ -15,14 +15,14 @@
 
 namespace enfilade::service {
 
-/// What teams and visitors see of a phase's scores. Organisers see all of them, always. Every score
-/// on secret goals tells something of these goals, so kPublic is for open goals only; kAfterEnd and
-/// kLadder are for secret goals only, and evaluation/leakage.h has how much they tell.
+/// Which scores of a phase teams and visitors see. Organisers always see all of them. Every score
+/// on secret goals gives something of them away. So kPublic is for open goals only; kAfterEnd and
+/// kLadder are for secret goals only, and evaluation/leakage.h computes how much they give away.
 enum class Scores : std::uint8_t {
   kPublic,    ///< everything, at once
-  kAfterEnd,  ///< nothing until the phase has ended; then one row of rounded means for each team
-  /// A team's primary metric, rounded to Phase::step, whenever it beats the team's best shown one
-  /// by at least a step (the Ladder of Blum and Hardt, ICML 2015); after the end as kAfterEnd.
+  kAfterEnd,  ///< nothing until the phase's end; then one row of rounded means per team.
+  /// The Ladder (Blum and Hardt, ICML 2015): a team's primary metric, rounded to Phase::step,
+  /// whenever it beats its best shown one by at least a step. After the end as kAfterEnd.
   kLadder,
   kHidden,  ///< nothing, ever
 };
@@ -35,33 +35,33 @@ constexpr std::array<std::string_view, 4> names_of(Scores /*enum*/) {
 struct Phase {
   std::string name;   ///< 1 to 40 of a-z, 0-9, - and _: a part of URLs
   std::string title;  ///< for people
-  std::string rules;  ///< for people, in Markdown: rules, dates, whom to ask; may be empty
-  std::string split;  ///< "val_unseen"; its instructions are served without their goals if secret
-  /// Which benchmark the split is of; of one in continuous space, the one whose paths it follows.
+  std::string rules;  ///< for people, in Markdown: rules, dates, contact; may be empty
+  std::string split;  ///< "val_unseen"; secret goals are never served.
+  /// Benchmark of the split; for a continuous one, the benchmark whose paths it follows.
   tasks::Task task = tasks::Task::kR2r;
-  /// Of walking freely: which of agents::continuous_benchmarks(); else null.
+  /// Continuous: one of agents::continuous_benchmarks(); else null.
   const agents::ContinuousBenchmark* continuous = nullptr;
   /// One of tasks::scorer_names(task), or tasks::kContinuousScorer.
   std::string scorer{tasks::kOwnScorer};
-  /// The name of the measure that decides which submission of a team is its best, and that rows are
-  /// sorted by: one of measures(), better where higher.
+  /// The measure that decides a team's best submission, and the order of rows: one of measures(),
+  /// better if higher.
   std::string primary = "spl";
-  /// The task's annotations with goals, kept outside the data set, which everybody can download.
+  /// The task's annotations with goals, kept outside the data set, which everyone can download.
   /// Empty: the data set's own annotations, with open goals.
   std::filesystem::path annotations;
-  /// The experts' walks (`<split>_gt.json.gz`) of a continuous split with secret goals, with which
-  /// nDTW compares. Empty: it compares with the reference paths.
+  /// The experts' trajectories (`<split>_gt.json.gz`) of a continuous split with secret goals, as
+  /// references of nDTW. Empty: the reference paths.
   std::filesystem::path experts;
   Scores scores = Scores::kPublic;
   int per_day = 10;                ///< of a team in 24 hours, 1 to 1000
   int per_address_day = 50;        ///< of an address in 24 hours, by all its teams
-  std::optional<int> per_team;     ///< of a team in all; none: no limit
-  std::optional<int> per_address;  ///< of an address in all; none: no limit
-  /// Seconds since 1970, after which no submission is taken; none: not until the file says so.
+  std::optional<int> per_team;     ///< per team in all; no value: no limit
+  std::optional<int> per_address;  ///< per address in all; no value: no limit
+  /// Seconds since 1970, after which no submission is taken; no value: open until the file has one.
   std::optional<std::int64_t> ends;
-  /// Of secret goals: shares are shown as multiples of it, metres as multiples of ten times it.
+  /// Secret goals: shares are shown as multiples of it, metres as multiples of ten times it.
   double step = 0.01;
-  int teams = 20;  ///< of secret goals: how many teams may submit at all
+  int teams = 20;  ///< secret goals: number of teams that may submit
 
   bool goals_secret() const noexcept { return !annotations.empty(); }
   std::string_view task_name() const noexcept;   ///< "r2r", "r2r-ce"
@@ -72,9 +72,9 @@ struct Phase {
   const tasks::Measure& primary_measure() const;
 };
 
-/// Whether two benchmarks have the same paths in splits of one name, so that goals of one tell
-/// those of the other: R2R and what was made from it (R2R-Last, R2R-Back, R4R, REVERIE); else each
-/// benchmark and itself.
+/// Whether two benchmarks have the same paths in splits of one name, so that goals of one give away
+/// those of the other. That holds for R2R and its descendants (R2R-Last, R2R-Back, R4R, REVERIE);
+/// else for each benchmark and itself.
 bool share_paths(tasks::Task one, tasks::Task other) noexcept;
 
 /// Reads {"phases": [{"name", "split", ...}]}; docs/service.md has the fields and their defaults,
