@@ -26,9 +26,9 @@ struct PhotographsOptions {
   std::size_t bytes = std::size_t{512} << 20U;
 };
 
-/// The panoramas of one scan. Each is read when a view needs it for the first time, and kept, 4 MB
-/// at 256 texels, while there is room. What it sees of the mesh is found by drawing the mesh from
-/// there, so that no depth pictures are needed. Any thread may use it.
+/// The panoramas of one scan. Each is read at its first use, and kept, 4 MB at 256 texels, while
+/// there is room. The mesh is rendered from its eye to find the points that it shows, so that no
+/// depth pictures are needed. Any thread may use it.
 class Photographs {
  public:
   /// \param scene of the same building, in the same frame

@@ -1,4 +1,4 @@
-/// \file  Rooms whose pictures can be worked out by hand, for tests.
+/// \file  Rooms whose pictures can be computed by hand, for tests.
 #pragma once
 #include <array>
 #include <cmath>

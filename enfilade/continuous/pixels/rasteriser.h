@@ -1,5 +1,5 @@
-/// \file  Which triangle each pixel of a pinhole picture sees: all triangles are drawn from front
-/// to back, and what is hidden is left out early.
+/// \file  The triangle that each pixel of a pinhole picture sees. All triangles are drawn from
+/// front to back, and hidden ones are left out early.
 ///
 /// A pixel sees the triangle of the largest nearness there, of equal ones the lowest number. That
 /// does not depend on the order of drawing, so that all versions below, in any number of bands,
@@ -14,7 +14,7 @@
 
 namespace enfilade::continuous::pixels {
 
-/// What is drawn, from where.
+/// Scene and eye of a picture.
 struct Sight {
   const Tree& tree;
   const Surfaces& surfaces;

@@ -1,5 +1,5 @@
-/// \file  Colours of a tile's pixels with vector instructions: Painter::look() to the bit, but for
-/// mirrors and the sky, which are left to it.
+/// \file  Colours of a tile's pixels with vector instructions. They equal Painter::look() to the
+/// bit; mirrors and the sky are left to it.
 #pragma once
 #include <cstdint>
 
