@@ -28,7 +28,7 @@ class PickleWriter {
   std::uint32_t keep();  ///< gives the top value a number; it stays on the stack
   void again(std::uint32_t kept);  ///< pushes that very object again
 
-  std::string finish();  ///< the pickle, whose value is what is on the stack
+  std::string finish();  ///< the pickle, whose value is the top of the stack
 
  private:
   void add_32(std::uint32_t value);
