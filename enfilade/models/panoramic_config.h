@@ -6,11 +6,12 @@
 
 namespace enfilade::models {
 
-/// What the decoder starts from.
+/// Start of the decoder. EnvDrop's own word.
 enum class Subout : std::uint8_t {
-  kTanh,  ///< the last hidden state of the sentence
+  kTanh,  ///< the last hidden state of the sentence.
   /// The largest value of each number over the sentence and the zeros behind it, up to the longest
-  /// of the batch (EnvDrop's run script): what an agent does depends on who walks beside it.
+  /// of the batch (EnvDrop's run script). So an agent's actions depend on the other episodes of its
+  /// batch.
   kMax,
   kOwnMax,  ///< the largest value over its own words
 };
@@ -34,8 +35,10 @@ struct PanoramicConfig {
   friend bool operator==(const PanoramicConfig&, const PanoramicConfig&) = default;
 };
 
-/// \throws ArgumentError naming the field for sizes of 0 (but `image`) or above 2^24, an odd
-/// `hidden` with two directions, an `angle` that is no multiple of 4, or a dropout outside [0, 1)
+/// \throws ArgumentError naming the field for a size of 0 (except `image`) or above 2^24, or a
+/// dropout outside [0, 1)
+/// \throws ArgumentError for an odd `hidden` with two directions, or an `angle` that is not a
+/// multiple of 4
 void validate(const PanoramicConfig& config);
 
 }  // namespace enfilade::models

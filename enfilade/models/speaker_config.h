@@ -19,8 +19,10 @@ struct SpeakerConfig {
   friend bool operator==(const SpeakerConfig&, const SpeakerConfig&) = default;
 };
 
-/// \throws ArgumentError naming the field for sizes of 0 (but `image`) or above 2^24, an odd
-/// `hidden` with two directions, an `angle` that is no multiple of 4, or a dropout outside [0, 1)
+/// \throws ArgumentError naming the field for a size of 0 (except `image`) or above 2^24, or a
+/// dropout outside [0, 1)
+/// \throws ArgumentError for an odd `hidden` with two directions, or an `angle` that is not a
+/// multiple of 4
 void validate(const SpeakerConfig& config);
 
 }  // namespace enfilade::models
