@@ -48,8 +48,9 @@ class Speaker {
                               const features::FeatureSet* features, std::size_t batch_size = 64,
                               const Progress& progress = {});
 
-  /// An instruction for each of EpisodeSet::paths, in their order; its episodes are of no account.
-  /// The same options give the same texts. \throws as score()
+  /// An instruction for each of EpisodeSet::paths, in their order; its episodes are ignored. The
+  /// same options give the same texts.
+  /// \throws as score()
   std::vector<std::string> describe(const tasks::EpisodeSet& paths,
                                     const features::FeatureSet* features,
                                     const SpeakOptions& options, const Progress& progress = {});

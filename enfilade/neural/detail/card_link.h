@@ -9,9 +9,9 @@
 namespace enfilade::neural::detail {
 
 /// One card of each rank. All ranks call the same functions in the same order; each returns when
-/// the result is there. What the current stream has to do comes before. One thread at a time.
+/// the result is there. Earlier work of the current stream comes first. One thread at a time.
 ///
-/// All functions \throw std::exception of c10d's where a rank or its card fails, or none answers.
+/// All functions throw std::exception of c10d's if a rank or its card fails, or does not answer.
 class CardLink {
  public:
   virtual ~CardLink() = default;

@@ -11,7 +11,7 @@ namespace enfilade::neural::detail {
 
 /// A released vocabulary, by the rows of a network's table of words.
 struct KnownVocabulary {
-  std::string where;  ///< "bert-base-uncased's: https://...", or what is wanted in general
+  std::string where;  ///< "bert-base-uncased's: https://...", or a general description
   models::Letters letters = models::Letters::kFolded;
 };
 KnownVocabulary known_vocabulary(std::size_t rows);

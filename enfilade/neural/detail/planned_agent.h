@@ -11,9 +11,9 @@
 
 namespace enfilade::neural::detail {
 
-/// Knows the whole walk when an episode begins: a building does not change while it is walked
-/// through, and what a network sees at a viewpoint is known before. So walks are made by the same
-/// code, batch by batch, whoever asks for them.
+/// Computes the whole trajectory when an episode begins: a building does not change during it, and
+/// a network's input at a viewpoint is known before. So all callers get trajectories from the same
+/// code, batch by batch.
 class PlannedAgent : public TrainedAgent {
  public:
   explicit PlannedAgent(models::ModelConfig config, std::uint64_t iteration,
@@ -32,7 +32,7 @@ class PlannedAgent : public TrainedAgent {
  protected:
   /// enter() of the kind. \param features that it uses; null if it does not see
   virtual void prepare(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) = 0;
-  /// Greedy walks of these episodes of those that were entered, in their order.
+  /// Greedy trajectories of these of the entered episodes, in their order.
   virtual std::vector<tasks::Trajectory> walk(std::span<const std::size_t> episodes) = 0;
   using TrainedAgent::walk;
 

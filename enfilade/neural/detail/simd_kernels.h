@@ -40,7 +40,7 @@ struct Combination {
   Rows b;
   Rows out;
   std::size_t m = 0, n = 0, k = 0;
-  bool add = false;  ///< to what is in `out`
+  bool add = false;  ///< to the values in `out`
 };
 
 struct AdamStep {

@@ -1,4 +1,4 @@
-/// \file  What the learners of networks on libtorch's autograd share.
+/// \file  Shared part of the learners of networks on libtorch's autograd.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -17,8 +17,8 @@
 
 namespace enfilade::neural::detail {
 
-/// Owns a network, its optimizer, and the splits. What is left to a kind: update(),
-/// validation_loss(), evaluate().
+/// Owns a network, its optimizer, and the splits. A kind of agent adds update(), validation_loss(),
+/// evaluate().
 /// \tparam Network has weights() by name
 /// \tparam Split is made of episodes, words, the config and features
 template <class Network, class Split>
@@ -67,7 +67,7 @@ class SplitLearner : public Learner {
   double learn(std::uint64_t iteration, const LossOf& loss_of) {
     return learning_->learn(order_->batch(iteration), iteration, loss_of);
   }
-  /// How a validation split is walked, and what is written of it.
+  /// Options and output files of a validation split's trajectories.
   SplitWalk walk_of(std::size_t split, const models::ModelFiles& files) {
     const std::string& name = validation(split).episodes().split;
     return {config_.batch_size, files.results(name), files.attention(name), ranks_};

@@ -1,5 +1,4 @@
-/// \file  Walking a whole split with an agent that chooses among viewpoints, and what is written of
-/// it.
+/// \file  Trajectories of an agent that chooses among viewpoints on a whole split, and their files.
 #pragma once
 #include <algorithm>
 #include <optional>
@@ -21,16 +20,18 @@ std::string packed_trajectories(std::span<const tasks::Trajectory> trajectories)
 /// Those of batches, one behind the other.
 std::vector<tasks::Trajectory> unpacked_trajectories(std::span<const std::string> batches);
 
-/// Rank 0 writes the decisions of the episodes that are shown; each process has recorded those that
-/// it walked. \throws FileError; LostRank
+/// Rank 0 writes the decisions of the shown episodes; each process has recorded those of its own
+/// episodes.
+/// \throws FileError; LostRank
 void write_decisions(Ranks& ranks, const SplitWalk& options,
                      const models::DecisionRecorder& recorder, const tasks::EpisodeSet& episodes,
                      const std::vector<tasks::Trajectory>& trajectories);
 
-/// Walks all episodes of a split by the kind's walk_episodes(), and writes the files that `options`
-/// names. \tparam Recording of how the kind chooses: made of a split, with observer() and
-/// recorder() \return a trajectory per episode, in order \throws FileError; ArgumentError for a
-/// batch size of 0
+/// Computes the trajectories of a split by the kind's walk_episodes(), and writes the files that
+/// `options` names.
+/// \tparam Recording of the kind's choices: made of a split, with observer() and recorder()
+/// \return a trajectory per episode, in order
+/// \throws FileError; ArgumentError for a batch size of 0
 template <class Recording, class Network, class Split>
 std::vector<tasks::Trajectory> walk_and_write(Network& network, Split& split,
                                               const SplitWalk& options, const Progress& progress) {

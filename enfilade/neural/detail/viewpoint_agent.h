@@ -11,9 +11,9 @@
 
 namespace enfilade::neural::detail {
 
-/// \tparam Split made of episodes, words, a TrainConfig and features, and of objects if it is a
-/// split of an agent that may name one; walk_episodes() and walk_and_write() of Network and Split
-/// are found beside them
+/// \tparam Split made of episodes, words, a TrainConfig and features; also of objects if its agent
+/// may name one. Its functions walk_episodes() and walk_and_write() with Network are found beside
+/// them
 template <class Network, class Split>
 class ViewpointAgent : public PlannedAgent {
  public:

@@ -8,10 +8,12 @@
 
 namespace enfilade::neural::duet {
 
-/// An iteration is a walk along the annotated path, one of the agent's own with a teacher that
-/// names a node of its map, or both, of the same episodes: as TrainConfig::feedback, teacher_weight
-/// and map_teacher say. The published one is an own walk and a fifth of the annotated one's loss.
-/// \param config outlives it \throws as DuetNetwork
+/// An iteration has a rollout along the annotated path, one of the agent's own, or both, of the
+/// same episodes. In the latter the teacher names a node of the agent's map. TrainConfig::feedback,
+/// teacher_weight and map_teacher decide. The published one is an own rollout and a fifth of the
+/// annotated one's loss.
+/// \param config outlives it
+/// \throws as DuetNetwork
 std::unique_ptr<detail::Learner> make_duet_learner(const models::TrainConfig& config,
                                                    models::InstructionWords words,
                                                    c10::Device device);

@@ -13,10 +13,10 @@ namespace enfilade::neural::duet {
 /// Records the steps of walk_episodes(). One thread at a time.
 class DuetRecording {
  public:
-  /// Of all episodes of a split.
+  /// For all episodes of a split.
   explicit DuetRecording(const DuetSplit& split);
 
-  /// An observer of a walk of these episodes, which have to stay as long as it is used.
+  /// An observer of a rollout of these episodes, which have to stay as long as it is used.
   StepWatcher observer(std::span<const std::size_t> episodes);
   const models::DecisionRecorder& recorder() const noexcept { return recorder_; }
 

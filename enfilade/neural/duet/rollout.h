@@ -37,7 +37,7 @@ struct Pose {
   Radians elevation() const { return agents::view_elevation(view); }
 };
 
-/// Features by viewpoint: of its 36 views, and of what is to be seen there.
+/// Features by viewpoint: of its 36 views, and of its objects.
 class Surroundings {
  public:
   virtual ~Surroundings() = default;
@@ -52,7 +52,7 @@ class Surroundings {
                       std::span<float> out);
 };
 
-/// What is walked.
+/// Input of a rollout.
 struct WalkEpisode {
   std::string id;
   ScanIndex scan;
@@ -60,10 +60,10 @@ struct WalkEpisode {
   std::uint32_t start_view = 12;          ///< 0..35
   std::vector<std::int64_t> words;        ///< ids, those at both ends included
   std::vector<ViewpointIndex> reference;  ///< the annotated path, start to goal; for labels only
-  std::string object;                     ///< the one that is asked for; empty: none
+  std::string object;                     ///< the instruction's object; empty: none
 };
 
-/// Who chooses, and when an episode ends.
+/// The rule that chooses actions, and when an episode ends.
 enum class WalkFeedback : std::uint8_t {
   kTeacher,  ///< the labels lead; ends on the goal
   kSample,   ///< drawn from the probabilities; ends on the goal, or silently at a drawn stop
@@ -72,7 +72,7 @@ enum class WalkFeedback : std::uint8_t {
 };
 /// Which node a label names.
 enum class Expert : std::uint8_t {
-  kReference,  ///< the annotated path's next viewpoint; the walk must follow that path
+  kReference,  ///< the annotated path's next viewpoint; the trajectory must follow it
   kSpl,        ///< agents::ExpertRule::kSpl
   kNdtw,       ///< agents::ExpertRule::kNdtw
 };
@@ -98,8 +98,8 @@ struct StepRow {
   std::vector<features::ObjectView> objects;
   std::int64_t choice = 0;  ///< row of the map; 0: stop
   std::int64_t label = kNoLabel, local_label = kNoLabel, object_label = kNoLabel;
-  std::optional<ViewpointIndex> goes_to;  ///< none: it moves no more
-  bool ends = false;                      ///< here; then it walks to where stopping was most likely
+  std::optional<ViewpointIndex> goes_to;  ///< no value: it moves no more
+  bool ends = false;                      ///< here; then it goes to where stopping was most likely
 };
 /// Rows are the episodes that have not ended.
 struct StepOfAll {
@@ -111,9 +111,9 @@ struct StepOfAll {
 };
 using StepWatcher = std::function<void(const StepOfAll&)>;
 
-/// What became of an episode.
+/// Result of an episode.
 struct Walk {
-  /// [[start], [a], [b, c], ...]: an entry a decision, with the viewpoints passed through.
+  /// [[start], [a], [b, c], ...]: one entry per decision, with the viewpoints passed through.
   std::vector<std::vector<ViewpointIndex>> path;
   std::vector<std::pair<ViewpointIndex, double>> stop_probabilities;  ///< in order of visiting
   ViewpointIndex stop;  ///< the visited one with the highest
@@ -127,7 +127,7 @@ struct Rollout {
   double environment_seconds = 0;  ///< of looking, maps, labels and moving: all but the network
 };
 
-/// Walks episodes of networks whose features have the same sizes. Keeps what it knows of viewpoints
+/// Computes rollouts for networks whose features have the same sizes. Keeps its data of viewpoints
 /// between calls. One thread at a time.
 class Walker {
  public:
@@ -141,7 +141,7 @@ class Walker {
   Rollout walk(const DuetNetwork& network, std::span<const WalkEpisode> episodes,
                const WalkOptions& options, const StepWatcher& watcher = {});
 
-  /// What it knows of a viewpoint; valid as long as the walker.
+  /// Data of a viewpoint; valid as long as the walker.
   struct Place {
     const agents::Panorama* panorama = nullptr;
     at::Tensor views;                           ///< (36, image)
@@ -150,7 +150,7 @@ class Walker {
   };
   const Place& place(const DuetConfig& config, graph::Location location);
   const graph::NavGraph& graph(ScanIndex scan) const { return graphs_->graph(scan); }
-  /// The views of places, on a device that is not the CPU; the first one asked for.
+  /// The views of viewpoints, on a device that is not the CPU; the first one used.
   detail::ResidentViews& views_on(c10::Device device, const DuetConfig& config);
 
  private:

@@ -104,7 +104,7 @@ struct DuetBatch {
     return network.navigate(text, seen(network, dropout), dropout);
   }
 
-  /// `navigation` with what is seen.
+  /// `navigation` with the encoded views.
   NavigationInput seen(const DuetNetwork& network, Dropout* dropout = nullptr) const {
     const Tokens seen = network.encode_panorama(panorama, dropout);
     NavigationInput input = navigation;
@@ -119,8 +119,8 @@ struct DuetBatch {
 };
 
 /// Compares each weight's gradient, where it is largest, with finite differences of `loss`. The
-/// weights are made larger first, so that every part has its say. \return the weights whose
-/// gradients are others, or missing
+/// weights are made larger first, so that every part has an effect.
+/// \return the weights whose gradients are wrong, or missing
 inline std::vector<std::string> wrong_gradients(const detail::Weights& weights,
                                                 const std::function<at::Tensor()>& loss) {
   std::vector<std::string> wrong;

@@ -1,4 +1,4 @@
-/// \file  DUET's fine-tuning: losses of two walks, and an update.
+/// \file  DUET's fine-tuning: losses of two rollouts, and an update.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
@@ -14,26 +14,27 @@
 
 namespace enfilade::neural::duet {
 
-/// A part of an iteration: one batch, walked in one way.
+/// A part of an iteration: one batch, with one kind of rollout.
 struct TrainingWalk {
   std::span<const WalkEpisode> episodes;
   WalkOptions options;  ///< with an expert
   double weight = 1;    ///< of its loss, which is summed over steps and averaged over episodes
 };
 
-/// What an iteration came to.
+/// Result of an iteration.
 struct TrainingStep {
   double loss = 0;                 ///< the sum of `losses`
-  std::vector<double> losses;      ///< by walk, weights included
+  std::vector<double> losses;      ///< by rollout, weights included
   double norm = 0;                 ///< of the gradients before clipping
-  double environment_seconds = 0;  ///< as Rollout's, of all walks
+  double environment_seconds = 0;  ///< as Rollout's, of all rollouts
 };
 
-/// The losses of walks, that autograd can follow back.
+/// The losses of rollouts, for autograd's backward pass.
 struct WalkLosses {
-  at::Tensor sum;                  ///< undefined: nothing is to be learnt
-  std::vector<at::Tensor> parts;   ///< by walk, weights included, without gradients; or undefined
-  double environment_seconds = 0;  ///< as Rollout's, of all walks
+  at::Tensor sum;                  ///< undefined: nothing to learn
+  std::vector<at::Tensor> parts;   ///< by rollout, weights included, without gradients; or
+                                   ///< undefined
+  double environment_seconds = 0;  ///< as Rollout's, of all rollouts
 };
 WalkLosses walk_for_loss(const DuetNetwork& network, Walker& walker,
                          std::span<const TrainingWalk> walks, const StepWatcher& watcher = {});

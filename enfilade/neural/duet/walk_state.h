@@ -17,18 +17,17 @@ class WalkState {
  public:
   WalkState(const WalkEpisode& episode, std::size_t number, const graph::NavGraph& graph);
 
-  /// What it sees where it stands becomes part of the map; `step` is that of the visit.
+  /// Adds the present viewpoint and its candidates to the map; `step` is that of the visit.
   void look(const Walker::Place& place, std::size_t step);
-  /// The node where it stands, and the open ones that are seen from it, have embeddings now.
+  /// The present node, and the open ones seen from it, have embeddings now.
   /// \param mean row of the pool with the mean of its panorama's tokens
   /// \param first row of the pool with its first token
   void embed(std::int64_t mean, std::int64_t first);
   /// Goes to a node by known ways and takes the view in which the viewpoint before it has it.
   void go(TopologicalMap::Node node, Walker& walker, const DuetConfig& config);
-  /// What the network says of a visited viewpoint. \param best_object empty: none is there
+  /// The network's output for a visited viewpoint. \param best_object empty: none is there
   void remember(ViewpointIndex viewpoint, double stop_probability, std::string best_object);
-  /// After a stop: the walk to the visited viewpoint with the highest probability of stopping, or
-  /// none.
+  /// After a stop: goes to the visited viewpoint with the highest probability of stopping, if any.
   void finish(agents::FinalStop rule);
   std::vector<ViewpointIndex> walked() const;  ///< all viewpoints so far
 
@@ -38,10 +37,10 @@ class WalkState {
   Pose pose;
   TopologicalMap map;
   const Walker::Place* place = nullptr;
-  /// Rows of the pool of which a node's embedding is the mean: of a visited one a row with a mean,
-  /// of an open one those of the tokens that have shown it.
+  /// Rows of the pool whose mean is a node's embedding. A visited node has a row with a mean, an
+  /// open one those of the tokens that have shown it.
   std::vector<std::vector<std::int64_t>> embeddings;
-  std::vector<std::string> objects;  ///< the best where it has been; empty: none
+  std::vector<std::string> objects;  ///< the best at each visited node; empty: none
   agents::StopMemory stops;
   Walk walk;
   bool ended = false;
@@ -54,7 +53,7 @@ class WalkState {
 std::pair<at::Tensor, at::Tensor> words_of(std::span<const WalkEpisode> episodes,
                                            const DuetConfig& config);
 PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config);
-/// Someone who looks around.
+/// A viewpoint and view of an agent.
 struct Stand {
   const Walker::Place* place = nullptr;
   Pose pose;
@@ -63,8 +62,9 @@ PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& confi
 /// The same with the views on a card; all else is on the CPU.
 PanoramaInput panorama_of(std::span<WalkState* const> states, const DuetConfig& config,
                           detail::ResidentViews& views);
-/// All of navigation_of() but what is learned: nodes, tokens and their mask stay undefined.
-/// \param tokens of the longest panorama \param rows each map's rows()
+/// All of navigation_of() except its learned parts: nodes, tokens and their mask stay undefined.
+/// \param tokens of the longest panorama
+/// \param rows each map's rows()
 NavigationInput places_of(std::span<WalkState* const> states,
                           std::span<const std::vector<TopologicalMap::Node>> rows,
                           std::int64_t tokens, const DuetConfig& config);

@@ -1,4 +1,4 @@
-/// \file  A split as the panoramic agent walks it.
+/// \file  A split for the panoramic agent.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,20 +19,20 @@
 
 namespace enfilade::neural::panoramic {
 
-/// Episodes with their instructions as ids, and what is seen in their buildings. One thread at a
+/// Episodes with their instructions as ids, and the features of their buildings. One thread at a
 /// time.
 class PanoramicSplit {
  public:
-  /// `episodes` and `words` have to outlive *this. \param features null if the agent does not see
+  /// `episodes` and `words` have to outlive *this. \param features null without vision
   /// \throws as ViewFeatures
   PanoramicSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
                  const models::TrainConfig& config, const features::FeatureSet* features);
   PanoramicSplit(const PanoramicSplit&) = delete;
   PanoramicSplit& operator=(const PanoramicSplit&) = delete;
 
-  /// Episodes at their starts. Rows are by falling number of words, as the encoder wants them.
+  /// Episodes at their starts. Rows are by falling number of words, as the encoder requires.
   struct Batch {
-    std::vector<std::size_t> places;  ///< of each row, among the episodes that were given
+    std::vector<std::size_t> places;  ///< per row, index into the given episodes
     WordBatch words;
     std::vector<PanoramicWalk> walks;
   };
@@ -41,8 +41,8 @@ class PanoramicSplit {
 
   const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
   const ImageSource& images() const noexcept { return images_; }
-  /// Likewise, on a card; null for the CPU, or if the agent does not see. The device is the first
-  /// one asked for.
+  /// Likewise, on a card; null for the CPU, or without vision. The device is that of the first
+  /// call.
   detail::ResidentViews* resident(c10::Device device);
   std::size_t max_actions() const noexcept { return max_actions_; }  ///< choices of an episode
   std::span<const std::int64_t> words(std::size_t episode) const { return words_[episode]; }

@@ -24,7 +24,7 @@ struct WalkStart {
 };
 
 /// One episode. A choice is a candidate's number, or their count: stop. A move turns up or down to
-/// the candidate's row, then right to its view, then goes there, and keeps that view: each is an
+/// the candidate's row, then right to its view, then goes there, and keeps that view. Each is an
 /// entry of the trajectory, as in EnvDrop.
 class PanoramicWalk {
  public:
@@ -68,13 +68,13 @@ class PanoramicWalk {
 using ImageSource =
     std::function<void(graph::Location location, std::uint32_t view, std::span<float> out)>;
 
-/// The features of views; no numbers are written where there are none.
+/// The features of views; nothing is written for missing ones.
 /// \param features null: there are none; else they outlive the result
 ImageSource pictures_of(const ViewFeatures* features);
 
-/// What the network sees of a batch of walks: pictures and directions of the 36 views and of the
-/// candidates. Headings are relative to the agent's view, elevations absolute. Of ended walks
-/// nothing is to be used.
+/// The network's input for a batch of rollouts: pictures and directions of the 36 views and of the
+/// candidates. Headings are relative to the agent's view, elevations absolute. Rows of ended
+/// rollouts must not be used.
 StepInput look(std::span<const PanoramicWalk> walks, const PanoramicConfig& config,
                const ImageSource& images);
 /// The same, made where the pictures are: on their device, of numbers that are sent there.

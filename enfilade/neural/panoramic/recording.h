@@ -11,10 +11,10 @@ namespace enfilade::neural::panoramic {
 /// Records the steps of walk_episodes(). One thread at a time.
 class PanoramicRecording {
  public:
-  /// Of all episodes of a split.
+  /// For all episodes of a split.
   explicit PanoramicRecording(const PanoramicSplit& split);
 
-  /// An observer of a walk of these episodes, which have to stay as long as it is used.
+  /// An observer of a rollout of these episodes, which have to stay as long as it is used.
   BatchObserver observer(std::span<const std::size_t> episodes);
   const models::DecisionRecorder& recorder() const noexcept { return recorder_; }
 

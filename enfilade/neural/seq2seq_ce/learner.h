@@ -1,4 +1,4 @@
-/// \file  The agent that walks freely, in training: DAgger (Ross, Gordon, Bagnell 2011).
+/// \file  The continuous agent in training: DAgger (Ross, Gordon, Bagnell 2011).
 #pragma once
 #include <c10/core/Device.h>
 #include <functional>
@@ -10,10 +10,11 @@
 
 namespace enfilade::neural::seq2seq_ce {
 
-/// Before the first update that needs a set of walks it gathers them, into `walks/` of the model
-/// directory, a file a building: `walks/02/home0001.safetensors`. What is there of the same weights
-/// is kept, so that a training that was killed goes on.
-/// \param config outlives it \param told of each set while it is gathered; may be empty
+/// Before the first update that needs a set of rollouts it gathers them, into `walks/` of the model
+/// directory, one file per building: `walks/02/home0001.safetensors`. Existing files of the same
+/// weights are kept, so that a killed training can be continued.
+/// \param config outlives it
+/// \param told is called with each set's progress while it is gathered; may be empty
 std::unique_ptr<detail::Learner> make_learner(
     const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
     const models::ModelFiles& files, c10::Device device,

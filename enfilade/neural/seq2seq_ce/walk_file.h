@@ -1,4 +1,4 @@
-/// \file  Recorded walks, which the network learns from: what was seen, done and advised.
+/// \file  Recorded rollouts, which the network learns from: observations, actions and advice.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace enfilade::neural::seq2seq_ce {
 
-/// One walk of n steps.
+/// One rollout of n steps.
 struct RecordedWalk {
   std::size_t episode = 0;             ///< of those trained on
   Seen seen;                           ///< of n steps; empty if the agent does not see
@@ -21,7 +21,7 @@ struct RecordedWalk {
   std::vector<std::uint8_t> teacher;   ///< (n) the teacher's choices
 };
 
-/// What a recorded walk is to one who reads it. Valid as long as what it is of.
+/// A recorded rollout for reading. Valid as long as its source.
 struct WalkView {
   std::size_t episode = 0;
   std::span<const std::uint16_t> pictures;          ///< (n, features), or empty
@@ -41,7 +41,7 @@ class WalkFile {
 
   std::size_t size() const noexcept { return episodes_.size(); }
   WalkView walk(std::size_t i) const;  ///< \pre i < size()
-  /// Of which weights the walker was.
+  /// Identity of the weights that computed it.
   const std::string& weights() const { return file_.metadata().at("weights"); }
 
  private:
