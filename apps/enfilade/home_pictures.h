@@ -1,4 +1,4 @@
-/// \file  Pictures and plans of a folder of model homes.
+/// \file  Pictures and plans of a folder of synthetic homes.
 #pragma once
 #include <filesystem>
 #include <optional>

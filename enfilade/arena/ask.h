@@ -59,7 +59,7 @@ struct AskReport {
   Answers answers = Answers::kTools;  ///< the form of the answers
   std::size_t mistakes = 0;           ///< invalid calls in all finished episodes
   std::map<Ending, std::size_t> endings;
-  std::vector<std::string> given_up;  ///< a sentence an episode
+  std::vector<std::string> given_up;  ///< one sentence per episode
   Ledger ledger;
 };
 

@@ -31,7 +31,7 @@ struct NamedDirection {
 /// A picture before it is drawn. Two that are equal show the same, to the bit.
 struct PictureOrder {
   std::string caption;  ///< "B": the place in its direction; "ahead"; empty for a strip
-  Standpoint from;      ///< of a strip the heading of its second quarter
+  Standpoint from;      ///< heading of a strip: that of its second quarter
   bool strip = false;
   std::uint32_t size = 512;           ///< pixels: height, of a strip a quarter of the width
   std::vector<NamedDirection> marks;  ///< in a strip

@@ -46,7 +46,7 @@ inline constexpr std::size_t kMostMoves = 4;
 /// A tool call parsed from an answer.
 struct Call {
   std::string tool;
-  std::string argument;  ///< of a list: its values with commas between; empty: none
+  std::string argument;  ///< for a list its values with commas between; empty: none
   friend bool operator==(const Call&, const Call&) = default;
 };
 
@@ -83,7 +83,7 @@ struct Observation {
   std::string what;              ///< the view ahead in words (continuous); empty: unknown
   std::string here;              ///< the name of the place; empty in continuous space
   std::vector<Place> places;     ///< in the order of their turns, from left to right
-  std::vector<Thing> things;     ///< of REVERIE
+  std::vector<Thing> things;     ///< REVERIE only
   std::vector<MappedPlace> map;  ///< in the order of first visits
   std::string told;              ///< what came of the last call, a sentence; empty at the start
   std::vector<ToolUse> tools;    ///< what can be done; none when it is over

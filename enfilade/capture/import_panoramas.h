@@ -38,7 +38,7 @@ inline constexpr double kImportSpacing = 2.25;
 /// How panoramas are imported.
 struct ImportOptions {
   std::uint32_t face_size = 0;  ///< texels; 0: by the picture's resolution, at most 1024
-  /// Of HDR pictures, stops; no value: the median luminance becomes mid-grey.
+  /// Exposure of HDR pictures, stops; no value: the median luminance becomes mid-grey.
   std::optional<double> exposure;
   /// Direction of the pictures' middles (of front faces), degrees clockwise from north. Without
   /// this and a heading in `positions`, new viewpoints have 0.

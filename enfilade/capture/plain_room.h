@@ -20,7 +20,7 @@ struct PlainRoomOptions {
 /// \throws ArgumentError for options out of range
 void add_plain_room(mesh::Mesh& mesh, const PlainRoomOptions& options = {});
 
-/// Of directions below the horizon from the included viewpoints, the share in which rays meet
+/// Share of directions below the horizon, from the included viewpoints, in which rays meet
 /// nothing, [0, 1]; 0 without viewpoints. From one half on, the mesh probably lacks a floor, or has
 /// another axis up.
 double share_of_nothing_below(const mesh::RayTracer& tracer, const scan::Connectivity& graph);

@@ -47,7 +47,7 @@ struct ScanFilesOptions {
   ScanParts parts;
   std::uint32_t face_size = 512;     ///< texels
   std::uint32_t image_width = 1280;  ///< of undistorted images, pixels; heights are 4/5 of it
-  std::uint32_t samples = 4;         ///< colour rays a pixel: 1, 4, 9 or 16
+  std::uint32_t samples = 4;         ///< colour rays per pixel: 1, 4, 9 or 16
   float exposure = 0;                ///< stops
   int jpeg_quality = 92;             ///< 1 .. 100; with full chroma from 90 on
   std::vector<ScanRoom> rooms;       ///< for the .house file.

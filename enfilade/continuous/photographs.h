@@ -18,10 +18,10 @@ struct Photo;
 /// How panoramas are kept and chosen.
 struct PhotographsOptions {
   /// Longest edge of a face that is kept, texels, 16 .. 2048; larger ones are halved. 256 has about
-  /// as many a degree as a picture of 224 pixels over 90 degrees.
+  /// as many per degree as a picture of 224 pixels over 90 degrees.
   std::uint32_t face_size = 256;
   std::size_t nearest = 4;  ///< panoramas that a view takes colours from, 1 .. 8
-  /// Of panoramas that are kept; those used longest ago are dropped, and read again when they are
+  /// Bytes of kept panoramas; the least recently used are dropped, and read again when they are
   /// needed. Does not change the pictures.
   std::size_t bytes = std::size_t{512} << 20U;
 };

@@ -69,7 +69,7 @@ class Dataset {
   /// Never throws for missing or broken parts.
   std::vector<Part> examine() const;
 
-  /// The navigation graphs, one a scan.
+  /// The navigation graphs, one per scan.
   /// \throws FileError, InvalidInput: as graph::GraphSet::open(), scan::Store::open()
   const std::shared_ptr<const graph::GraphSet>& graphs() const;
   /// The panoramas, in the order of the graphs: one ScanIndex serves both. A missing scan is found

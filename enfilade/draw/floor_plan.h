@@ -35,7 +35,7 @@ struct FloorPlanOptions {
   /// Walls and room names, made for the same graph; null: the surroundings of edges are shaded
   /// instead. Must outlive the call.
   const PlanUnderlay* underlay = nullptr;
-  /// Of episodes with other goals than the end of their path. There is no circle around the end of
+  /// Goals of episodes, if not the end of their path. There is no circle around the end of
   /// the reference path then, except where the goal is a turning point.
   std::optional<PlannedGoal> goal = {};
 };

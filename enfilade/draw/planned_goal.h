@@ -17,10 +17,10 @@ namespace enfilade::draw {
 struct PlannedGoal {
   /// Kind of the goal.
   enum class Kind : std::uint8_t {
-    kTurningPoint,  ///< of R2R-Back: a diamond, with the success distance around it
-    kObject,        ///< of REVERIE: squares on the viewpoints that see the object
-    kRegion,        ///< of CVDN: its viewpoints stand on a yellow floor
-    kBoxes,         ///< of SOON: squares on the viewpoints that have a box of the object
+    kTurningPoint,  ///< R2R-Back: a diamond, with the success distance around it
+    kObject,        ///< REVERIE: squares on the viewpoints that see the object
+    kRegion,        ///< CVDN: its viewpoints stand on a yellow floor
+    kBoxes,         ///< SOON: squares on the viewpoints that have a box of the object
   };
   Kind kind = Kind::kTurningPoint;
   std::vector<ViewpointIndex> viewpoints;  ///< ascending, each once; may be empty

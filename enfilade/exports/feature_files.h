@@ -55,7 +55,7 @@ void write_object_features(const std::shared_ptr<const graph::GraphSet>& graphs,
 /// Shapes that arrays of a viewpoint's tokens may have.
 struct TokenShape {
   std::vector<std::int64_t> views;  ///< any of these
-  std::int64_t tokens = 0;          ///< of a view
+  std::int64_t tokens = 0;          ///< per view
 };
 /// BEVBert's `vit_b16_224_clip_patch.hdf5`: of the 12 level views (viewIndex 12 to 23), 224 x 224
 /// pixels of 90 degrees, 14 x 14 tokens in rows.

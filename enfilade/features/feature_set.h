@@ -29,7 +29,7 @@ struct FeatureInfo {
   std::string preprocessing;     ///< "caffe", "torchvision", "home"; likewise
   std::string weights;           ///< hash of the encoder's weights, 16 hex digits; likewise
   std::size_t views = 36;        ///< per viewpoint: rows of an array
-  std::size_t dimensions = 0;    ///< of a view: columns; 2048 for ResNet-152
+  std::size_t dimensions = 0;    ///< per view: columns; 2048 for ResNet-152
   Camera camera;                 ///< of the views
   DType type = DType::kFloat32;  ///< as stored: kFloat32 or kFloat16
 };

@@ -1,4 +1,4 @@
-/// \file  A model home with everything that is computed from it but light and pictures.
+/// \file  A synthetic home with everything that is computed from it but light and pictures.
 #pragma once
 #include <memory>
 #include <string>

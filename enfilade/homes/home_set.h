@@ -1,4 +1,4 @@
-/// \file  A data set of model homes: buildings, graphs, panoramas, Room-to-Room.
+/// \file  A data set of synthetic homes: buildings, graphs, panoramas, Room-to-Room.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -39,7 +39,7 @@ struct HomeSetOptions {
   /// `kind` has no stairs. 0: storeys as usual for kind and area.
   std::size_t stairs_every = 0;
   std::uint32_t face_size = 256;  ///< texels of a panorama's faces; 0: no pictures
-  std::uint32_t samples = 4;      ///< colour rays a texel
+  std::uint32_t samples = 4;      ///< colour rays per texel
   int jpeg_quality = 92;
   HomeLight light = HomeLight::kFine;  ///< of panoramas; those of `parts` have the finest.
   /// Number of homes rendered at display quality, whatever the options above: fine light, faces of
@@ -58,7 +58,7 @@ struct HomeSetOptions {
   int threads = 0;  ///< 0: all cores; the files are the same for any number
 };
 
-/// Texels along a face, and colour rays a texel, of HomeSetOptions::pretty.
+/// Texels along a face, and colour rays per texel, of HomeSetOptions::pretty.
 inline constexpr std::uint32_t kPrettyFaceSize = 256;
 inline constexpr std::uint32_t kPrettySamples = 4;  ///< see kPrettyFaceSize.
 /// The scans that HomeSetOptions::pretty renders at display quality, ascending. First those that

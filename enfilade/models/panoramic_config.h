@@ -21,10 +21,10 @@ Subout parse_subout(std::string_view name);         ///< \throws ArgumentError
 /// The sizes of EnvDrop's listener (Tan, Yu, Bansal 2019) as its run script has them.
 struct PanoramicConfig {
   std::size_t vocabulary = 992;       ///< words, `<BOS>` among them
-  std::size_t word_embedding = 256;   ///< numbers a word
+  std::size_t word_embedding = 256;   ///< numbers per word
   std::size_t action_embedding = 64;  ///< numbers of the agent's own direction, embedded
   std::size_t hidden = 512;           ///< of the decoder; even if bidirectional
-  std::size_t image = 2048;           ///< of a view's picture; 0: the agent does not see
+  std::size_t image = 2048;           ///< of a view's picture; 0: no vision
   std::size_t angle = 128;            ///< of a direction: 4 numbers, repeated
   bool bidirectional = true;          ///< the sentence is read in both directions
   Subout subout = Subout::kMax;

@@ -10,9 +10,9 @@ namespace enfilade::models {
 struct Seq2SeqCeConfig {
   std::size_t word_embedding = 50;    ///< numbers per word
   std::size_t sentence = 128;         ///< of the LSTM that reads the instruction
-  std::size_t picture = 256;          ///< of what a linear layer makes of a picture's features
+  std::size_t picture = 256;          ///< of a picture's features after a linear layer
   std::size_t depth = 128;            ///< likewise of depth
-  std::size_t action_embedding = 32;  ///< of the action before
+  std::size_t action_embedding = 32;  ///< of the previous action
   std::size_t hidden = 512;           ///< of the GRU
 
   /// Weight of the loss where the teacher's action is another than its last one, beside 1: forward

@@ -7,9 +7,9 @@ namespace enfilade::models {
 /// The sizes of EnvDrop's speaker (Tan, Yu, Bansal 2019) as its run script has them.
 struct SpeakerConfig {
   std::size_t vocabulary = 992;      ///< words, `<BOS>` among them
-  std::size_t word_embedding = 256;  ///< numbers a word
+  std::size_t word_embedding = 256;  ///< numbers per word
   std::size_t hidden = 512;          ///< of all LSTMs; even if bidirectional
-  std::size_t image = 2048;          ///< of a view's picture; 0: the speaker does not see
+  std::size_t image = 2048;          ///< of a view's picture; 0: no vision
   std::size_t angle = 128;           ///< of a direction: 4 numbers, repeated
   bool bidirectional = true;         ///< the path is read in both directions
   double dropout = 0.6;              ///< of embeddings and hidden states, in training

@@ -112,22 +112,22 @@ struct TrainConfig {
   /// Rates and decay of any optimizer. RMSprop's share of the old mean is beta2.
   AdamConfig adam;
   Optimizer optimizer = Optimizer::kAdam;  ///< seq2seq has Adam alone
-  double clip = 40;         ///< largest norm of the gradients; not of seq2seq, which has no limit
-  std::size_t warm_up = 0;  ///< first updates, in which the rate rises; not of seq2seq
-  Schedule schedule = Schedule::kConstant;  ///< not of seq2seq
+  double clip = 40;         ///< largest norm of the gradients; not for seq2seq, which has no limit
+  std::size_t warm_up = 0;  ///< first updates, in which the rate rises; not for seq2seq
+  Schedule schedule = Schedule::kConstant;  ///< not for seq2seq
   /// kTeacher: teacher-forced rollouts only. kSample: its own rollouts, and teacher-forced ones by
   /// `teacher_weight`. Not kArgmax.
   Feedback feedback = Feedback::kSample;
   /// Weight of the loss of a teacher-forced rollout beside its own; 0: none. Not for seq2seq.
   double teacher_weight = 0.2;
   SampledLoss sampled_loss = SampledLoss::kReinforce;  ///< for panoramic
-  MapTeacher map_teacher = MapTeacher::kSpl;           ///< of duet
-  FinalStop final_stop = FinalStop::kBest;             ///< of duet
-  Stage stage = Stage::kFineTune;                      ///< of duet
-  /// Of duet: the hash of another model's weights (in its file) that training began with. No value:
-  /// random ones.
+  MapTeacher map_teacher = MapTeacher::kSpl;           ///< duet only
+  FinalStop final_stop = FinalStop::kBest;             ///< duet only
+  Stage stage = Stage::kFineTune;                      ///< duet only
+  /// duet only: the hash of another model's weights (in its file) that training began with. No
+  /// value: random ones.
   std::optional<std::string> initial_weights = {};
-  std::size_t iterations = 20'000;  ///< of seq2seq-ce they follow: see fix_updates()
+  std::size_t iterations = 20'000;  ///< for seq2seq-ce they follow: see fix_updates()
   std::size_t batch_size = 100;
   /// Parts that a batch is computed in, one after the other or by several processes. Their
   /// gradients are added in an order that does not depend on the number of processes. No value: all
@@ -136,8 +136,8 @@ struct TrainConfig {
   std::optional<std::size_t> parts = {};
   /// Actions per episode; for agents that choose among viewpoints, choices.
   std::size_t max_steps = 20;
-  AfterEnd after_end = AfterEnd::kWalksOn;  ///< of seq2seq
-  ForwardTo forward = ForwardTo::kNearest;  ///< of seq2seq
+  AfterEnd after_end = AfterEnd::kWalksOn;  ///< seq2seq only
+  ForwardTo forward = ForwardTo::kNearest;  ///< seq2seq only
   std::uint64_t seed = 1;  ///< of weights, order of episodes, dropout and sampled actions
   std::vector<std::string> splits{"train"};  ///< trained on; the vocabulary is made of them too
   /// Number of buildings whose paths are trained on, the first ones in the files: for curves of
@@ -154,7 +154,7 @@ struct TrainConfig {
 /// Where a training's settings come from.
 enum class Recipe : std::uint8_t {
   kPublished,  ///< EnvDrop's run script, DUET's of R2R, the paper's of seq2seq: the defaults
-  kSmall,      ///< ours: small networks from nothing, in model homes, on two cores
+  kSmall,      ///< ours: small networks from nothing, in synthetic homes, on two cores
 };
 std::string_view to_string(Recipe value) noexcept;  ///< "published", "small"
 Recipe parse_recipe(std::string_view name);         ///< \throws ArgumentError

@@ -41,7 +41,7 @@ struct SpeakerRecord {
   double loss = 0;               ///< cross-entropy a word, natural logarithm, without dropout
   double perplexity = 0;         ///< e to the power of `loss`
   double accuracy = 0;           ///< share of words of which the likeliest is right, 0 to 1
-  double bleu = 0;               ///< BLEU-4 of greedy instructions, one a path, 0 to 1
+  double bleu = 0;               ///< BLEU-4 of greedy instructions, one per path, 0 to 1
   double time = 0;               ///< as TrainRecord's
 };
 

@@ -1,4 +1,4 @@
-/// \file  Pretraining of `home`, the small image encoder for model homes.
+/// \file  Pretraining of `home`, the small image encoder for synthetic homes.
 #pragma once
 #include <cstddef>
 #include <cstdint>

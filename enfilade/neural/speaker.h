@@ -19,7 +19,7 @@ namespace enfilade::neural {
 /// How paths are described.
 struct SpeakOptions {
   std::size_t batch_size = 64;   ///< paths at once
-  std::size_t most_words = 120;  ///< of an instruction; EnvDrop's number
+  std::size_t most_words = 120;  ///< per instruction; EnvDrop's number
   /// Seed of words that are drawn by their probabilities. No value: the likeliest ones.
   std::optional<std::uint64_t> drawn = {};
   /// Share of the features' columns that are missing, the same all over a batch; [0, 1).

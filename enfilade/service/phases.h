@@ -53,8 +53,8 @@ struct Phase {
   /// references of nDTW. Empty: the reference paths.
   std::filesystem::path experts;
   Scores scores = Scores::kPublic;
-  int per_day = 10;                ///< of a team in 24 hours, 1 to 1000
-  int per_address_day = 50;        ///< of an address in 24 hours, by all its teams
+  int per_day = 10;                ///< per team in 24 hours, 1 to 1000
+  int per_address_day = 50;        ///< per address in 24 hours, by all its teams
   std::optional<int> per_team;     ///< per team in all; no value: no limit
   std::optional<int> per_address;  ///< per address in all; no value: no limit
   /// Seconds since 1970, after which no submission is taken; no value: open until the file has one.

@@ -57,7 +57,7 @@ struct InstructionDetails {
   std::vector<std::int32_t> tokens;   ///< `instr_encoding(s)`: ids of BERT's or XLM-R's vocabulary
   /// Parts by name, as SOON has them: obj_name, attribute, relation, region.
   std::vector<std::pair<std::string, std::string>> fields;
-  /// Of SOON as released, the `instr_id` of its entry, by which submissions answer it: an entry's
+  /// SOON as released: the `instr_id` of its entry, by which submissions answer it: an entry's
   /// alternatives and instructions share it. No value: the file names no entries.
   std::optional<std::string> entry = {};
   friend bool operator==(const InstructionDetails&, const InstructionDetails&) = default;
@@ -136,7 +136,7 @@ struct Episode {
 
 /// Which instructions of a path become episodes.
 enum class Instructions {
-  kScored,  ///< of R2R the first kScoredInstructions, else all
+  kScored,  ///< R2R: the first kScoredInstructions; else all
   kAll,     ///< fourth ones too, for training
 };
 

@@ -11,7 +11,7 @@
 
 namespace enfilade::apps {
 
-/// Where the light of a model home is kept once it is made: DATA/light/SCAN.light.
+/// Where the light of a synthetic home is kept once it is made: DATA/light/SCAN.light.
 std::filesystem::path home_light_file(const dataset::Dataset& data, const std::string& scan);
 /// Result of make_home_lights().
 struct LightsReport {

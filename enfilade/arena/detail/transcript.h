@@ -1,4 +1,4 @@
-/// \file  The text of a session's transcript: a line of JSON for the episode, one a call, one for
+/// \file  The text of a session's transcript: a line of JSON for the episode, one per call, one for
 /// the end. Nothing in it depends on time or machine.
 #pragma once
 #include <cstddef>

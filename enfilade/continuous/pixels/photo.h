@@ -41,7 +41,7 @@ inline constexpr float kCoarseness = 0.05F;  ///< penalty for each time farther 
 inline constexpr float kLeastPenalty = 2e-3F;
 /// A panorama sees a point if its nearness there is the mesh's within this part, and this much.
 inline constexpr float kSamePart = 0.015F, kSameNearness = 2e-4F;
-/// Of points nearer to the panorama, metres, no direction is taken.
+/// Metres; points nearer to the panorama get no direction.
 inline constexpr float kLeastAlong = 1e-6F;
 /// Where the sky is taken to be.
 inline constexpr float kSkyDistance = 1e4F;

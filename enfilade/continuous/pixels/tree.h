@@ -24,7 +24,7 @@ class Tree {
   struct Node {
     Vec3f middle, half;  ///< of the box
     float split = 0;     ///< where children part, along `axis`
-    /// Of the child below the split, the other follows it; or, of a leaf, its bundle.
+    /// Index of the child below the split, the other follows it; for a leaf, its bundle.
     std::uint32_t next = 0;
     std::uint8_t axis = 0;
     bool leaf = false;

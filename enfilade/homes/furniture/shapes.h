@@ -1,4 +1,4 @@
-/// \file  The furniture of model homes: how each piece is built, and how large it is.
+/// \file  The furniture of synthetic homes: how each piece is built, and how large it is.
 #pragma once
 #include <array>
 #include <cstdint>

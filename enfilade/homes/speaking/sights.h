@@ -1,4 +1,4 @@
-/// \file  Things of a model home that are visible from each viewpoint. Internal.
+/// \file  Objects of a synthetic home that are visible from each viewpoint. Internal.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -27,7 +27,7 @@ struct Update {
 /// Validation of an agent that follows instructions.
 struct Walked {
   double loss = 0;
-  std::vector<tasks::Trajectory> trajectories;  ///< greedy, one an episode
+  std::vector<tasks::Trajectory> trajectories;  ///< greedy, one per episode
 };
 /// Validation record of an agent on graphs, of a speaker or of a continuous agent; the last two
 /// without the iteration.

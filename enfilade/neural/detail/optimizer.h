@@ -53,7 +53,7 @@ class Optimizer {
   /// Weights, moments and number of updates, for a file; handles to their memory. Moments of
   /// weights that were never updated are zeros.
   Weights state(const Weights& weights) const;
-  /// Of state(), into the weights too.
+  /// Loads state(), into the weights too.
   /// \throws InvalidInput naming every array that is missing, surplus or does not fit
   void load(const Weights& weights, const features::TensorFile& file);
 

@@ -26,7 +26,7 @@ struct PreparedText {
   at::Tensor mask;                       ///< as Tokens
   std::vector<Attended> map, viewpoint;  ///< by layer of each branch
 
-  /// Of some of the texts. \param which (m) int64
+  /// Rows of some of the texts. \param which (m) int64
   PreparedText rows(const at::Tensor& which) const;
 };
 

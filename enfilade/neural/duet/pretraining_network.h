@@ -29,8 +29,8 @@ class PretrainingNetwork {
   const DuetNetwork& agent() const noexcept { return agent_; }  ///< the agent's network
   const DuetConfig& config() const noexcept { return agent_.config(); }
   c10::Device device() const noexcept { return agent_.device(); }
-  /// Of network and heads; handles to the same memory. The network of a file with all of them can
-  /// be read as a DuetNetwork.
+  /// Weights of network and heads; handles to the same memory. The network of a file with all of
+  /// them can be read as a DuetNetwork.
   const detail::Weights& weights() const noexcept { return weights_; }
   std::vector<detail::ArraySpec> arrays() const;  ///< names and shapes of weights()
 

@@ -37,7 +37,7 @@ struct InstructionLoss {
   at::Tensor mean;          ///< cross-entropy a word of the batch, natural logarithm; a scalar
   double sum = 0;           ///< over all words
   std::size_t words = 0;    ///< that were predicted: all but `<BOS>`
-  std::size_t correct = 0;  ///< of these the likeliest one
+  std::size_t correct = 0;  ///< of these, predictions that are the most likely word
 };
 /// \param sentences (n, length) of ids from `<BOS>` to `<EOS>`, then 0: pad_sentences()
 /// \throws as encode() and decode(); ArgumentError without words to predict
@@ -56,7 +56,7 @@ struct DescribeOptions {
   WordChoice choice = WordChoice::kLikeliest;
   std::size_t most_words = 120;             ///< after which a sentence ends as it is
   std::uint64_t seed = 1;                   ///< of draws
-  std::vector<std::uint64_t> streams = {};  ///< of draws, one a path; empty: 0, 1, ...
+  std::vector<std::uint64_t> streams = {};  ///< of draws, one per path; empty: 0, 1, ...
 };
 
 /// Instructions, one per path: ids without `<BOS>` and `<EOS>`. Unknown words, padding and `<BOS>`

@@ -55,7 +55,7 @@ class SpeakerSplit {
 struct DescribeSplitOptions {
   std::size_t batch_size = 64;
   WordChoice choice = WordChoice::kLikeliest;
-  std::size_t most_words = 120;  ///< of an instruction
+  std::size_t most_words = 120;  ///< per instruction
   std::uint64_t seed = 1;        ///< of draws, whose stream is a path's index
   /// Columns that are missing; `stream` is that of the batch.
   std::optional<EnvironmentalDropoutOptions> environment = {};

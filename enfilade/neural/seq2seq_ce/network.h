@@ -24,7 +24,7 @@ inline constexpr std::int64_t kDepthCells = 16, kDepthSize = kDepthCells * kDept
 /// The sizes of the network that follow from a training's config, with what follows from its data.
 struct Sizes {
   std::int64_t words = 0;     ///< ids, those for begin and end among them
-  std::int64_t features = 0;  ///< numbers a picture
+  std::int64_t features = 0;  ///< numbers per picture
   models::Seq2SeqCeConfig own;
 };
 /// Sizes of a config with network.vocabulary and network.features.

@@ -16,7 +16,7 @@ namespace enfilade::neural::seq2seq_ce {
 /// One rollout of n steps.
 struct RecordedWalk {
   std::size_t episode = 0;             ///< of those trained on
-  Seen seen;                           ///< of n steps; empty if the agent does not see
+  Seen seen;                           ///< of n steps; empty without vision
   std::vector<std::uint8_t> previous;  ///< (n) kNoAction or 1 + the choice before
   std::vector<std::uint8_t> teacher;   ///< (n) the teacher's choices
 };
@@ -35,7 +35,7 @@ WalkView view_of(const RecordedWalk& walk);
 /// Walks of a file, which is mapped into memory. Immutable: any thread.
 class WalkFile {
  public:
-  /// \param features numbers a picture; 0: the agent does not see \throws FileError; InvalidInput
+  /// \param features numbers per picture; 0: no vision \throws FileError; InvalidInput
   /// for another file, or one of other sizes
   WalkFile(const std::filesystem::path& file, std::size_t features);
 

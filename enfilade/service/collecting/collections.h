@@ -81,7 +81,7 @@ struct Item {
   bool practice = false;   ///< every worker's first tasks: never reviewed, never exported
   std::int64_t block = 0;  ///< order.h
   // If has_target().
-  std::optional<std::int64_t> object = {};  ///< of REVERIE's boxes; none if a region alone is known
+  std::optional<std::int64_t> object = {};  ///< of REVERIE's boxes; no value for a region only
   std::string target = {};                  ///< what people call it: "plant"
   std::vector<std::string> region = {};  ///< viewpoints from which it is seen, or near it; sorted
   std::string outlines = {};             ///< outlines_json(); empty if no box is known
