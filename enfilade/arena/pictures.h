@@ -36,7 +36,7 @@ struct PictureOrder {
   std::uint32_t size = 512;           ///< pixels: height, of a strip a quarter of the width
   std::vector<NamedDirection> marks;  ///< in a strip
 
-  /// Names what it shows, by place, angles, size and marks: equal on all machines that have the
+  /// Names what it shows, by place, angles, size and marks: equal on all computers that have the
   /// same data set, and known without drawing it.
   std::string key() const;
 };

@@ -12,7 +12,7 @@ namespace enfilade::continuous {
 
 class Geodesics;
 
-/// How far it is to the nearest of some goals, from anywhere. Immutable: any thread; keeps what it
+/// Distances to the nearest of some goals, from anywhere. Immutable: any thread; keeps what it
 /// needs of the building alive. Queries allocate nothing.
 class DistanceField {
  public:

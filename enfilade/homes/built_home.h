@@ -22,7 +22,7 @@ BuiltHome build_home(const PlanOptions& options, Surfaces surfaces = Surfaces::k
 /// rooms (grass, roofs) are not floor.
 scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, int threads);
 
-/// The list's entry of a home with this graph. \param plan what the home was made with
+/// The list's entry of a home with this graph. \param plan the home's own
 HomeEntry describe(const Home& home, const PlanOptions& plan,
                    const scan::Connectivity& connectivity);
 

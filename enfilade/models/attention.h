@@ -1,4 +1,4 @@
-/// \file  Attention files: what an agent attended to in its instruction, step by step.
+/// \file  Attention files: an agent's attention to its instruction, step by step.
 #pragma once
 #include <filesystem>
 #include <map>

@@ -1,4 +1,4 @@
-/// \file  Processes that train or evaluate one model together, on one machine or on many.
+/// \file  Processes that train or evaluate one model together, on one computer or on many.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -26,8 +26,8 @@ class LostRank : public CutShort {
 /// Where this process stands among those that a launcher started together.
 struct RankPlace {
   int rank = 0, size = 1;
-  int local_rank = 0, local_size = 1;  ///< among those of this machine
-  std::string host;        ///< machine of rank 0, which opens a store to find each other by
+  int local_rank = 0, local_size = 1;  ///< among those of this computer
+  std::string host;        ///< computer of rank 0, which opens a store for the ranks to meet
   std::uint16_t port = 0;  ///< of the store
   std::string launcher;    ///< "torchrun", "srun" or "mpirun"
 };
@@ -40,7 +40,7 @@ using Variables = std::function<const char*(const char*)>;
 std::optional<RankPlace> find_place(const Variables& variables);
 std::optional<RankPlace> find_place();  ///< of this process's environment
 
-/// The first machine of a list as Slurm writes it: "node[07-12,20],login" has "node07".
+/// The first computer of a list as Slurm writes it: "node[07-12,20],login" has "node07".
 std::string first_host(std::string_view nodes);
 
 /// Something that has to be the same for all processes.

@@ -143,7 +143,7 @@ class Renderer {
 
 /// Implementation of a renderer.
 enum class Backend : std::uint8_t {
-  kCpu,        ///< SIMD, with the best instruction set of this machine
+  kCpu,        ///< SIMD, with the processor's best instruction set
   kCpuScalar,  ///< plain C++: slow; the reference for the others
   kGl,         ///< OpenGL through EGL, without a display
   kCuda,       ///< a card of NVIDIA; the pictures are those of the CPU to the bit

@@ -125,7 +125,7 @@ struct ReferencePath {
 /// Whether the file hides the path's end, so that an agent can follow it, but not be scored.
 bool goal_hidden(const ReferencePath& path) noexcept;
 
-/// One instruction to follow: what an agent is given, and what it is scored on.
+/// One instruction to follow: an agent's input, and the unit of scores.
 struct Episode {
   std::string instruction_id;
   std::size_t path = 0;         ///< index into EpisodeSet::paths

@@ -93,7 +93,7 @@ struct ContinuousEpisode {
   friend bool operator==(const ContinuousEpisode&, const ContinuousEpisode&) = default;
 };
 
-/// `instruction_vocab`: what the tokens mean.
+/// `instruction_vocab`: the meaning of the tokens.
 struct InstructionVocabulary {
   std::vector<std::string> words;  ///< by token; may be empty
   std::optional<std::int64_t> size = {}, unknown = {},

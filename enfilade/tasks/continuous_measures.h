@@ -17,7 +17,7 @@ namespace enfilade::tasks {
 struct ContinuousMeasure {
   std::string_view name;   ///< "spl", as VLN-CE's code has it
   std::string_view title;  ///< "SPL (%)"
-  double unit = 1;         ///< what the table multiplies by: 100 of shares
+  double unit = 1;         ///< factor of the table: 100 for shares
   double (*value)(const ContinuousScore&) = nullptr;
 };
 /// All, in the order of tables. Collisions, which files do not have, are NaN where unknown.

@@ -13,8 +13,8 @@ namespace enfilade::apps {
 /// The words of a command, without the program.
 using Words = std::vector<std::string>;
 
-/// A job. Shares may run in any order and on any machine that sees the same files; what they leave
-/// is what one machine would have made.
+/// A job. Shards may run in any order and on any computer with the same files; their output
+/// equals that of one computer.
 struct ClusterJob {
   std::vector<Words> shares;
   Words collect = {};  ///< once all shares are done; empty: nothing is left to do

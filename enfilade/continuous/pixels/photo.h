@@ -1,4 +1,4 @@
-/// \file  A panorama as colours for what a picture sees.
+/// \file  A panorama as a source of colours.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -50,7 +50,7 @@ inline constexpr float kSkyDistance = 1e4F;
 /// no panorama sees, or that show a mirror, as bits. Their colours are not written.
 using Reprojector = std::uint64_t (*)(const TileColours& tile, std::span<const Photo* const> photos,
                                       std::uint32_t* rgba);
-/// With the best vector instructions of this machine.
+/// With the processor's best vector instructions.
 Reprojector best_reprojector();
 /// By the names and in the order of rasteriser_variants().
 const std::vector<Reprojector>& reprojector_variants();

@@ -25,7 +25,7 @@ struct Sight {
 /// Draws these rows of tiles, whole rows of blocks. \pre frame.clear()
 using Rasteriser = void (*)(const Sight& sight, TileRows rows, Frame& frame);
 
-/// With the best vector instructions of this machine.
+/// With the processor's best vector instructions.
 Rasteriser best_rasteriser();
 /// One triangle and one pixel after another: the reference for the others.
 void rasterise_plainly(const Sight& sight, TileRows rows, Frame& frame);
@@ -34,7 +34,7 @@ struct RasteriserVariant {
   std::string name;  ///< of the instruction set: "AVX2"
   Rasteriser draw;
 };
-/// All that this machine can run, the best first.
+/// All that the processor supports, the best first.
 const std::vector<RasteriserVariant>& rasteriser_variants();
 
 /// Whether a triangle's texture has no hole where a pixel sees it, at (x, y) of the lattice.

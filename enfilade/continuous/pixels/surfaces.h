@@ -35,7 +35,7 @@ struct alignas(64) Surface {
 struct Paint {
   static constexpr std::uint32_t kNoTexture = 0xFFFFFFFFU;
   Vec3f colour;     ///< without the share that is reflected as by a mirror
-  float gloss = 0;  ///< added for what is reflected so, where it is little
+  float gloss = 0;  ///< added for such a reflection, if it is small
   Vec3f emission;
   float mirror = 0;  ///< reflected so
   float cutout = 0;  ///< 0: none

@@ -6,8 +6,8 @@
 
 namespace enfilade::exports::detail {
 
-/// A stack machine's program; each function adds what pushes one value, or what takes values from
-/// the stack. Opcodes: Lib/pickletools.py of Python.
+/// A stack machine's program; each function adds instructions that push one value, or take values
+/// from the stack. Opcodes: Lib/pickletools.py of Python.
 class PickleWriter {
  public:
   PickleWriter();

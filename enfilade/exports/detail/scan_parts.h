@@ -11,7 +11,7 @@
 
 namespace enfilade::exports::detail {
 
-/// Writes what a viewpoint has into the part of its scan.
+/// Writes a viewpoint's data into the part of its scan.
 using WriteViewpoint = std::function<void(features::Hdf5Writer& part, ScanIndex scan,
                                           ViewpointIndex viewpoint, const std::string& name)>;
 

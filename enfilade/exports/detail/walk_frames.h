@@ -44,7 +44,7 @@ struct WalkStore {
   /// Writes it, whole or not at all. Called from several threads.
   std::function<void(std::size_t, const DrawnWalk&)> write;
 };
-/// Draws what the store does not have, in parallel, one building after the other.
+/// Renders trajectories that the store does not have, in parallel, one building after the other.
 WalkReport draw_walks(const Walked& walked, const ExpertWalks& walks, const WalkPictures& pictures,
                       const ExportOptions& options, const WalkStore& store);
 

@@ -1,4 +1,4 @@
-/// \file  CVDN: a navigator who searches an object asks an oracle who has the shortest path.
+/// \file  CVDN: a navigator who searches for an object asks an oracle who has the shortest path.
 /// Internal.
 #pragma once
 #include <cstdint>

@@ -42,7 +42,7 @@ struct Frame {
   double angle() const;
 };
 
-/// A place at a wall, and what a score may depend on.
+/// A place at a wall, with the inputs of its score.
 struct Spot {
   Frame frame;
   Side wall = Side::kPlusX;

@@ -112,7 +112,7 @@ struct Shape {
   void (*build)(Kit& kit, double x, double y);  ///< x, y: half of its width and depth
   int variant;                                  ///< number of the form that `build` makes
   Size size;
-  NamedMaterial Style::*main;  ///< what it is mostly made of and named by; null: neither
+  NamedMaterial Style::*main;  ///< its main material, which names it; null: none
   std::string_view raw{};      ///< label in category_mapping.tsv where it is not the noun
 };
 

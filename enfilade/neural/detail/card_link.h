@@ -23,7 +23,7 @@ class CardLink {
 
 /// "NCCL 2.28.9", or empty: this build has none.
 std::string nccl_version();
-/// Tells a card from all others, of this machine and of others; empty if this build has no NCCL.
+/// Identifies a card among those of all computers; empty if this build has no NCCL.
 std::string identity_of_card(c10::Device card);
 /// Connects the ranks' cards. \pre this build has NCCL \throws as CardLink; Error if the library is
 /// of another version than its headers

@@ -13,8 +13,7 @@ namespace enfilade::neural::detail {
 /// \return (n, a, heads * width)
 at::Tensor attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                   const at::Tensor& bias, const at::Tensor& kept, std::int64_t heads);
-/// The same of PyTorch's operations: on any device and of any type, and what the tests compare
-/// with.
+/// The same with PyTorch's operations: on any device and of any type. Reference of the tests.
 at::Tensor attend_by_parts(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                            const at::Tensor& bias, const at::Tensor& kept, std::int64_t heads);
 

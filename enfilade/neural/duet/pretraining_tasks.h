@@ -32,7 +32,7 @@ struct PretrainingBatch {
   /// A row for each viewpoint of each path, from the agent's view at its arrival. Masked views are
   /// zeros.
   PanoramaInput panoramas;
-  at::Tensor rows;    ///< (n * s) int64: the rows of each walk, padded with any
+  at::Tensor rows;    ///< (n * s) int64: the rows of each path, padded with any
   at::Tensor last;    ///< (n) int64: of them the row where the agent stands
   at::Tensor shares;  ///< (n, g, s * longest) of each token in the mean that is a node of the map
   NavigationInput navigation;  ///< without nodes, tokens and token_mask
@@ -60,7 +60,7 @@ PretrainingBatch pretraining_batch(Walker& walker, const DuetConfig& config,
                                    std::span<const WalkEpisode> episodes, PretrainingTask task,
                                    const PretrainingDraws& draws);
 
-/// The input of the branches: `batch.navigation` with what the network sees.
+/// The input of the branches: `batch.navigation` with the encoded views.
 NavigationInput navigation_of(const DuetNetwork& network, const PretrainingBatch& batch,
                               Dropout* dropout = nullptr);
 

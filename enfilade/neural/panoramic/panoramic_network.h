@@ -55,7 +55,7 @@ struct DecoderState {
 /// Output of a step.
 struct StepOutput {
   DecoderState next;
-  at::Tensor hidden;          ///< (n, hidden) of the LSTM: what the critic sees
+  at::Tensor hidden;          ///< (n, hidden) of the LSTM: the critic's input
   at::Tensor logits;          ///< (n, most); minus infinity where `closed`; exactly 0 for stop
   at::Tensor attended_view;   ///< (n, feature)
   at::Tensor view_attention;  ///< (n, 36), of sum 1

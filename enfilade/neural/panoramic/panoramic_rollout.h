@@ -46,7 +46,7 @@ struct PanoramicStep {
   const StepInput& input;
   const StepOutput& output;
   std::span<const PanoramicWalk> walks;
-  std::span<const std::size_t> choices;  ///< (n); of ended walks meaningless
+  std::span<const std::size_t> choices;  ///< (n); meaningless for ended rollouts
 };
 /// Called at each step of a rollout.
 using PanoramicObserver = std::function<void(const PanoramicStep&)>;

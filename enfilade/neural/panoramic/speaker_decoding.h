@@ -1,4 +1,4 @@
-/// \file  From paths to words: what the speaker sees, its loss, and the instructions that it gives.
+/// \file  From paths to words: the speaker's input, its loss, and its instructions.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstddef>

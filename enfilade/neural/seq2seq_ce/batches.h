@@ -30,7 +30,7 @@ std::vector<std::vector<std::size_t>> pass_over(std::span<const std::size_t> len
                                                 std::size_t batch, std::uint64_t seed,
                                                 std::uint64_t pass);
 
-/// Walks side by side, and what the teacher said at each of their steps.
+/// Trajectories side by side, with the teacher's action at each step.
 struct WalkBatch {
   Steps steps;
   at::Tensor teacher;                 ///< (rows) int64

@@ -166,7 +166,7 @@ struct KernelVariant {
   std::string name;  ///< "AVX2", "AVX2 gathers", ...
   const Kernels* kernels;
 };
-/// All that this machine can run, the best instruction set first.
+/// All that the processor supports, the best instruction set first.
 const std::vector<KernelVariant>& kernel_variants();
 
 }  // namespace enfilade::render::cpu

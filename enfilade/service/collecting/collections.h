@@ -175,7 +175,7 @@ std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::st
 /// The first item: for a preview.
 Item first_item(store::Database& db, std::int64_t collection);
 
-/// Path and query of the page for workers, with the key and what the platform fills in.
+/// Path and query of the page for workers, with the key and the platform's placeholders.
 std::string link_of(const Collection& collection);
 
 /// The columns of an Item, for a query of the table item.

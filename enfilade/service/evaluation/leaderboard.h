@@ -15,7 +15,7 @@ namespace enfilade::service::evaluation {
 /// How much of a phase's scores a client may see.
 enum class Visibility : std::uint8_t {
   kNothing,       ///< not even that a submission is scored: how long that took depends on goals
-  kImprovements,  ///< what a ladder showed
+  kImprovements,  ///< scores shown on a ladder
   kBestRows,      ///< each team's best submission, its means rounded, without intervals
   kAll,
 };

@@ -79,8 +79,8 @@ struct Receipt {
   bool known = false;  ///< the same file was submitted before: nothing was added
 };
 
-/// All functions may be called from any thread. What receive() acknowledged is on the disk; what is
-/// queued there is scored after a restart.
+/// All functions may be called from any thread. Acknowledged files are on the disk; queued
+/// ones are scored after a restart.
 class Submissions {
  public:
   using Report = std::function<void(std::string_view fault)>;
