@@ -100,7 +100,7 @@ class GraphPickler {
 
  private:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
-  /// Of each viewpoint, the edges to write: the other end, and which edge's dictionary.
+  /// Per viewpoint, the edges to write: the other end, and which edge's dictionary.
   using Neighbours = std::vector<std::vector<std::pair<ViewpointIndex, Pair>>>;
 
   Pair edge_name(ViewpointIndex a, ViewpointIndex b) const {

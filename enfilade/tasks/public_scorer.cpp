@@ -27,7 +27,7 @@ constexpr std::string_view kReverie = "YuankaiQi/REVERIE 0fe0955 eval_release.py
 constexpr std::string_view kCvdn = "mmurray/cvdn 97a4ae9 tasks/NDH/eval.py";
 constexpr std::string_view kSoon = "ZhuFengdaaa/SOON 84d6285 r2r_src/eval.py";
 
-// HAMT's metrics are DUET's but for one: HAMT has an entry an action.
+// HAMT's metrics are DUET's except one: HAMT has one entry per action.
 template <std::size_t kSize>
 consteval std::array<ScorerMetric, kSize - 1> without_action_steps(
     const std::array<ScorerMetric, kSize>& metrics) {

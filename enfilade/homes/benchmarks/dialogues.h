@@ -13,7 +13,7 @@ namespace enfilade::homes::benchmarks {
 /// room, at most 5. The navigator follows them, or stops early, and goes a little astray before the
 /// first question. Roles, questions and answers are true at their viewpoint. The ids are left to
 /// the caller; the group is the path's id. No instance if the start is in the room, or if it has no
-/// object to search.
+/// object to search for.
 std::vector<tasks::PathAnnotation> write_dialogue(const Site& site,
                                                   const tasks::PathAnnotation& path,
                                                   std::uint64_t seed);

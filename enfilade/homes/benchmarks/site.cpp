@@ -15,7 +15,7 @@ namespace {
 // Rays around the horizon: boxes are exact to 6 pixels in the middle of a view. With more, sets
 // without pictures would take more than twice the time that they take without boxes.
 constexpr std::uint32_t kRays = 240;
-// Below this share of interest (speaking::weight_of) nobody asks for a thing.
+// Below this share of interest (speaking::weight_of) no object is asked for.
 constexpr double kLeastWeight = 0.4;
 
 // "on the second floor": floors are counted from the first.

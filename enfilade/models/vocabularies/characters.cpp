@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kReplacement = 0xfffd;
 
-// Of sorted ranges: whether one has it.
+// Whether one of the sorted ranges has it.
 template <std::size_t N>
 bool among(const std::array<CodeRange, N>& ranges, std::uint32_t code) {
   const auto after = std::ranges::upper_bound(ranges, code, {}, &CodeRange::first);

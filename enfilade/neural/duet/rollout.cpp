@@ -56,7 +56,7 @@ class Run {
 
   Rollout walk() {
     Rollout result;
-    // A watcher is told of one step after the other.
+    // A watcher gets one step after the other.
     if (options_.feedback == WalkFeedback::kTeacher && options_.expert == Expert::kReference &&
         !watcher_) {
       follow(result);

@@ -225,7 +225,7 @@ class CeLearner : public detail::Learner {
                            config_.seq2seq_ce.inflection);
   }
 
-  // Of walks of its own, to the teacher's choices there.
+  // Loss of its own rollouts, to the teacher's choices there.
   double mean_loss(const std::vector<RecordedWalk>& walks,
                    const std::vector<std::vector<std::int64_t>>& instructions) const {
     const c10::NoGradGuard no_gradients;

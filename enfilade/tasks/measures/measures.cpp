@@ -59,7 +59,7 @@ constexpr Measure detection(const char* name, double whole = 1) {
           Unit::kShare, Better::kHigher, whole};
 }
 
-// Of each scorer in the order of a table: what ranks first, then the rest as papers have it.
+// Per scorer, in the order of a table: the ranking measure first, then the rest as in papers.
 constexpr auto kOwn = std::to_array<Measure>(
     {spl(), success("success"), oracle("oracle_success"), error("nav_error"),
      ndtw("ndtw_collapsed"), sdtw("sdtw_collapsed"), cls("cls"), length("trajectory_length")});

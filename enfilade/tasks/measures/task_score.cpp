@@ -41,7 +41,7 @@ void add_intervals(TaskScore& score, const EpisodeSet& episodes,
   }
 }
 
-// Of means that are finite: a metric that counts some episodes only has draws of its own.
+// Intervals of finite means: a metric that counts some episodes only has draws of its own.
 void add_intervals(TaskScore& score, const EpisodeSet& episodes) {
   std::vector<std::size_t> of_all;
   for (std::size_t k = 0; k < score.means.size(); ++k) {
