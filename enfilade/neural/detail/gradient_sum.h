@@ -109,8 +109,8 @@ class GradientSum {
   std::vector<Bucket> buckets_;              // in the order in which they are sent
   at::Tensor own_, total_;                   // flat
   std::vector<at::Tensor> earlier_, spare_;  // sums of earlier own parts, of falling powers of two
-  // A part's flags by weight (1: it has a gradient), then its loss. Added like another weight's, but
-  // written on the CPU.
+  // A part's flags by weight (1: it has a gradient), then its loss. Added like another weight's,
+  // but written on the CPU.
   at::Tensor notes_;
   double share_ = 1;
   std::vector<std::uint8_t> is_ready_;   // by weight, in the last part
