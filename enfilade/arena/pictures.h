@@ -50,7 +50,7 @@ std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictur
 using SceneSource =
     std::function<std::shared_ptr<const continuous::Scene>(const std::string& scan)>;
 
-/// Where pictures come from.
+/// Source of pictures.
 struct Sights {
   std::shared_ptr<const dataset::Dataset> data = {};  ///< its panoramas, for graphs
   SceneSource scene_of = {};                          ///< for continuous space

@@ -44,7 +44,7 @@ struct EyesConfig {
   std::vector<std::shared_ptr<const Photographs>> photographs = {};
 };
 
-/// Where colours come from.
+/// Source of colours.
 enum class Appearance : std::uint8_t {
   kMesh,       ///< the mesh
   kPanoramas,  ///< EyesConfig::photographs, and the mesh where none sees

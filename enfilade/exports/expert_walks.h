@@ -45,7 +45,7 @@ struct WalkPictures {
   int quality = 90;                ///< of JPEG, 1 to 100
   std::size_t most_actions = 498;  ///< longer trajectories are left out, as in StreamVLN's data
   std::string data = "r2r";        ///< "r2r" or "rxr": in names of folders
-  /// Where colours come from; look_of() has photographs for kPanoramas.
+  /// Source of colours; look_of() has photographs for kPanoramas.
   continuous::Appearance appearance = continuous::Appearance::kMesh;
 };
 

@@ -13,7 +13,7 @@
 
 namespace enfilade::exports {
 
-/// Where the numbers come from and how they are stored.
+/// Source of the numbers, and their type.
 struct FeatureSource {
   std::filesystem::path features;  ///< of views: any file that features::FeatureSet opens.
   /// An encoder's classes of the same viewpoints, which become the last columns; pretraining of

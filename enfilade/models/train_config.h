@@ -87,7 +87,7 @@ enum class MapTeacher : std::uint8_t {
 std::string_view to_string(MapTeacher value) noexcept;  ///< "spl", "ndtw"
 MapTeacher parse_map_teacher(std::string_view name);    ///< \throws ArgumentError
 
-/// Where an agent with a map ends after it has stopped by itself. Weights do not depend on it.
+/// Last viewpoint of an agent with a map that has stopped by itself. Weights do not depend on it.
 enum class FinalStop : std::uint8_t {
   kBest,  ///< it goes back to where stopping was most probable, as the released DUET
   kOwn,   ///< it stays; it goes back only after the limit of actions
@@ -151,7 +151,7 @@ struct TrainConfig {
   std::size_t checkpoint_every = 100;  ///< iterations; also after the last
 };
 
-/// Where a training's settings come from.
+/// Source of a training's settings.
 enum class Recipe : std::uint8_t {
   kPublished,  ///< EnvDrop's run script, DUET's of R2R, the paper's of seq2seq: the defaults
   kSmall,      ///< ours: small networks from nothing, in synthetic homes, on two cores

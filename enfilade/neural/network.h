@@ -95,7 +95,7 @@ class Network {
   /// "decoder.lstm.weight_ih", ...) and, for training, "adam.first.<name>" and so on.
   struct State {
     std::vector<features::NamedArray> arrays;
-    std::vector<std::vector<std::byte>> storage;  ///< what they point into
+    std::vector<std::vector<std::byte>> storage;  ///< their memory
   };
   State weights() const;         ///< the parameters
   State gradients() const;       ///< of the last rollout_with_gradients()

@@ -23,7 +23,7 @@ class LostRank : public CutShort {
   using CutShort::CutShort;
 };
 
-/// Where this process stands among those that a launcher started together.
+/// Rank of this process among those that a launcher started together.
 struct RankPlace {
   int rank = 0, size = 1;
   int local_rank = 0, local_size = 1;  ///< among those of this computer

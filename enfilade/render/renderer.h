@@ -71,12 +71,12 @@ enum class ClassFormat : std::uint8_t {
   kUint8,   ///< (n, h, w); classes above 255 become 255
   kUint16,  ///< (n, h, w)
 };
-/// Where classes (mpcat40) go.
+/// Memory for classes (mpcat40).
 struct ClassOutput {
   ClassFormat format = ClassFormat::kUint16;
   std::span<std::byte> pixels;
 };
-/// Where instance ids go; 0: no object.
+/// Memory for instance ids; 0: no object.
 struct InstanceOutput {
   std::span<std::uint32_t> pixels;  ///< (n, h, w)
 };

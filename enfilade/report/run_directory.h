@@ -30,7 +30,7 @@ struct ModelDirectory {
 struct RunDirectory {
   std::vector<ResultsFile> results;      ///< shortest, reference, random, teacher, student, others
   std::vector<ModelDirectory> models;    ///< likewise
-  tasks::Task task = tasks::Task::kR2r;  ///< what all results are of
+  tasks::Task task = tasks::Task::kR2r;  ///< benchmark of all results
 };
 
 /// "student-2" and "student" are runs of one agent, with different seeds: the name without them.

@@ -95,7 +95,7 @@ class Site {
 
   std::optional<dataset::Dataset> data_;
   mutable std::mutex objects_mutex_;
-  mutable std::exception_ptr broken_objects_;  // what objects() throws
+  mutable std::exception_ptr broken_objects_;  // the error of objects()
   std::shared_ptr<const graph::GraphSet> graphs_;
   std::shared_ptr<const scan::PanoramaSet> panoramas_;
   std::vector<PublicSplit> splits_;

@@ -15,7 +15,7 @@
 
 namespace enfilade::sim {
 
-/// Where agents can look.
+/// Possible directions of agents.
 enum class Viewing {
   kContinuous,   ///< any heading; elevation within the limits
   kDiscretized,  ///< 12 headings x 3 elevations of 30 degrees: 36 views

@@ -72,7 +72,7 @@ struct PathAnnotation {
   std::optional<double> distance;  ///< length in metres; none if the goal is hidden
   std::vector<std::string> instructions;
   // In other benchmarks than R2R.
-  std::string id = {};  ///< what instruction ids begin with: "1357_66"; empty: path_id
+  std::string id = {};  ///< prefix of instruction ids: "1357_66"; empty: path_id
   NamedGoal goal = {};
   /// One per instruction, or empty.
   std::vector<InstructionDetails> details = {};

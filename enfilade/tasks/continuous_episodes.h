@@ -40,7 +40,7 @@ struct StartRotation {
   friend bool operator==(const StartRotation&, const StartRotation&) = default;
 };
 
-/// Where an episode should end.
+/// Goal of an episode.
 struct ContinuousGoal {
   Vec3d position;
   std::optional<double> radius;  ///< metres, 0 or more; 3 in all released files

@@ -25,7 +25,7 @@ enum class MeanRule : std::uint8_t {
 /// A number that a scorer gives for an episode.
 struct ScorerMetric {
   const char* name = nullptr;  ///< as the scorer calls it: "trajectory_lengths"
-  const char* mean = nullptr;  ///< what it calls the mean: "lengths"; null: as the metric
+  const char* mean = nullptr;  ///< its name of the mean: "lengths"; null: as the metric
   MeanRule rule = MeanRule::kPlain;
   double scale = 1;  ///< of the mean: 100 where the scorer prints per cent
   const char* mean_name() const noexcept { return mean == nullptr ? name : mean; }

@@ -23,7 +23,7 @@ struct ScoreOptions {
 /// The metrics of every episode of a split, and their means.
 struct Score {
   std::string split;
-  ScoreOptions options;                  ///< what it was made with
+  ScoreOptions options;                  ///< options of its computation
   std::vector<EpisodeMetrics> episodes;  ///< in the order of EpisodeSet::episodes
   std::vector<MeanInterval> means;       ///< in the order of metric_fields()
 

@@ -28,7 +28,7 @@ namespace enfilade::neural::duet {
 
 using agents::TopologicalMap;
 
-/// Where an agent stands, and which of the 36 views it has.
+/// Viewpoint of an agent, and its view of the 36.
 struct Pose {
   ViewpointIndex viewpoint;
   std::uint32_t view = 12;

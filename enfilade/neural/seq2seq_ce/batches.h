@@ -11,7 +11,7 @@
 
 namespace enfilade::neural::seq2seq_ce {
 
-/// Where an update stands in a training.
+/// Position of an update in a training.
 struct Place {
   std::size_t sets = 1;   ///< that there are then
   std::size_t epoch = 0;  ///< over these

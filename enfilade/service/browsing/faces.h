@@ -43,7 +43,7 @@ class Faces {
   FaceFiles make(const Key& key) const;
 
   const scan::PanoramaSet& panoramas_;
-  detail::Kept<Key, FaceFiles> kept_;  // what has one file only has it first
+  detail::Kept<Key, FaceFiles> kept_;  // a layer with one file has it first
   std::mutex mutex_;
   std::map<ScanIndex, std::string> versions_;
 };

@@ -82,7 +82,7 @@ struct Item {
   std::int64_t block = 0;  ///< order.h
   // If has_target().
   std::optional<std::int64_t> object = {};  ///< of REVERIE's boxes; no value for a region only
-  std::string target = {};                  ///< what people call it: "plant"
+  std::string target = {};                  ///< its name for people: "plant"
   std::vector<std::string> region = {};  ///< viewpoints from which it is seen, or near it; sorted
   std::string outlines = {};             ///< outlines_json(); empty if no box is known
   std::optional<std::int64_t> of = {};  ///< kFind: the task whose text this is, if it is of another

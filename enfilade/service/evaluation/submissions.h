@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, 4> names_of(SubmissionState /*enum*/) {
   return {"queued", "scored", "failed", "withdrawn"};
 }
 
-/// Where to read more about a method: addresses that begin with https://, or empty.
+/// Links about a method: addresses that begin with https://, or empty.
 struct Links {
   std::string paper, code;
 

@@ -15,7 +15,7 @@ namespace enfilade::service::collecting::kinds {
 /// A goal, as Item has it.
 struct Target {
   std::optional<std::int64_t> object;
-  std::string name;                 ///< what people call it
+  std::string name;                 ///< its name for people
   std::vector<std::string> region;  ///< viewpoints of the graph; sorted, not empty
   std::string outlines;             ///< outlines_json()
 };
