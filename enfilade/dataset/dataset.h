@@ -67,7 +67,7 @@ class Dataset {
   /// for R2R. Never throws for what is missing or broken.
   std::vector<Part> examine() const;
 
-  /// The navigation graphs, one a scan.
+  /// The navigation graphs, one per scan.
   /// \throws FileError, InvalidInput: as graph::GraphSet::open(), scan::Store::open()
   const std::shared_ptr<const graph::GraphSet>& graphs() const;
   /// The panoramas, in the order of the graphs: one ScanIndex serves both. Whether a scan has any

@@ -74,7 +74,7 @@ struct TableRow {
   /// runs, clipped to the values that are possible. It shows how much runs differ by their seeds,
   /// not by the choice of paths.
   std::vector<tasks::MeanInterval> values;
-  /// Of R2R, only where the episodes are those of the paper's split.
+  /// R2R: only if the episodes are those of the paper's split.
   std::optional<PublishedRow> published;
 };
 
@@ -82,7 +82,7 @@ struct TableRow {
 struct ResultsTable {
   const tasks::Benchmark* benchmark = &tasks::benchmark(tasks::Task::kR2r);
   std::span<const TableColumn> columns;
-  bool synthetic = false;      ///< of made-up buildings: nothing published belongs beside them
+  bool synthetic = false;      ///< synthetic buildings: no published results beside them
   std::vector<TableRow> rows;  ///< by split (train, val_seen, val_unseen, others), then agent
   std::vector<std::string> left_out;  ///< as ScoredRuns::left_out
 };

@@ -40,7 +40,7 @@ struct StartRotation {
   friend bool operator==(const StartRotation&, const StartRotation&) = default;
 };
 
-/// Where an episode should end.
+/// Goal of an episode.
 struct ContinuousGoal {
   Vec3d position;
   std::optional<double> radius;  ///< metres, 0 or more; 3 in all released files
@@ -93,7 +93,7 @@ struct ContinuousEpisode {
   friend bool operator==(const ContinuousEpisode&, const ContinuousEpisode&) = default;
 };
 
-/// `instruction_vocab`: what the tokens mean.
+/// `instruction_vocab`: the meaning of the tokens.
 struct InstructionVocabulary {
   std::vector<std::string> words;  ///< by token; may be empty
   std::optional<std::int64_t> size = {}, unknown = {},

@@ -45,7 +45,7 @@ struct Trajectory {
 
 /// A results file, checked against its split.
 struct Results {
-  std::vector<Trajectory> trajectories;  ///< one an episode, in the order of the episodes
+  std::vector<Trajectory> trajectories;  ///< one per episode, in the order of the episodes
   std::vector<Diagnostic> warnings;      ///< e.g. an unscored fourth instruction was left out
 };
 

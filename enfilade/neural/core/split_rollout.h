@@ -1,5 +1,4 @@
-/// \file  Walking a whole split with an agent that chooses among viewpoints, and what is written of
-/// it.
+/// \file  Trajectories of an agent that chooses among viewpoints on a whole split, and their files.
 #pragma once
 #include <algorithm>
 #include <optional>

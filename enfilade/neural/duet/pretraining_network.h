@@ -20,12 +20,13 @@ class PretrainingNetwork {
  public:
   /// The network has the random weights of DuetNetwork(config, seed).
   PretrainingNetwork(const DuetConfig& config, std::uint64_t seed, c10::Device device = c10::kCPU);
-  /// The network has the weights of a file, and so have the heads if all of them are in it; else
-  /// they have random ones. \throws InvalidInput as DuetNetwork, for some of the heads' arrays too
+  /// The network has the weights of a file. So have the heads if all of them are in it; else they
+  /// have random ones.
+  /// \throws InvalidInput as DuetNetwork, for some of the heads' arrays too
   PretrainingNetwork(const DuetConfig& config, const features::TensorFile& file, std::uint64_t seed,
                      c10::Device device = c10::kCPU);
 
-  const DuetNetwork& agent() const noexcept { return agent_; }  ///< what walks
+  const DuetNetwork& agent() const noexcept { return agent_; }  ///< the agent's network
   const DuetConfig& config() const noexcept { return agent_.config(); }
   c10::Device device() const noexcept { return agent_.device(); }
   /// Of network and heads; handles to the same memory. The network of a file with all of them can

@@ -12,7 +12,7 @@
 
 namespace enfilade::neural::encoders {
 
-/// What happens to a picture ahead of the network.
+/// Preparation of a picture for the network.
 struct Preparation {
   std::string name;           ///< for the feature file
   std::uint32_t shorter = 0;  ///< pixels of the shorter side, before the middle is cut out

@@ -21,10 +21,10 @@
 
 namespace enfilade::neural::speaker {
 
-/// Paths with their instructions as ids, and what is seen in their buildings. One thread at a time.
+/// Paths with their instructions as ids, and the features of their buildings. One thread at a time.
 class SpeakerSplit {
  public:
-  /// `episodes` and `words` have to outlive *this. \param features null if the speaker does not see
+  /// `episodes` and `words` have to outlive *this. \param features null without vision
   /// \throws as ViewFeatures; ArgumentError for episodes whose goals are hidden
   SpeakerSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
                const models::TrainConfig& config, const features::FeatureSet* features);
@@ -33,8 +33,8 @@ class SpeakerSplit {
 
   const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
   const models::InstructionWords& words() const noexcept { return words_; }
-  /// What is seen along paths. \param paths indices into EpisodeSet::paths
-  /// \param environment columns that are missing everywhere; none: all are there
+  /// The views along paths. \param paths indices into EpisodeSet::paths
+  /// \param environment columns that are missing everywhere; no value: none is missing
   PathBatch see(std::span<const std::size_t> paths,
                 const std::optional<EnvironmentalDropoutOptions>& environment = std::nullopt);
   /// The paths of episodes, and their instructions for instruction_loss().
@@ -55,8 +55,8 @@ class SpeakerSplit {
 struct DescribeSplitOptions {
   std::size_t batch_size = 64;
   WordChoice choice = WordChoice::kLikeliest;
-  std::size_t most_words = 120;  ///< of an instruction
-  std::uint64_t seed = 1;        ///< of draws, whose stream is a path's place
+  std::size_t most_words = 120;  ///< per instruction
+  std::uint64_t seed = 1;        ///< of draws, whose stream is a path's index
   /// Columns that are missing; `stream` is that of the batch.
   std::optional<EnvironmentalDropoutOptions> environment = {};
   Ranks* ranks = nullptr;  ///< as SplitRollout::ranks
