@@ -28,8 +28,9 @@ void add_task_option(CLI::App& verb, std::string& task, const std::string& other
 tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
                     std::optional<tasks::Task> found = {});
 
-/// The benchmark of some results, of either world: that of the option; where it names none, what
-/// the results are of; else as task_of(). \throws as task_of()
+/// The benchmark of some results, in either world. The option's, if it names one. Else the one that
+/// the results show; if they show none, as task_of().
+/// \throws LookupError for an unknown name; as task_of(), report::find_benchmark_of_runs()
 const tasks::Benchmark& benchmark_of_runs(const std::string& named, const dataset::Dataset& data,
                                           std::span<const std::filesystem::path> results);
 

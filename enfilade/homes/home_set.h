@@ -167,16 +167,19 @@ struct HomePathOptions {
 struct HomePathReport {
   std::size_t paths = 0, instructions = 0;
 };
-/// Writes Room-to-Room annotations for a folder of homes: `r2r/R2R_<split>.json` for train,
-/// val_seen, val_unseen and test, split by building in the paper's proportions, with three
-/// instructions a path, one by each speaker. The test paths with their goals are in
-/// `hidden/R2R_test.json`. Graphs are read from the folder, so corrections made there count. Of the
-/// same paths, the other benchmarks' annotations are written in the forms and under the names that
-/// tasks::episode_places() looks for, each folder with a README.md that calls it synthetic;
-/// their whole test splits are in `hidden/<task>/`. `annotations.txt` lists what was written; what
-/// an earlier call listed and this one does not write is removed. \throws ArgumentError for an
-/// unknown task; as read_home_list(), graph::GraphSet; FileError if there are fewer homes than the
-/// splits need or the splits cannot be written
+/// Writes annotations for a folder of homes. Graphs are read from the folder, so corrections made
+/// there count.
+/// - `r2r/R2R_<split>.json`: Room-to-Room's train, val_seen, val_unseen and test, split by building
+///   in the paper's proportions. Each path has three instructions, one by each speaker.
+/// - `hidden/R2R_test.json`: the test paths with their goals.
+/// - The other benchmarks' annotations of the same paths, in the forms and under the names that
+///   tasks::episode_places() lists. Each folder has a README.md that calls it synthetic.
+/// - `hidden/<task>/`: the whole test splits of those benchmarks.
+/// - `annotations.txt`: the files that were written. Files that an earlier call listed and this one
+///   does not write are removed.
+/// \throws ArgumentError for an unknown task
+/// \throws FileError if there are fewer homes than the splits need or the splits cannot be written
+/// \throws as read_home_list(), graph::GraphSet
 HomePathReport write_home_paths(const std::filesystem::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress = {});
 

@@ -38,7 +38,7 @@ struct ContinuousData {
   ContinuousSight sight;  ///< does not count if the agent is not to see
 };
 
-/// How far an agent that walks freely is with the walks that it learns from next.
+/// Progress of collecting a continuous agent's rollouts, the next training data.
 struct GatheringProgress {
   std::size_t set = 1, sets = 1;     ///< which, of how many
   std::size_t walks = 0, total = 0;  ///< of this set

@@ -38,8 +38,8 @@ struct Phase {
   /// Which benchmark the split is of. Never null.
   const tasks::Benchmark* benchmark = &tasks::benchmark(tasks::Task::kR2r);
   const tasks::Scorer* scorer = &benchmark->scorers.front();  ///< one of the benchmark's
-  /// The name of the measure that decides which submission of a team is its best, and that rows are
-  /// sorted by: a column of the scorer, better where higher.
+  /// The name of the measure that decides which submission of a team is its best. Rows are sorted
+  /// by it. It is a column of the scorer, better where higher.
   std::string primary = "spl";
   /// The task's annotations with goals, kept outside the data set, which everyone can download.
   /// Empty: the data set's own annotations, with open goals.
@@ -65,9 +65,9 @@ struct Phase {
   const tasks::Measure& primary_measure() const;
 };
 
-/// Whether two benchmarks have the same paths in splits of one name, so that goals of one tell
-/// those of the other: R2R and what was made from it (R2R-Last, R2R-Back, R4R, REVERIE); else each
-/// benchmark and itself.
+/// Whether two benchmarks have the same paths in splits of one name, so that goals of one reveal
+/// those of the other. R2R and the benchmarks made from it do (R2R-Last, R2R-Back, R4R, REVERIE,
+/// R2R-CE), and so do RxR and RxR-CE. Any other benchmark shares paths with itself only.
 inline bool share_paths(const tasks::Benchmark& one, const tasks::Benchmark& other) noexcept {
   return one.paths == other.paths;
 }

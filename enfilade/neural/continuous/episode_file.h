@@ -41,7 +41,7 @@ class EpisodeFile {
 
   std::size_t size() const noexcept { return episodes_.size(); }
   EpisodeView walk(std::size_t i) const;  ///< \pre i < size()
-  /// Of which weights the walker was.
+  /// The hash of the weights of the agent that walked.
   const std::string& weights() const { return file_.metadata().at("weights"); }
 
  private:

@@ -18,8 +18,9 @@ namespace enfilade::neural::core {
 void add_lstm(std::vector<core::ArraySpec>& specs, const std::string& prefix,
               const std::string& suffix, std::int64_t input, std::int64_t hidden);
 
-/// First values of an array by the seed and its name, uniform within +-`bound`; of a table of words
-/// normal, with zeros in the row of padding, as PyTorch's modules have them.
+/// Initial values of an array, drawn by the seed and the array's name, as PyTorch's modules have
+/// them. They are uniform within +-`bound`. A table of words is normal, with zeros in the row of
+/// padding.
 at::Tensor first_values(const core::ArraySpec& spec, bool words, double bound, std::uint64_t seed);
 
 /// The array of that name. \throws LookupError

@@ -49,8 +49,9 @@ class DuetSplit {
   std::unique_ptr<RolloutRunner> runner_;
 };
 
-/// Walks these episodes, each with the likeliest choices. \return their trajectories, in their
-/// order: an entry a viewpoint, with the direction in which it was come to
+/// Runs these episodes with the likeliest choices.
+/// \return their trajectories, in their order: one entry per viewpoint, with the direction of
+/// arrival
 std::vector<tasks::Trajectory> rollout_episodes(const DuetNetwork& network, DuetSplit& split,
                                                 std::span<const std::size_t> episodes,
                                                 const StepWatcher& watcher = {});

@@ -37,8 +37,8 @@ class EpisodeState {
   Pose pose;
   TopologicalMap map;
   const RolloutRunner::Place* place = nullptr;
-  /// Rows of the pool of which a node's embedding is the mean: of a visited one a row with a mean,
-  /// of an open one those of the tokens that have shown it.
+  /// Per node, rows of the pool; their mean is the node's embedding. A visited node has one row,
+  /// which is a mean itself. An open node has the rows of the tokens that have shown it.
   std::vector<std::vector<std::int64_t>> embeddings;
   std::vector<std::string> objects;  ///< the best at each visited node; empty: none
   agents::StopMemory stops;

@@ -9,9 +9,10 @@
 
 namespace enfilade::neural::duet {
 
-/// The arrays that pretraining adds to those of the network, by their published names: the language
-/// side of the cross-modal layers, and the heads for masked words ("mlm_head") and masked views
-/// ("image_classifier"). The last map of the words' head is the table of word embeddings.
+/// The arrays that pretraining adds to those of the network, by their published names:
+/// - the language side of the cross-modal layers
+/// - the head for masked words ("mlm_head"), whose last map is the table of word embeddings
+/// - the head for masked views ("image_classifier")
 std::vector<core::ArraySpec> pretraining_arrays_of(const DuetConfig& config);
 
 /// The network, and what guesses masked words and views with it (Chen et al. 2022, section 3.4).

@@ -63,7 +63,7 @@ struct RolloutEpisode {
   std::string object;                     ///< the instruction's object; empty: none
 };
 
-/// Who chooses, and when an episode ends.
+/// How actions are chosen, and when an episode ends.
 enum class RolloutFeedback : std::uint8_t {
   kTeacher,  ///< the labels lead; ends on the goal
   kSample,   ///< drawn from the probabilities; ends on the goal, or silently at a drawn stop

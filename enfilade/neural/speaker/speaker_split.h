@@ -69,9 +69,9 @@ std::vector<std::vector<std::string>> describe_split(SpeakerNetwork& network, Sp
                                                      const Progress& progress = {});
 
 /// Describes all paths of a split, each word the likeliest, and predicts the words of all its
-/// instructions. The iteration is left to the caller. Paths without an instruction count for
-/// nothing. \param ranks as SplitRollout::ranks \throws ArgumentError for a split without
-/// instructions
+/// instructions. The iteration is left to the caller. Paths without an instruction do not count.
+/// \param ranks as SplitRollout::ranks
+/// \throws ArgumentError for a split without instructions
 models::SpeakerRecord score_speaker(SpeakerNetwork& network, SpeakerSplit& split,
                                     std::size_t batch_size, Ranks* ranks = nullptr,
                                     const Progress& progress = {});
