@@ -144,7 +144,7 @@ class Simulator {
     random_ = enfilade::sim::MatterSimRandom(static_cast<std::uint64_t>(std::int64_t{seed}));
   }
 
-  /// Takes the settings over. newEpisode() calls it where nobody has.
+  /// Applies the settings. newEpisode() calls it if it was not called.
   void initialize();
   /// Starts an episode for every agent; angles in radians.
   void newEpisode(const std::vector<std::string>& scanId,
@@ -154,7 +154,7 @@ class Simulator {
   void newRandomEpisode(const std::vector<std::string>& scanId);
   /// The states of all agents: the same objects at every call. Empty before initialize().
   const std::vector<SimStatePtr>& getState() { return states_; }
-  /// Moves to navigableLocations[index], then turns by so many radians, right and up positive.
+  /// Moves to navigableLocations[index], then turns by the given radians, right and up positive.
   void makeAction(const std::vector<unsigned int>& index, const std::vector<double>& heading,
                   const std::vector<double>& elevation);
   /// Lets go of graphs and pictures; initialize() begins anew.
@@ -253,7 +253,7 @@ inline enfilade::sim::SimulatorConfig Simulator::config() const {
 inline void Simulator::initialize() {
   as_before([&] {
     active_ = settings_;
-    static_cast<void>(camera());  // refuses a size that is none
+    static_cast<void>(camera());  // refuses an invalid size
     close();
     if (active_.batch_size > 0) enfilade::sim::validate(config());
     const std::size_t all = pixels() * active_.batch_size;

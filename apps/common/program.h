@@ -1,4 +1,4 @@
-/// \file  What all programs of Enfilade share: options, exit codes, error messages, progress.
+/// \file  Shared by all programs of Enfilade: options, exit codes, error messages, progress.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -25,7 +25,7 @@ enum ExitCode : int {
   kUsage = 2,        ///< the command line cannot be understood or is contradictory
   kInput = 3,        ///< a file or folder is missing, unreadable, broken, or cannot be written
   kInternal = 4,     ///< Enfilade itself failed; please report it
-  kAgain = 75,       ///< cut short by another process's end; the same command goes on (EX_TEMPFAIL)
+  kAgain = 75,       ///< stopped by another process's end; retry unchanged (EX_TEMPFAIL)
 };
 
 /// Thrown by verbs for a command line that CLI11 accepts but that is contradictory. Exit code
@@ -37,8 +37,9 @@ class UsageError : public Error {
 
 /// Adds `--data DIR` (default: the environment variable ENFILADE_DATA) to a verb.
 void add_data_option(CLI::App& verb, std::string& data);
-/// The data set of that option. \throws UsageError that says where to get the data if `data` is
-/// empty and ENFILADE_DATA is unset; FileError if it names no folder.
+/// The data set of that option.
+/// \throws UsageError with sources of the data if `data` is empty and ENFILADE_DATA is unset
+/// \throws FileError if it does not name a folder
 dataset::Dataset open_data(const std::string& data);
 
 /// Refuses values that CLI11 alone would accept for an unsigned type: "-5" as 2^64 - 5.
@@ -47,8 +48,8 @@ CLI::Validator whole_number(std::uint64_t least = 0,
 /// Refuses NaN, which CLI11's own ranges let pass, infinities and numbers outside.
 CLI::Validator finite_number(double least = 0, double most = std::numeric_limits<double>::max());
 
-/// An option whose value is a whole number, at least `least`; --help shows the default, what
-/// `value` is now.
+/// An option whose value is a whole number, at least `least`; --help shows the default, the present
+/// `value`.
 template <class T>
 CLI::Option* add_whole_number(CLI::App& verb, const std::string& name, T& value,
                               const std::string& help, std::uint64_t least = 1) {
@@ -99,26 +100,26 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// A progress bar on stderr, `what` before it, with the time left: drawn only if stderr is a
-/// terminal, after a second, ten times a second at most, and wiped at the end.
+/// A progress bar on stderr, `what` before it, with the time left. It appears only if stderr is a
+/// terminal, after a second. It is drawn at most ten times a second, and wiped at the end.
 Progress progress_bar(std::string what);
 
 /// "3/16", the third of sixteen shares; empty: all of it. \throws UsageError
 Shard parse_shard(const std::string& text);
 
-/// This program's own file; "enfilade" where the system cannot tell.
+/// This program's own file; "enfilade" if the system does not report it.
 std::filesystem::path own_program();
 
-/// The first processor, as the system calls it; "unknown processor" where it does not say.
+/// The system's name of the first processor; "unknown processor" without a name.
 std::string processor_name();
-/// The same from the text of /proc/cpuinfo. ARM's has numbers of maker and part instead of a name:
-/// they are named if they are known, "ARM 0x41/0xd4f (Neoverse-V2)", and given as they stand if
-/// not.
+/// The same from the text of /proc/cpuinfo. ARM's has numbers of maker and part instead of a name.
+/// Known ones get their name, "ARM 0x41/0xd4f (Neoverse-V2)"; others are given as they are.
 std::string processor_name_in(std::string_view cpuinfo);
 
-/// A key or token: the content of a file, or, where none is named, the first of these environment
-/// variables that is set; without line ends at its end. Never from the command line, which other
-/// people of the machine can read. Empty: there is none. \throws FileError
+/// A key or token, without line ends at its end; may be empty. It is the content of a file, or,
+/// without one, the first of these environment variables that is set. Never from the command line,
+/// which other users of the computer can read.
+/// \throws FileError
 std::string read_secret(const std::string& file, std::initializer_list<const char*> variables);
 
 /// Writes to a file (atomically) or, if `path` is "-", to stdout. \throws FileError
@@ -127,8 +128,8 @@ void write_output(const std::string& path, const std::string& content);
 /// Prints the diagnostics to stderr, a line each, then how many there were of each severity.
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
 
-/// Parses the command line, runs the callbacks of what was named, and turns every exception into a
-/// message on stderr and an exit code. `status` is what to return if nothing is thrown.
+/// Parses the command line, runs the callbacks of the named verbs, and turns every exception into a
+/// message on stderr and an exit code. `status` is returned if nothing is thrown.
 int run_program(CLI::App& app, int argc, char** argv, const int& status);
 
 }  // namespace enfilade::apps

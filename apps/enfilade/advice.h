@@ -1,5 +1,5 @@
-/// \file  What `enfilade doctor` makes of what it measured: is it good enough, and if not, what to
-/// do.
+/// \file  Advice of `enfilade doctor` on its measurements: whether they are good enough, and the
+/// remedy.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace enfilade::apps {
 /// Is it good enough?
 struct Judgement {
   bool good = true;
-  std::string text;    ///< what was found
+  std::string text;    ///< the finding
   std::string advice;  ///< what to do; empty if it is good
 };
 
@@ -25,7 +25,7 @@ Judgement judge_simd(std::string_view target, bool has_avx2);
 /// x86.
 bool processor_has_avx2();
 
-/// Of the speed of matrix products.
+/// Judges the speed of matrix products.
 Judgement judge_blas(const neural::TorchReport& report);
 
 /// A folder that something is written to.
@@ -38,6 +38,6 @@ struct Space {
 /// \param needed bytes \param for_what what takes them \param change how to take another folder
 Judgement judge_space(const Space& space, std::uint64_t needed, std::string_view for_what,
                       std::string_view change);
-/// Of a folder of this machine. \throws FileError if it cannot be looked at
+/// Space of a local folder. \throws FileError if it cannot be examined
 Space space_of(const std::filesystem::path& folder);
 }  // namespace enfilade::apps

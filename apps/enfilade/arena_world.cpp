@@ -12,7 +12,7 @@
 namespace enfilade::apps {
 namespace {
 
-/// Opens each building once for as long as somebody draws it.
+/// Opens each building once, for as long as a user of it lives.
 class SharedScenes {
  public:
   explicit SharedScenes(std::shared_ptr<const dataset::Dataset> data) : data_(std::move(data)) {}

@@ -1,4 +1,4 @@
-/// \file  What language models and assistants walk: a split of any benchmark, and its pictures.
+/// \file  Episodes for language models and assistants: a split of any benchmark, and its pictures.
 #pragma once
 #include <functional>
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace enfilade::apps {
 
-/// A split as sessions walk it.
+/// A split for sessions.
 struct OpenedWorld {
   std::unique_ptr<arena::World> world;
   arena::Sights sights;
@@ -19,7 +19,7 @@ struct OpenedWorld {
 };
 /// Makes words of a world's pictures.
 using WordsMaker = std::function<arena::WordsSource(const arena::Sights&)>;
-/// \param task as --task has it \param words empty: none
+/// \param task as in --task \param words empty: none
 /// \throws as task_of(), episodes_of(), arena::FreeWorld::open()
 OpenedWorld open_world(const std::shared_ptr<const dataset::Dataset>& data, const std::string& task,
                        const std::string& split, const WordsMaker& words = {});

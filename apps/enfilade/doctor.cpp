@@ -154,7 +154,7 @@ void examine_cuda(Report& report, const render::CudaReport& cuda) {
                            d.capability, std::ldexp(static_cast<double>(d.bytes), -30),
                            std::ldexp(static_cast<double>(d.free_bytes), -30)));
   }
-  // Without a card nobody needs a compiler for it.
+  // Without a card no compiler for it is needed.
   const bool compiles = !cuda.compiler.empty();
   report.add("compiler", compiles, compiles ? "NVRTC " + cuda.compiler : "no NVRTC",
              !compiles && !cuda.devices.empty() ? cuda.compiler_error : "");

@@ -1,4 +1,5 @@
-/// \file  What the verbs that draw a path share: which one it is, and where an agent went on it.
+/// \file  Shared by the verbs that draw a path: the choice of the path, and an agent's trajectory
+/// on it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,13 +20,13 @@ struct PathOptions {
 };
 /// SCAN, which a path makes needless.
 void add_scan_argument(CLI::App& verb, std::string& scan);
-/// --task, --split, --instr (or --instruction), --path, --results; `results_help` says what is
-/// drawn of a results file.
+/// --task, --split, --instr (or --instruction), --path, --results; `results_help` describes the
+/// drawing of a results file.
 void add_path_options(CLI::App& verb, PathOptions& options, const std::string& results_help);
 /// \throws UsageError if neither a scan nor a path is named, or options contradict each other
 void validate(const PathOptions& options, const std::string& scan);
 
-/// A path of a split, and what is known about it.
+/// A path of a split, with its facts.
 struct DrawnPath {
   tasks::EpisodeSet episodes;
   std::optional<dataset::Dataset> data;   ///< for the boxes of objects
@@ -36,11 +37,11 @@ struct DrawnPath {
   const tasks::ReferencePath& path() const { return episodes.paths[place]; }
   const graph::NavGraph& graph() const { return episodes.graphs->graph(path().scan); }
   std::string title() const;  ///< "17DRP5sb8fy, path 5 of test"
-  /// What the instruction says (draw::episode_lines()); empty without --instr.
+  /// The instruction's lines (draw::episode_lines()); empty without --instr.
   std::vector<std::string> lines() const;
-  /// What the goal is called (draw::name_of_goal()); may be empty.
+  /// The goal's name (draw::name_of_goal()); may be empty.
   std::string goal_name() const;
-  /// Who sees what, of REVERIE; else null. Valid as long as *this.
+  /// Object boxes (REVERIE); else null. Valid as long as *this.
   const tasks::ObjectBoxes* objects() const;
 };
 /// \param scan may be empty. \throws LookupError for an unknown task, or naming the option;

@@ -37,7 +37,7 @@ constexpr std::array<FirstAgent, 2> kAgents{
     {{"shortest", "Baseline: Shortest", "Shortest path, told the goals (SYNTHETIC homes)"},
      {"random", "Baseline: Random", "Random heading, then five moves (SYNTHETIC homes)"}}};
 
-// Of a new team, or of the one that an earlier start has made.
+// The token of a new team, or of the one that an earlier start has made.
 std::string token_of(const std::string& database, const std::string& team) {
   constexpr int kDays = 1;
   try {

@@ -190,7 +190,7 @@ bool draw_walk(const dataset::Dataset& data, const std::vector<std::string>& pre
 
 std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& output) {
   std::vector<homes::HomeEntry> homes = homes::read_home_list(folder);
-  // Of a set with pretty homes, these: the others are made to learn from.
+  // In a set with homes of display quality, these: the others are for training.
   const std::vector<std::string> pretty = homes::pretty_homes(homes::read_home_options(folder));
   if (!pretty.empty()) {
     std::erase_if(homes, [&](const homes::HomeEntry& home) {

@@ -1,4 +1,4 @@
-/// \file  `enfilade mcp --port`, in builds that speak HTTP.
+/// \file  `enfilade mcp --port`, in builds with HTTP.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-/// \file  What the verbs that take a mesh share: its options, its id as a scan, its floor.
+/// \file  Shared by the verbs that take a mesh: its options, its id as a scan, its floor.
 #pragma once
 #include <string>
 
@@ -15,11 +15,12 @@ struct MeshOptions {
 /// MESH, --scan, --scale, --up
 void add_mesh_options(CLI::App& verb, MeshOptions& options);
 
-/// --scan or, without it, what the mesh's file name or `graph`'s, a connectivity file that may be
-/// "", makes. \throws UsageError if --scan cannot be part of a file name
+/// --scan; without it, the id from the mesh's file name or that of `graph`, a connectivity file
+/// that may be "".
+/// \throws UsageError if --scan cannot be part of a file name
 std::string scan_of(const MeshOptions& options, const std::string& graph = "");
 
-/// Reads the file and prints what is odd about it. \throws as mesh::read_mesh()
+/// Reads the file and prints its warnings. \throws as mesh::read_mesh()
 mesh::Mesh read_mesh_file(const MeshOptions& options);
 
 /// \throws as mesh::WalkableFloor, faults naming the file

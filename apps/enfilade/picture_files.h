@@ -1,4 +1,4 @@
-/// \file  What the verbs that draw panoramas share: where these are, what is drawn, how it is kept.
+/// \file  Shared by the verbs that render panoramas: their sources, outputs and files.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace enfilade::apps {
 
-/// Options that say where pictures come from and what draws them.
+/// Options for the source of pictures and the back end.
 struct SceneOptions {
   std::vector<std::string> images;
   std::string connectivity, data;
@@ -54,7 +54,7 @@ struct Size {
 };
 Size parse_size(const std::string& option, const std::string& text);
 
-/// What is drawn and where it goes.
+/// Layers of the output, and their files.
 struct OutputOptions {
   std::string outputs = "rgb";  ///< "rgb,depth"
   std::string file;
@@ -63,7 +63,7 @@ struct OutputOptions {
 /// --outputs, --output, --raw
 void add_output_options(CLI::App& verb, OutputOptions& options, const std::string& default_file);
 
-/// A layer and the file that it goes to.
+/// A layer and its file.
 struct PictureFile {
   scan::Layer layer = scan::Layer::kColour;
   std::string path;
@@ -75,7 +75,7 @@ void require_layers(const scan::PanoramaSource& source, ViewpointIndex viewpoint
                     const std::vector<PictureFile>& files);
 
 using Drawn = render::Pictures;
-/// Makes room in `drawn` for the files' layers, as a renderer wants it.
+/// Makes room in `drawn` for the files' layers, for a renderer.
 render::Outputs outputs_into(Drawn& drawn, const std::vector<PictureFile>& files, Size size,
                              std::size_t views = 1);
 /// Colours of the layers; names of classes from the data set, if it has them.
@@ -89,7 +89,7 @@ std::string encode_raw(const Drawn& drawn, scan::Layer layer);
 /// Writes the layers as colours with a legend, or raw; then names the files on standard output.
 void write_pictures(const Drawn& drawn, const std::vector<PictureFile>& files,
                     const OutputOptions& output, const SceneOptions& scene);
-/// Writes one file and names it on standard output, unless that is where it goes.
+/// Writes one file and names it on standard output, unless that is the file.
 void write_picture(const std::string& path, const std::string& content);
 
 }  // namespace enfilade::apps

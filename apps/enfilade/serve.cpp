@@ -82,7 +82,7 @@ std::string database_of(const std::string& given, const std::string& otherwise =
   return otherwise;
 }
 
-/// For somebody who has just started a server, perhaps the first of their life.
+/// For a user who has just started a server, perhaps the first of their life.
 void print_first_steps(const Options& options, const std::string& address) {
   constexpr int kDays = 1;
   const std::string token = service::create_token(

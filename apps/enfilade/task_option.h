@@ -15,21 +15,22 @@
 
 namespace enfilade::apps {
 
-/// Whether a verb knows the benchmarks of walking freely too.
+/// Whether a verb has the continuous benchmarks too.
 enum class FreeTasks : std::uint8_t { kNot, kToo };
 
-/// Adds `--task NAME`; `otherwise` says what is taken without it.
+/// Adds `--task NAME`; `otherwise` describes the default.
 void add_task_option(CLI::App& verb, std::string& task, const std::string& otherwise,
                      FreeTasks free = FreeTasks::kNot);
 
-/// The benchmark of that option. Not named: `found`, if what is looked at says it; else R2R where
-/// the data set has a split of it; else the only benchmark that it has.
+/// The benchmark of that option. If it is empty, `found`, or R2R if the data set has a split of it.
+/// Else the data set's only benchmark.
 /// \throws LookupError for an unknown name; UsageError if the data set has several others
 tasks::Task task_of(const std::string& named, const dataset::Dataset& data,
                     std::optional<tasks::Task> found = {});
 
-/// The benchmark of some results, of either world: that of the option; where it names none, what
-/// the results are of; else as task_of(). \throws as task_of()
+/// The benchmark of some results, in either world. The option's, if it names one. Else the one that
+/// the results show; if they show none, as task_of().
+/// \throws LookupError for an unknown name; as task_of(), report::find_benchmark_of_runs()
 const tasks::Benchmark& benchmark_of_runs(const std::string& named, const dataset::Dataset& data,
                                           std::span<const std::filesystem::path> results);
 
@@ -38,8 +39,9 @@ tasks::EpisodeSet episodes_of(const dataset::Dataset& data, tasks::Task task,
                               const std::string& split,
                               tasks::Instructions instructions = tasks::Instructions::kScored);
 
-/// The scores of results, to stdout: of R2R by our own table, of others as the public code of the
-/// published tables does. \pre the goals are not hidden
+/// Prints the scores of results to stdout. R2R has our own table, others the measures of the public
+/// code behind the published tables.
+/// \pre the goals are not hidden
 void print_score(const std::vector<tasks::Trajectory>& trajectories,
                  const tasks::EpisodeSet& episodes);
 

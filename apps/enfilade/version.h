@@ -4,7 +4,7 @@
 
 namespace enfilade::apps {
 
-/// "0.3.0, commit 0123456789ab"; the version alone where the sources are no clone.
+/// "0.3.0, commit 0123456789ab"; only the version if the sources are not a clone.
 std::string version_with_commit();
 
 }  // namespace enfilade::apps

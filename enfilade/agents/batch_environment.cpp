@@ -50,7 +50,7 @@ void validate(const tasks::EpisodeSet& episodes, const EnvironmentConfig& config
   }
 }
 
-// 0 where the goal is out of reach, as an object that nobody sees is.
+// 0 if the goal is out of reach, as an object that no viewpoint sees is.
 double nearer(double before, double now) {
   return std::isfinite(before) && std::isfinite(now) ? before - now : 0;
 }

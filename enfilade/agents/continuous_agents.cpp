@@ -60,7 +60,7 @@ class ForwardOnly final : public ContinuousAgent {
   std::vector<std::uint32_t> turns_;  // by slot
 };
 
-// The ways of a building, kept alive by whoever runs the agent.
+// The shortest paths of a building; the agent's runner keeps them alive.
 std::shared_ptr<const continuous::Geodesics> ways_of(const ContinuousObservation& seen) {
   return {std::shared_ptr<const void>(), &seen.buildings->ways(seen.building)};
 }

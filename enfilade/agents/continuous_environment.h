@@ -15,7 +15,7 @@ namespace enfilade::agents {
 /// Episodes, buildings and settings. Shared by any number of environments.
 struct ContinuousWorld {
   std::shared_ptr<const tasks::ContinuousEpisodes> episodes;
-  std::shared_ptr<const tasks::ExpertWalks> experts;  ///< what nDTW compares with; null: none
+  std::shared_ptr<const tasks::ExpertWalks> experts;  ///< references of nDTW; null: none
   std::shared_ptr<const continuous::Buildings> buildings;
 };
 

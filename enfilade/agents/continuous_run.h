@@ -23,22 +23,28 @@ struct ContinuousRunOptions {
   continuous::SimulatorConfig simulator = continuous::SimulatorConfig::room_to_room();
 };
 
-/// Looks at all starts. \throws LookupError for a scan without a navigation mesh; InvalidInput
-/// naming each episode whose start is off the floor (`start-off-floor`); errors of files
+/// Checks all starts.
+/// \throws LookupError for a scan without a navigation mesh
+/// \throws InvalidInput naming each episode whose start is off the floor (`start-off-floor`)
+/// \throws errors of files
 void check_starts(const tasks::ContinuousEpisodes& episodes, const continuous::Buildings& buildings,
                   const continuous::Reach& reach);
-/// Looks at the goals of some episodes. \param which  their indices
-/// \throws LookupError as above; InvalidInput naming each episode that has no goal within 1 m of
-/// the floor (`goal-off-floor`); errors of files
+/// Checks the goals of some episodes.
+/// \param which  their indices
+/// \throws LookupError for a scan without a navigation mesh
+/// \throws InvalidInput naming each episode without a goal within 1 m of the floor
+/// (`goal-off-floor`)
+/// \throws errors of files
 void check_goals(const tasks::ContinuousEpisodes& episodes, const continuous::Buildings& buildings,
                  std::span<const std::size_t> which);
 /// Where an episode puts a body. \param building  that of the episode's scan
 continuous::EpisodeStart start_of(const tasks::ContinuousEpisode& episode, std::size_t building);
 
 /// One walk an episode, in order. Slots take the next episode when theirs has ended.
-/// \throws ArgumentError if the agent needs goals that the file hides, for a batch size of 0;
-/// LookupError for a scan without a navigation mesh; InvalidInput naming each episode whose start
-/// is off the floor (`start-off-floor`); errors of files
+/// \throws ArgumentError if the agent needs goals that the file hides; for a batch size of 0
+/// \throws LookupError for a scan without a navigation mesh
+/// \throws InvalidInput naming each episode whose start is off the floor (`start-off-floor`)
+/// \throws errors of files
 std::vector<tasks::ContinuousResult> run_continuous(
     ContinuousAgent& agent, const tasks::ContinuousEpisodes& episodes,
     std::shared_ptr<const continuous::Buildings> buildings,

@@ -11,7 +11,7 @@ namespace enfilade::agents {
 
 /// In which way an agent turns to the view that has its next viewpoint.
 enum class Turning {
-  kRight,    ///< always to the right, as in EnvDrop: its trajectories have an entry a turn
+  kRight,    ///< always to the right, as in EnvDrop: its trajectories have one entry per turn
   kShorter,  ///< the shorter way
 };
 

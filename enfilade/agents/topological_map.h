@@ -88,7 +88,7 @@ class TopologicalMap {
 /// map / 30 m, viewpoints on the way / 10]. Angles h and e are relative to the agent.
 using MapFeature = std::array<float, 7>;
 
-/// Of [stop], which lies nowhere.
+/// Feature of [stop], which has no position.
 inline constexpr MapFeature kStopFeature{0, 1, 0, 1, 0, 0, 0};
 
 /// Feature of `to`, from an agent at `from` with direction `heading` and `elevation`. Angles are

@@ -11,7 +11,7 @@
 
 namespace enfilade::arena {
 
-/// An answer, and what it cost.
+/// A response, and its cost.
 struct KeptAnswer {
   std::string answer;  ///< the body as it came: a chat completion of OpenAI's form, JSON
   double seconds = 0;  ///< from the request that was answered to its answer

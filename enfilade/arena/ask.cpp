@@ -108,10 +108,10 @@ void claim_folder(const fs::path& folder, const Json& run) {
   }
 }
 
-/// Waits between attempts, but not once somebody wants to stop.
+/// Waits between attempts, until the run is stopped.
 class Pause {
  public:
-  /// \returns false if somebody does
+  /// \returns false if it is stopped
   bool wait(double seconds) {
     std::unique_lock lock(mutex_);
     return !changed_.wait_for(lock, std::chrono::duration<double>(seconds),
@@ -144,9 +144,10 @@ class Run {
         cache_(cache),
         folder_(folder) {}
 
-  /// Asks for the first step of the first episode that is not done, so that a refusal shows; the
-  /// answer is kept, and nobody is asked for it again. \returns false if the server refuses what
-  /// is asked for; true also if it is busy, or if nothing is left to be done
+  /// Requests the first step of the first unfinished episode, so that a refusal shows. The response
+  /// is cached, and not requested again.
+  /// \returns false if the server refuses the request; true also if it is busy, or if nothing is
+  /// left to do
   bool try_first_step(const std::vector<std::size_t>& which) {
     const auto open = std::ranges::find_if_not(
         which, [this](std::size_t episode) { return file_exists(file_of(episode)); });

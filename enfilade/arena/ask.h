@@ -1,4 +1,4 @@
-/// \file  Running a language model over episodes: sessions, answers, transcripts, what it cost.
+/// \file  Running a language model over episodes: sessions, answers, transcripts, costs.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -29,7 +29,7 @@ struct AskConfig {
   std::optional<Answers> answers = {};
   Limits limits;
   std::uint32_t picture_size = 512;  ///< pixels
-  std::string words = "none";        ///< what makes the world's words: what a run is, in run.json
+  std::string words = "none";        ///< source of the world's words; in run.json
   std::size_t parallel = 1;          ///< episodes at once, 1 to 256; changes nothing in results
   int attempts = 6;                  ///< requests for one response before an episode is given up
   double first_wait = 1;             ///< seconds after the first failure; doubled each time
@@ -59,7 +59,7 @@ struct AskReport {
   Answers answers = Answers::kTools;  ///< the form of the answers
   std::size_t mistakes = 0;           ///< invalid calls in all finished episodes
   std::map<Ending, std::size_t> endings;
-  std::vector<std::string> given_up;  ///< a sentence an episode
+  std::vector<std::string> given_up;  ///< one sentence per episode
   Ledger ledger;
 };
 

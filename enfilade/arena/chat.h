@@ -47,7 +47,7 @@ class Chat {
   Chat& operator=(const Chat&) = delete;
 
   /// The request for the present step, JSON, in which a picture's address is
-  /// "enfilade-picture:<its key>": the same on each machine, whatever drew the pictures. Begins the
+  /// "enfilade-picture:<its key>": the same on each computer, with any renderer. Begins the
   /// step. \param pictures  of the observation, with their keys beside
   std::string ask(const Observation& seen, const std::vector<PictureOrder>& pictures,
                   const std::vector<std::string>& keys);

@@ -185,7 +185,7 @@ struct McpServer::Impl {
     }
     std::vector<std::string> answers{
         Json{{"jsonrpc", "2.0"}, {"id", id}, {"result", std::move(result)}}.dump()};
-    // Of the stateless revision only those who listen get it, and nobody can here.
+    // In the stateless revision only listeners get it, and this server has none.
     if (tools_changed && !stateless) {
       answers.push_back(
           Json{{"jsonrpc", "2.0"}, {"method", "notifications/tools/list_changed"}}.dump());

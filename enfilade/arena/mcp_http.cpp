@@ -84,7 +84,7 @@ struct McpHttp::Impl {
     } else if (said.size() == 1) {
       response.set_content(said.front(), "application/json");
     } else {
-      std::string events;  // the answer last: after it nobody need listen
+      std::string events;  // the response last: after it the client need not listen
       for (std::size_t k = said.size(); k-- > 0;) {
         events += fmt::format("event: message\ndata: {}\n\n", said[k]);
       }
@@ -116,7 +116,7 @@ McpHttp::McpHttp(McpServer& server, const McpHttpConfig& config)
     all.end(request, response);
   });
   all.http.Get("/mcp", [](const httplib::Request&, httplib::Response& response) {
-    response.status = 405;  // nothing is told that nobody has asked for
+    response.status = 405;  // the server sends no unrequested messages
     response.set_header("Allow", "POST, DELETE");
   });
   const bool bound = config.port == 0

@@ -9,7 +9,7 @@ namespace enfilade::arena {
 
 /// Where it listens.
 struct McpHttpConfig {
-  std::string host = "127.0.0.1";  ///< an interface of this machine
+  std::string host = "127.0.0.1";  ///< a local interface
   int port = 8001;                 ///< 0: any that is free
 };
 

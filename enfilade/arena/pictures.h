@@ -31,12 +31,12 @@ struct NamedDirection {
 /// A picture before it is drawn. Two that are equal show the same, to the bit.
 struct PictureOrder {
   std::string caption;  ///< "B": the place in its direction; "ahead"; empty for a strip
-  Standpoint from;      ///< of a strip the heading of its second quarter
+  Standpoint from;      ///< heading of a strip: that of its second quarter
   bool strip = false;
   std::uint32_t size = 512;           ///< pixels: height, of a strip a quarter of the width
   std::vector<NamedDirection> marks;  ///< in a strip
 
-  /// Names what it shows, by place, angles, size and marks: equal on all machines that have the
+  /// Names what it shows, by place, angles, size and marks: equal on all computers that have the
   /// same data set, and known without drawing it.
   std::string key() const;
 };
@@ -50,7 +50,7 @@ std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictur
 using SceneSource =
     std::function<std::shared_ptr<const continuous::Scene>(const std::string& scan)>;
 
-/// Where pictures come from.
+/// Source of pictures.
 struct Sights {
   std::shared_ptr<const dataset::Dataset> data = {};  ///< its panoramas, for graphs
   SceneSource scene_of = {};                          ///< for continuous space

@@ -85,7 +85,8 @@ class Play {
   std::size_t done() const noexcept;  ///< episodes, also by earlier processes in the folder
   std::size_t size() const noexcept;  ///< episodes in all
   const std::vector<std::size_t>& episodes() const noexcept;  ///< PlayConfig::episodes
-  /// Of all that are done, as the benchmark's results files have them. \throws FileError
+  /// The results of all finished episodes, in the form of the benchmark's results files.
+  /// \throws FileError
   std::string results() const;
   /// The same for one that this object has finished. \throws ArgumentError for others
   std::string result(std::size_t episode) const;

@@ -33,9 +33,9 @@ constexpr std::array<std::string_view, 2> names_of(Memory /*enum*/) { return {"a
 
 /// A step that is past.
 struct PastStep {
-  std::string thought;  ///< what the model wrote beside the call; may be empty
+  std::string thought;  ///< the model's text beside the call; may be empty
   std::string call;     ///< "go_to B"; empty where none could be read
-  std::string told;     ///< what came of it
+  std::string told;     ///< its feedback
 };
 
 /// The step of `reading`. \param told its feedback

@@ -12,7 +12,7 @@
 namespace enfilade::arena {
 namespace {
 
-constexpr std::size_t kQuoted = 60;  // characters of what somebody wrote, in a message to them
+constexpr std::size_t kQuoted = 60;  // characters of an answer, in a message to its author
 
 std::vector<std::string_view> parts_of(std::string_view list) {
   std::vector<std::string_view> parts;

@@ -46,7 +46,7 @@ inline constexpr std::size_t kMostMoves = 4;
 /// A tool call parsed from an answer.
 struct Call {
   std::string tool;
-  std::string argument;  ///< of a list: its values with commas between; empty: none
+  std::string argument;  ///< for a list its values with commas between; empty: none
   friend bool operator==(const Call&, const Call&) = default;
 };
 
@@ -58,7 +58,7 @@ struct Place {
   double distance = 0;       ///< in a straight line, metres
   bool visited = false;      ///< stood there before
   bool seen_before = false;  ///< from another place, or at an earlier visit of this one
-  std::string what = {};     ///< what one sees in its direction, in words; empty: not known
+  std::string what = {};     ///< the view in its direction, in words; empty: unknown
 };
 
 /// Something that may be named where one stands.
@@ -83,10 +83,10 @@ struct Observation {
   std::string what;              ///< the view ahead in words (continuous); empty: unknown
   std::string here;              ///< the name of the place; empty in continuous space
   std::vector<Place> places;     ///< in the order of their turns, from left to right
-  std::vector<Thing> things;     ///< of REVERIE
+  std::vector<Thing> things;     ///< REVERIE only
   std::vector<MappedPlace> map;  ///< in the order of first visits
-  std::string told;              ///< what came of the last call, a sentence; empty at the start
-  std::vector<ToolUse> tools;    ///< what can be done; none when it is over
+  std::string told;              ///< feedback on the last call, a sentence; empty at the start
+  std::vector<ToolUse> tools;    ///< possible calls; none after the end
 };
 
 /// When a session ends on its own.

@@ -34,8 +34,8 @@ struct Reading {
   std::string thought;  ///< text beside the call
   std::string fault;    ///< a sentence without a full stop; empty if there is a call
 };
-/// \param arguments  JSON: an object with the tool's argument, {"place": "B"}; what it holds beside
-/// it is ignored. Empty: none
+/// \param arguments  JSON: an object with the tool's argument, {"place": "B"}; other fields
+/// are ignored. Empty: none
 Reading read_call(std::string_view tool, std::string_view arguments);
 /// An answer by answer_schema(), also within ``` marks.
 Reading read_answer_json(std::string_view text);

@@ -66,7 +66,7 @@ class World {
                                            std::uint64_t seed = 1) const = 0;
 
   /// The entry of one trajectory in the benchmark's results files, JSON.
-  /// \pre a session of this world has walked it
+  /// \pre it is of a session of this world
   virtual std::string result(const Walked& walked) const = 0;
   /// A whole results file of such entries.
   virtual std::string results(std::span<const std::string> entries) const = 0;

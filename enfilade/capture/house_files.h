@@ -20,7 +20,7 @@ struct ScanRoom {
   std::uint32_t storey = 0;  ///< level in files
 };
 
-/// What goes into the four files.
+/// Content of the four files.
 struct HouseFiles {
   mesh::House house;                       ///< `<scan>.house`
   mesh::LabelledMesh labels;               ///< `<scan>.ply`
@@ -28,14 +28,20 @@ struct HouseFiles {
   std::vector<mesh::SegmentGroup> groups;  ///< `<scan>.semseg.json`
 };
 
-/// Regions are rooms, in their order; without rooms, one of type 'z' around everything. Objects are
-/// the mesh's, in its order, each in the region that it names, its box along the axes; classes are
-/// those of mpcat40. Segments are connected pieces of objects (and of what belongs to none),
-/// numbered as the triangles first meet them. Panoramas are the included viewpoints, each in the
-/// region that it is over, with the 18 images of scan::rig_cameras(). Vertices have the mean colour
-/// of the surfaces around them. \param image_width of those images, pixels \pre check(mesh) has no
-/// errors \throws ArgumentError for an object of no category of mpcat40; InvalidInput as
-/// scan::poses_of()
+/// Makes the four files.
+/// - Regions are rooms, in their order; without rooms, one of type 'z' around everything.
+/// - Objects are the mesh's, in its order, each in the region that it names, its box along the
+///   axes. Classes are those of mpcat40.
+/// - Segments are connected pieces of objects (and of surfaces without an object), numbered as the
+///   triangles first meet them.
+/// - Panoramas are the included viewpoints, each in the region below it, with the 18 images of
+///   scan::rig_cameras().
+/// - Vertices have the mean colour of the surfaces around them.
+///
+/// \param image_width of those images, pixels
+/// \pre check(mesh) has no errors
+/// \throws ArgumentError for an object whose category is not in mpcat40
+/// \throws InvalidInput as scan::poses_of()
 HouseFiles make_house_files(const mesh::Mesh& mesh, const scan::Connectivity& connectivity,
                             const std::vector<ScanRoom>& rooms, std::uint32_t image_width = 1280);
 

@@ -16,9 +16,9 @@ namespace enfilade::capture {
 
 /// The pictures of one viewpoint: JPEG, PNG or Radiance HDR.
 struct PanoramaFiles {
-  std::string viewpoint;  ///< its id; scan::is_scan_id() has to allow it
-  /// One equirectangular picture, or six square faces by index(CubeFace), up and down as seen by
-  /// turning up or down from the front.
+  std::string viewpoint;  ///< its id, valid by scan::is_scan_id().
+  /// One equirectangular picture, or six square faces by index(CubeFace). The up and down faces are
+  /// those of turning up or down from the front.
   std::vector<std::string> files;
 };
 
@@ -31,20 +31,20 @@ enum class ImportEdges : std::uint8_t {
 
 /// Largest ImportOptions::face_size.
 inline constexpr std::uint32_t kLargestImportedFace = 8192;
-/// Distance between viewpoints whose positions are not known, metres: the mean length of an edge in
-/// R2R's graphs.
+/// Distance between viewpoints with unknown positions, metres: the mean length of an edge in R2R's
+/// graphs.
 inline constexpr double kImportSpacing = 2.25;
 
 /// How panoramas are imported.
 struct ImportOptions {
   std::uint32_t face_size = 0;  ///< texels; 0: by the picture's resolution, at most 1024
-  /// Of HDR pictures, stops; no value: the median luminance becomes mid-grey.
+  /// Exposure of HDR pictures, stops; no value: the median luminance becomes mid-grey.
   std::optional<double> exposure;
   /// Direction of the pictures' middles (of front faces), degrees clockwise from north. Without
   /// this and a heading in `positions`, new viewpoints have 0.
   std::optional<double> heading;
-  /// File with a line `name x y z [heading]` for each viewpoint, separated by blanks or commas: the
-  /// eye's position in metres (x east, y north, z up), the heading in degrees. `#` begins a
+  /// File with a line `name x y z [heading]` per viewpoint, separated by blanks or commas. The
+  /// eye's position is in metres (x east, y north, z up), the heading in degrees. `#` begins a
   /// comment; a first line that begins with "name" is a header. Empty: new viewpoints stand in a
   /// line, kImportSpacing apart.
   std::filesystem::path positions;
@@ -70,13 +70,15 @@ struct ImportReport {
 
 /// Adds panoramas to a scan, or begins one. Writes
 /// `<folder>/<scan>/matterport_skybox_images/<viewpoint>_skybox_small.jpg`,
-/// `<folder>/connectivity/<scan>_connectivity.json` and the scan's line in `scans.txt`. Edges that
-/// are there stay. All pictures and `scans.txt` are read before the first file is written, so that
-/// a broken one leaves the scan as it was.
-/// \throws ArgumentError or LookupError for ids that are not allowed, repeated, or in the scan
-/// already (unless `force`), pairs that do not name two viewpoints of the scan, and viewpoints that
-/// `positions` lacks; FileError; InvalidInput for pictures, positions, a graph or a `scans.txt`
-/// that cannot be used
+/// `<folder>/connectivity/<scan>_connectivity.json` and the scan's line in `scans.txt`. Existing
+/// edges stay. All pictures and `scans.txt` are read before the first file is written, so that a
+/// broken one leaves the scan unchanged.
+/// \throws ArgumentError or LookupError for invalid or repeated ids, or ids in the scan already
+/// (unless `force`)
+/// \throws ArgumentError or LookupError for pairs that do not name two viewpoints of the scan, and
+/// viewpoints that `positions` lacks
+/// \throws FileError
+/// \throws InvalidInput for pictures, positions, a graph or a `scans.txt` that cannot be used
 ImportReport import_panoramas(const std::filesystem::path& folder, const std::string& scan,
                               std::span<const PanoramaFiles> panoramas,
                               const ImportOptions& options, const Progress& progress = {});

@@ -12,7 +12,7 @@ namespace enfilade::capture {
 /// panorama is kept, so that reading its layers one after another renders it once.
 class MeshPanoramas final : public scan::PanoramaSource {
  public:
-  /// \param state  what the pictures depend on, as text: PanoramaSource::state()
+  /// \param state  text that changes with the pictures: PanoramaSource::state()
   /// \param capture its `threads` are ignored: a panorama is rendered on the caller's thread
   /// \throws ArgumentError for a face size of 0; InvalidInput as scan::poses_of()
   MeshPanoramas(std::shared_ptr<const mesh::LitMesh> mesh, scan::Connectivity connectivity,

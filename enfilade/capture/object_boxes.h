@@ -1,5 +1,5 @@
-/// \file  Which objects of a labelled mesh the 36 views of a viewpoint show, and where: what
-/// REVERIE keeps in its files of boxes, and the outlines that SOON asks for.
+/// \file  The objects of a labelled mesh in the 36 views of a viewpoint: the content of REVERIE's
+/// files of boxes, and the outlines that SOON needs.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -15,18 +15,18 @@
 
 namespace enfilade::capture {
 
-/// Which objects count, and how finely they are looked for.
+/// Selection of objects, and sampling.
 struct ObjectBoxOptions {
-  /// Of the nearest point in view, metres from the eye. REVERIE's boxes are of objects within 3 m.
+  /// Limit of the nearest point in view, metres from the eye. REVERIE has boxes within 3 m.
   double farthest = 3.0;
-  /// Of a picture of 640 x 480 pixels: an object with fewer is not in that view.
+  /// In a picture of 640 x 480 pixels: an object with fewer is not in that view.
   double least_pixels = 50;
   /// Rays around the horizon, shared by all views: a whole number of at least 36. Boxes and
-  /// outlines are exact to 360 degrees / this number, which is 1500 pixels / it in the middle of a
-  /// picture and up to twice that in its corners. 0: a ray through
-  /// the centre of each pixel of each view, some 100 times the time of 720.
+  /// outlines are exact to 360 degrees / this number. That is 1500 pixels / it in the middle of a
+  /// picture and up to twice that in its corners. 0: a ray through the centre of each pixel of each
+  /// view, some 100 times the time of 720.
   std::uint32_t around = 720;
-  /// Categories of mpcat40 that are no objects.
+  /// Categories of mpcat40 that do not count as objects.
   std::vector<std::uint16_t> left_out{mesh::Mpcat40::kVoid,      mesh::Mpcat40::kWall,
                                       mesh::Mpcat40::kFloor,     mesh::Mpcat40::kCeiling,
                                       mesh::Mpcat40::kUnlabeled, mesh::Mpcat40::kMisc};
@@ -37,9 +37,9 @@ struct ObjectBoxOptions {
 struct ObjectInView {
   std::uint32_t object = 0;  ///< its place in mesh.objects
   double distance = 0;       ///< metres, of its nearest point in view
-  double share = 0;          ///< of the sphere of directions, of its part in view
-  /// Its outline in world headings and elevations: from `left` clockwise to `right`, which may be
-  /// the smaller number if it lies across heading 0; `bottom` to `top`. Radians.
+  double share = 0;          ///< share of all directions that its visible part covers.
+  /// Its outline in world headings and elevations, radians. From `left` clockwise to `right`, which
+  /// may be the smaller number if it lies across heading 0; `bottom` to `top`.
   double left = 0, right = 0, bottom = 0, top = 0;
   tasks::Direction middle;  ///< the mean direction of its part in view
   /// As tasks::ViewedObject: the views that show it, ascending, and its box in each.

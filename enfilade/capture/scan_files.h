@@ -47,12 +47,12 @@ struct ScanFilesOptions {
   ScanParts parts;
   std::uint32_t face_size = 512;     ///< texels
   std::uint32_t image_width = 1280;  ///< of undistorted images, pixels; heights are 4/5 of it
-  std::uint32_t samples = 4;         ///< colour rays a pixel: 1, 4, 9 or 16
+  std::uint32_t samples = 4;         ///< colour rays per pixel: 1, 4, 9 or 16
   float exposure = 0;                ///< stops
   int jpeg_quality = 92;             ///< 1 .. 100; with full chroma from 90 on
-  std::vector<ScanRoom> rooms;       ///< for the .house file
-  /// Whose classes and instances the label strips show, where they are of another mesh of the same
-  /// building (mesh::read_house_mesh()); null: the mesh's own.
+  std::vector<ScanRoom> rooms;       ///< for the .house file.
+  /// Mesh with the classes and instances of the label strips, if they are of another mesh of the
+  /// same building (mesh::read_house_mesh()); null: the mesh's own.
   const mesh::LitMesh* label_mesh = nullptr;
   int threads = 0;  ///< 0: all cores; never changes a byte
 };
@@ -62,27 +62,30 @@ struct ScanFilesReport {
   std::filesystem::path folder;       ///< `<root>/v1/scans/<scan>`
   std::size_t viewpoints = 0;         ///< included ones, which have pictures
   std::size_t written = 0, kept = 0;  ///< pictures; kept: there from a run that was stopped
-  std::uintmax_t bytes = 0;           ///< of what was written
+  std::uintmax_t bytes = 0;           ///< of the written files
 };
 
 /// Baking options that take hardly any time, for a mesh of which no colour is wanted.
 mesh::BakeOptions least_light();
 
-/// The labelled mesh of a scan's `house_segmentations`, for ScanFilesOptions::label_mesh: pictures
-/// of one mesh of a building get the classes and instances of another. \throws as
-/// mesh::read_house_mesh()
+/// The labelled mesh of a scan's `house_segmentations`, for ScanFilesOptions::label_mesh. Pictures
+/// of one mesh of a building get the classes and instances of another.
+/// \throws as mesh::read_house_mesh()
 std::unique_ptr<const mesh::LitMesh> read_label_mesh(
     const std::filesystem::path& house_segmentations, const std::string& scan);
 
-/// Writes `<root>/connectivity/<scan>_connectivity.json` and its line in scans.txt, and the
-/// parts, so that `root` is a data set that scan::DataRoot and scan::MatterportImages open. Each
-/// file is written whole or not at all; pictures that are there of the same mesh, lights, viewpoint
-/// and options are kept (baking options are not compared), so that a killed run can be
-/// continued, and parts and viewpoints may be added later. `enfilade_scan.json` there records that.
-/// The time for pictures is proportional to their pixels; they are rendered in parallel, one a
-/// thread. \throws ArgumentError for options out of range or a scan id that cannot be part of a
-/// file name; FileError if files are in the way that were made of something else, naming one, or
-/// cannot be written; InvalidInput as scan::poses_of()
+/// Writes `<root>/connectivity/<scan>_connectivity.json` and its line in scans.txt, and the parts.
+/// Then `root` is a data set that scan::DataRoot and scan::MatterportImages open. Each file is
+/// written whole or not at all.
+///
+/// Existing pictures of the same mesh, lights, viewpoint and options are kept (baking options are
+/// not compared). So a killed run can be continued, and parts and viewpoints may be added later;
+/// `enfilade_scan.json` records that. The time for pictures is proportional to their pixels. They
+/// are rendered in parallel, one per thread.
+/// \throws ArgumentError for options out of range or a scan id that cannot be part of a file name
+/// \throws FileError if existing files were made from other inputs, naming one, or cannot be
+/// written
+/// \throws InvalidInput as scan::poses_of()
 ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& connectivity,
                            const std::filesystem::path& root, const ScanFilesOptions& options,
                            const Progress& progress = {});

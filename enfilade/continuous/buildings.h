@@ -1,4 +1,4 @@
-/// \file  The buildings that bodies walk in: a floor and its shortest ways for each scan.
+/// \file  The buildings of continuous episodes: a navigation mesh and its shortest paths per scan.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -19,8 +19,8 @@ struct Building {
   std::shared_ptr<const NavigationMesh> floor;
 };
 
-/// Buildings of one body. A floor is opened when it is first asked for, and its shortest ways are
-/// found then: milliseconds. What was opened is shared by everybody. Any thread.
+/// Buildings for one body. A floor is opened, and its shortest paths are prepared, at its first
+/// use: milliseconds. All users share them. Any thread.
 class Buildings {
  public:
   /// The `<scan>.navmesh` files in a folder, by name.

@@ -38,13 +38,13 @@ std::optional<Method> parse_method(std::string_view name);  ///< by such a name
 /// How pictures are drawn.
 struct EyesConfig {
   Method method = Method::kRaster;
-  int threads = 0;  ///< 0: all cores; does not change the pictures
-  /// By building: panoramas that pixels take their colours from where they see what the pixel
-  /// shows; empty, or null for a building: the mesh's own colours.
+  int threads = 0;  ///< 0: all cores; does not change the pictures.
+  /// By building: panoramas that give a pixel its colour if they show its point; empty, or null for
+  /// a building: the mesh's own colours.
   std::vector<std::shared_ptr<const Photographs>> photographs = {};
 };
 
-/// Where colours come from.
+/// Source of colours.
 enum class Appearance : std::uint8_t {
   kMesh,       ///< the mesh
   kPanoramas,  ///< EyesConfig::photographs, and the mesh where none sees
@@ -65,16 +65,19 @@ class Eyes {
   Eyes& operator=(const Eyes&) = delete;
 
   /// Fills the outputs. The same view gives the same bytes in any batch, with any number of
-  /// threads. Agents with several cameras call it once for each. Allocates nothing once it has seen
-  /// the camera and the batch size, but for what oneTBB takes for its tasks with several threads.
-  /// \throws ArgumentError for an invalid camera or one above 8192 pixels, a view with an unknown
-  /// building or numbers that are not finite or out of range (naming its place), or outputs as
-  /// render::validate(), or a stream, before anything is drawn; as Photographs::load_all()
+  /// threads. Agents with several cameras call it once for each. Allocates nothing after the first
+  /// call with the camera and the batch size. With several threads, oneTBB still allocates its
+  /// tasks. Arguments are checked before anything is drawn.
+  /// \throws ArgumentError for an invalid camera or one above 8192 pixels, a stream, or outputs as
+  /// render::validate()
+  /// \throws ArgumentError naming the position of a view with an unknown building, or numbers that
+  /// are not finite or out of range
+  /// \throws as Photographs::load_all()
   void render(const Camera& camera, std::span<const MeshView> views,
               const render::Outputs& outputs);
-  /// The same for equirectangular pictures (height, width): the middle column is at the view's
+  /// The same for equirectangular pictures (height, width). The middle column is at the view's
   /// heading, the middle row at the horizon, the top row up; elevation is ignored. Depth is along
-  /// the ray, whatever its measure.
+  /// the ray in any measure.
   void render_equirectangular(std::uint32_t width, std::uint32_t height,
                               std::span<const MeshView> views, const render::Outputs& outputs);
 

@@ -1,4 +1,4 @@
-/// \file  The expert of continuous episodes: walks along reference points by shortest ways.
+/// \file  The expert of continuous episodes: follows reference points by shortest paths.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -12,17 +12,17 @@ namespace enfilade::continuous {
 /// When a point counts as reached: metres, straight lines.
 struct FollowerConfig {
   double reached = 0.5;       ///< of points on the way: VLN-CE's experts; > 0
-  double last_reached = 0.5;  ///< of the last one, where it stops; StreamVLN's has 0.25; > 0
-  /// For a teacher whose pupil may leave the path: no point is given up, and a body that walks on
-  /// from the last point is led back.
+  double last_reached = 0.5;  ///< of the last one, where it stops; StreamVLN: 0.25; > 0.
+  /// For a teacher whose pupil may leave the path: no point is given up, and a body that passes the
+  /// last point is led back.
   bool patient = false;
 };
 
-/// Says what to do next in a simulator with the given config. The rule is that of VLN-CE's recorded
-/// experts: points are visited in order; if the shortest way to the present one leads more than one
-/// turn off the heading, it turns to the side that is nearer (left if both are), else it walks. If
-/// walking brings it no nearer several times, as where a body cannot come closer, it goes on to the
-/// next point. One thread at a time.
+/// Chooses the next action in a simulator with the given config, by the rule of VLN-CE's recorded
+/// experts. Points are visited in order. If the shortest path to the present point leads more than
+/// one turn off, it turns to the nearer side (left if both are). Else it goes forward. If this
+/// brings it no nearer several times, as if a body cannot come closer, it goes on to the next
+/// point. One thread at a time.
 class ReferenceFollower {
  public:
   /// \pre points is not empty; all are of the building
@@ -30,7 +30,7 @@ class ReferenceFollower {
   ReferenceFollower(std::shared_ptr<const Geodesics> ways, std::vector<FloorPoint> points,
                     const SimulatorConfig& simulator, const FollowerConfig& config = {});
 
-  /// The next action of a body at this place. After kStop the walk is over.
+  /// The next action of a body at this point. After kStop the episode is over.
   Action next(const FloorPoint& at, Radians heading);
   /// Points that were reached so far, those given up not counted.
   std::size_t reached() const noexcept { return reached_; }

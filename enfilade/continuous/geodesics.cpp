@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNone = 0xffffffffU;
-// Sines below this are 0: the direction along a wall, from a point that lies on it but for single
-// precision. More bends than needed cost time, not length.
+// Sines below this are 0: the direction along a wall, from a point on it up to single precision.
+// More bends than needed cost time, not length.
 constexpr double kAlong = 1e-3;
 
 // A corner of the rim with more than half a turn of floor around it, and its two walls.

@@ -24,7 +24,7 @@ constexpr std::size_t kCorners = FloorPolygon::kMostCorners;
 constexpr unsigned short kWalkable = 1;  // the only flag of polygons, which every query asks for
 // Farther than a step, so that it never ends for want of memory: Detour takes 16 here.
 constexpr int kMostCrossed = 48;
-// Nobody is told of a wall that was touched within this distance: single precision.
+// A wall touched within this distance is not reported: single precision.
 constexpr float kTouch = 1e-5F;
 
 using Point = std::array<float, 3>;  // Detour's: y up, and z is our y

@@ -1,4 +1,4 @@
-/// \file  The floor of a building as a mesh to walk on (Detour).
+/// \file  The floor of a building as a navigation mesh (Detour).
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -22,21 +22,21 @@ struct FloorPoint {
   std::uint32_t polygon = 0;  ///< of the navigation mesh that it lies on
 };
 
-/// How far nearest() looks.
+/// Search radius of nearest().
 struct Reach {
   float aside = 0.5F;     ///< metres along x and y
   float above_below = 1;  ///< metres
 };
 
-/// How one walk along a straight line ended.
+/// End of one move along a straight line.
 struct Walked {
   FloorPoint end;
   bool at_wall = false;  ///< it did not come to where the line ends
 };
 
-/// What a wall does to a body that walks into it.
+/// Behaviour of a body that hits a wall.
 enum class Walls : std::uint8_t {
-  kSlide,  ///< it goes on to the nearest place that it can reach: VLN-CE on R2R
+  kSlide,  ///< it slides to the nearest point that it can reach: VLN-CE on R2R
   kStop,   ///< it stops there: RxR-CE
 };
 
@@ -55,7 +55,7 @@ class Walker {
 };
 
 /// The walkable floor of one building, for one body: convex polygons and their heights. Immutable:
-/// any thread, shared by all who walk in the building. Results depend on arguments only.
+/// any thread, shared by all users of the building. Results depend on arguments only.
 class NavigationMesh {
  public:
   /// \throws InvalidInput for polygons that do not fit together (check_polygons())
@@ -77,7 +77,7 @@ class NavigationMesh {
   /// A point drawn uniformly, seen from above, from one connected part or from all.
   /// \pre area < areas()
   FloorPoint random_point(Rng& rng, std::optional<std::uint32_t> area = {}) const;
-  /// Walks straight towards a point, whose height does not count. Allocates nothing.
+  /// Moves straight towards a point, whose height does not count. Allocates nothing.
   Walked walk(Walker& walker, const FloorPoint& from, Vec3f towards,
               Walls walls = Walls::kSlide) const;
 
@@ -86,12 +86,12 @@ class NavigationMesh {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What makes polygons no floor: indices out of range, neighbours that do not know each other,
-/// corners in no order, heights of other polygons. `file` is the name in messages.
+/// Faults of polygons that cannot be a floor: indices out of range, one-sided neighbours, corners
+/// in no order, heights of other polygons. `file` is the name in messages.
 std::vector<Diagnostic> check_polygons(const mesh::FloorPolygons& floor, const std::string& file);
 
-/// A file that load_navigation_mesh() reads back equal: a line of text that says what it is, the
-/// numbers (little-endian), a checksum.
+/// A file that load_navigation_mesh() reads back equal: a line of text with its type, the numbers
+/// (little-endian), a checksum.
 /// \throws FileError
 void save_navigation_mesh(const mesh::FloorPolygons& floor, const std::filesystem::path& file);
 /// \throws FileError; InvalidInput: `not-a-navigation-mesh`, `other-version`, `truncated`,

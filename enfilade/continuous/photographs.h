@@ -18,17 +18,17 @@ struct Photo;
 /// How panoramas are kept and chosen.
 struct PhotographsOptions {
   /// Longest edge of a face that is kept, texels, 16 .. 2048; larger ones are halved. 256 has about
-  /// as many a degree as a picture of 224 pixels over 90 degrees.
+  /// as many per degree as a picture of 224 pixels over 90 degrees.
   std::uint32_t face_size = 256;
   std::size_t nearest = 4;  ///< panoramas that a view takes colours from, 1 .. 8
-  /// Of panoramas that are kept; those used longest ago are dropped, and read again when they are
+  /// Bytes of kept panoramas; the least recently used are dropped, and read again when they are
   /// needed. Does not change the pictures.
   std::size_t bytes = std::size_t{512} << 20U;
 };
 
-/// The panoramas of one scan. Each is read when a view needs it for the first time, and kept, 4 MB
-/// at 256 texels, while there is room. What it sees of the mesh is found by drawing the mesh from
-/// there, so that no depth pictures are needed. Any thread may use it.
+/// The panoramas of one scan. Each is read at its first use, and kept, 4 MB at 256 texels, while
+/// there is room. The mesh is rendered from its eye to find the points that it shows, so that no
+/// depth pictures are needed. Any thread may use it.
 class Photographs {
  public:
   /// \param scene of the same building, in the same frame

@@ -1,4 +1,4 @@
-/// \file  Where a freely walking body is, and where it looks.
+/// \file  Position and direction of a body in continuous environments.
 #pragma once
 #include "enfilade/geometry/angle.h"
 #include "enfilade/geometry/vec.h"

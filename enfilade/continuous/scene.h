@@ -17,9 +17,9 @@ struct SceneParts;
 /// How finely light is kept.
 struct SceneOptions {
   double light_spacing = 0.05;  ///< metres between values on surfaces, [0.005, 10]
-  float exposure = 0;           ///< stops, added to the mesh's own (LitMesh::key())
-  /// Materials that reflect a smaller share as a mirror does are matt and a little whiter instead:
-  /// a reflection costs a ray and a second look. [0, 1]; 0: all reflect.
+  float exposure = 0;           ///< stops, added to the mesh's own (LitMesh::key()).
+  /// Materials that reflect a smaller share are matt and a little whiter instead: a reflection
+  /// costs a ray and a second lookup. [0, 1]; 0: all reflect.
   float least_mirror = 0.3F;
   int threads = 0;  ///< 0: all cores; does not change the result
 };
@@ -28,26 +28,31 @@ struct SceneOptions {
 /// about 500 bytes a triangle, and 4 for each value of light.
 class Scene {
  public:
-  /// Of a photographed mesh: textures and colours are shown as they are, and nothing is black where
-  /// there is no surface. \throws ArgumentError for a null tracer
+  /// A photographed mesh: textures and colours are shown unchanged, and black where there is no
+  /// surface.
+  /// \throws ArgumentError for a null tracer
   static std::shared_ptr<const Scene> photographed(std::shared_ptr<const mesh::RayTracer> tracer);
-  /// Of a mesh with light, sun and sky; the light is computed here for points of a grid on each
-  /// surface, and interpolated between them. \param light of the same tracer
+  /// A mesh with light, sun and sky. The light is computed here for points of a grid on each
+  /// surface, and interpolated between them.
+  /// \param light of the same tracer
   /// \throws ArgumentError for options out of range, a null tracer, or another mesh's light
   static std::shared_ptr<const Scene> lit(std::shared_ptr<const mesh::RayTracer> tracer,
                                           const mesh::LitMesh& light,
                                           const SceneOptions& options = {},
                                           const Progress& progress = {});
-  /// A lit scene whose light save() has written. \throws FileError naming the file; InvalidInput if
-  /// it is no such file, of another version, of another mesh, truncated or changed
+  /// A lit scene with light written by save().
+  /// \throws FileError naming the file
+  /// \throws InvalidInput if it is not such a file, is of another version or mesh, truncated or
+  /// changed
   static std::shared_ptr<const Scene> load(std::shared_ptr<const mesh::RayTracer> tracer,
                                            const std::filesystem::path& file);
   /// Writes the light, so that it need not be computed again. \throws FileError; ArgumentError for
   /// a photographed scene, which has none
   void save(const std::filesystem::path& file) const;
 
-  /// The scene of a mesh file, as mesh::read_mesh() reads it: lit if its light was saved beside it
-  /// (light_file()), photographed if not. \throws as read_mesh(), RayTracer, load()
+  /// The scene of a mesh file, read by mesh::read_mesh(). Lit if its light was saved beside it
+  /// (light_file()), photographed if not.
+  /// \throws as read_mesh(), RayTracer, load()
   static std::shared_ptr<const Scene> open(const std::filesystem::path& mesh_file,
                                            const mesh::ReadOptions& options = {});
 

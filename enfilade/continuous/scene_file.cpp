@@ -44,7 +44,8 @@ struct Grid {
 };
 static_assert(sizeof(Grid) == 12);
 
-// Of what light depends on and can be told quickly: positions, triangles, materials' emission.
+// Fingerprint of the light's inputs that are quick to hash: positions, triangles, materials'
+// emission.
 std::uint64_t fingerprint(const mesh::Mesh& mesh) {
   const std::uint64_t a = XXH3_64bits(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3f));
   const std::uint64_t b =

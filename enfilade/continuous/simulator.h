@@ -1,4 +1,4 @@
-/// \file  The batched simulator of bodies that walk freely: VLN-CE's actions (Krantz et al., ECCV
+/// \file  The batched simulator of continuous environments: VLN-CE's actions (Krantz et al., ECCV
 /// 2020) on navigation meshes, without Habitat.
 #pragma once
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace enfilade::continuous {
 
-/// What a body can do in one step. The first four have VLN-CE's numbers.
+/// Actions of a body in one step. The first four have VLN-CE's numbers.
 enum class Action : std::uint8_t { kStop, kForward, kLeft, kRight, kLookUp, kLookDown };
 /// How many there are.
 inline constexpr std::size_t kActions = 6;
@@ -39,7 +39,7 @@ struct SimulatorConfig {
   /// RxR-CE's: turns of 30 degrees, looking up and down, no sliding, eyes 0.88 m above the floor.
   static SimulatorConfig room_across_room();
 };
-/// \throws ArgumentError naming the field, its value and what is allowed
+/// \throws ArgumentError naming the field, its value and the allowed range
 void validate(const SimulatorConfig& config);
 
 /// Bodies of the two benchmarks, which their floors are made for. Radius and height of R2R's are
@@ -64,7 +64,8 @@ enum class EpisodeState : std::uint8_t {
 /// The state of a batch: one array a quantity, shape (batch). Valid as long as the simulator.
 struct StateSpans {
   std::span<const std::uint32_t> building;
-  std::span<const Vec3f> position;            ///< of the feet; exactly the start's until it walks
+  std::span<const Vec3f> position;            ///< of the feet; exactly the start's until its first
+                                              ///< move
   std::span<const double> heading;            ///< radians, [0, 2 pi)
   std::span<const double> elevation;          ///< radians
   std::span<const std::uint32_t> steps;       ///< actions since the start, stop too
@@ -74,7 +75,7 @@ struct StateSpans {
   std::span<const float> off_floor;  ///< metres from the start's position to the floor under it
 };
 
-/// A start or action that cannot be carried out; the whole batch is as it was before the call.
+/// An invalid start or action; the whole batch is as it was before the call.
 class ActionError : public ArgumentError {
  public:
   /// \param agent  its place in the batch
@@ -85,9 +86,9 @@ class ActionError : public ArgumentError {
   std::size_t agent_;
 };
 
-/// What a start is like, for those who want to know before.
+/// Properties of a start, to check it in advance.
 struct StartCheck {
-  std::optional<FloorPoint> floor;  ///< the nearest point of the floor; none in reach
+  std::optional<FloorPoint> floor;  ///< the nearest point of the floor; no value: none in reach
   double off_floor = 0;             ///< metres to it
   double area_m2 = 0;               ///< of the floor that can be reached from there
 };
@@ -114,18 +115,20 @@ class Simulator {
   std::size_t batch_size() const noexcept { return config().batch_size; }
   StateSpans state() const noexcept;
 
-  /// Starts an episode for one agent. Until it walks it is exactly where `start` says, also a
-  /// little above or beside the floor, as VLN-CE's starts are.
-  /// \throws ActionError for an unknown building, a pose that is not finite, a position from which
-  /// no floor is in config().start_reach (saying how far it is, if that is known). Then nothing has
-  /// happened. Errors of the building's file
+  /// Starts an episode for one agent. Until its first move its position is exactly that of `start`.
+  /// As VLN-CE's starts, it may be a little above or beside the floor. If it throws, nothing has
+  /// changed.
+  /// \throws ActionError for an unknown building, a pose that is not finite, or a position without
+  /// floor in config().start_reach (with its distance, if known)
+  /// \throws errors of the building's file
   void new_episode(std::size_t agent, const EpisodeStart& start);
   /// The same for every agent. \throws ArgumentError if starts.size() != batch_size()
   void new_episodes(std::span<const EpisodeStart> starts);
 
-  /// One action for every agent. Those whose episode has ended stay as they are, whatever theirs.
-  /// \throws ArgumentError if actions.size() != batch_size() or an agent has no episode yet;
-  /// ActionError for a value that is no action. Then nothing has happened.
+  /// One action per agent. Agents whose episode has ended do not move. If it throws, nothing has
+  /// changed.
+  /// \throws ArgumentError if actions.size() != batch_size() or an agent has no episode yet
+  /// \throws ActionError for an invalid action
   void step(std::span<const Action> actions);
 
   /// The point of the floor where an agent stands. \pre it has an episode

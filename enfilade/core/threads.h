@@ -9,7 +9,7 @@ namespace enfilade {
 /// Reference to a callable. Does not allocate or own; valid as long as the callable exists.
 class RangeBody {
  public:
-  /// Of any callable (begin, end). Keeps a reference: the callable must outlive the loop.
+  /// From any callable (begin, end). Keeps a reference: the callable must outlive the loop.
   template <class F>
     requires(!std::is_same_v<std::remove_cvref_t<F>, RangeBody>)
   RangeBody(const F& body)  // NOLINT(google-explicit-constructor): made for call sites

@@ -38,9 +38,10 @@ struct Part {
   std::string advice;  ///< how to get it; empty if it is there
 };
 
-/// A folder in one of the layouts in use: Enfilade's and model homes' (`connectivity/`,
-/// `r2r/`, `regions/`, `store/`), a checkout of Matterport3DSimulator (`connectivity/`,
-/// `tasks/R2R/data/`, `data/v1/scans/`), or all files side by side.
+/// A folder in one of the layouts in use:
+/// - Enfilade's and the homes': `connectivity/`, `r2r/`, `regions/`, `store/`
+/// - a checkout of Matterport3DSimulator: `connectivity/`, `tasks/R2R/data/`, `data/v1/scans/`
+/// - all files side by side
 ///
 ///     const Dataset d("data");
 ///     sim::Simulator simulator(d.graphs(), sim::SimulatorConfig::room_to_room());
@@ -67,7 +68,7 @@ class Dataset {
   /// for R2R. Never throws for what is missing or broken.
   std::vector<Part> examine() const;
 
-  /// The navigation graphs, one a scan.
+  /// The navigation graphs, one per scan.
   /// \throws FileError, InvalidInput: as graph::GraphSet::open(), scan::Store::open()
   const std::shared_ptr<const graph::GraphSet>& graphs() const;
   /// The panoramas, in the order of the graphs: one ScanIndex serves both. Whether a scan has any
@@ -90,8 +91,8 @@ class Dataset {
   tasks::EpisodeSet episodes(std::string_view split,
                              tasks::Instructions instructions = tasks::Instructions::kScored) const;
 
-  /// Of any benchmark: the same as of R2R, from the places of tasks::episode_places(). REVERIE's
-  /// episodes need the boxes of objects, objects().
+  /// The same for any benchmark, from the places of tasks::episode_places(). REVERIE's episodes
+  /// need the boxes of objects, objects().
   /// \throws as annotations(), episodes() and objects()
   tasks::Annotations annotations(tasks::Task task, std::string_view split) const;
   tasks::EpisodeSet episodes(tasks::Task task, std::string_view split,

@@ -21,7 +21,7 @@ struct NamedView {
   Radians elevation = {};  ///< in [-pi/2, pi/2], up positive
 };
 
-/// The same by indices. \throws LookupError naming what is unknown or excluded; as graphs()
+/// The same by indices. \throws LookupError naming the unknown or excluded one; as graphs()
 render::View find_view(const Dataset& dataset, const NamedView& view);
 
 /// Whether there is a colour panorama of the viewpoint. \pre viewpoint is one of the scan's

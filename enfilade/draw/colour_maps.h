@@ -30,7 +30,8 @@ Rgb depth_colour(double share);
 Rgb id_colour(std::uint32_t id);
 
 /// Upper end of the depth scale for a picture: its largest reading, rounded up to whole metres; 1
-/// if there is none. \param depth quarter millimetres, 0: no reading
+/// without readings.
+/// \param depth quarter millimetres, 0: no reading
 double farthest_depth(const image::Image16& depth);
 
 /// Colours of depth. \param depth quarter millimetres, 0: no reading  \param farthest metres; depth
@@ -59,7 +60,7 @@ using IdNames = std::map<std::uint32_t, std::string>;
 /// \pre picture has 3 channels (here and below)
 image::Image8 with_depth_legend(const image::Image8& picture, double farthest);
 /// The picture with a legend below: colours and names of the ids, in their order, in at most twelve
-/// rows; then the number of those left out.
+/// rows. Then the number of those left out.
 image::Image8 with_id_legend(const image::Image8& picture, std::span<const IdArea> ids,
                              const IdNames& names);
 

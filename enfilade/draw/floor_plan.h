@@ -23,7 +23,7 @@ struct PlannedPath {
   std::string label;                       ///< for the legend; empty: named by its role
 };
 
-/// What is written and drawn on a floor plan.
+/// Texts and marks of a floor plan.
 struct FloorPlanOptions {
   std::string title;  ///< empty: the scan id
   std::string note;   ///< a paragraph below it, such as the instruction; may be empty
@@ -35,7 +35,7 @@ struct FloorPlanOptions {
   /// Walls and room names, made for the same graph; null: the surroundings of edges are shaded
   /// instead. Must outlive the call.
   const PlanUnderlay* underlay = nullptr;
-  /// Of episodes with other goals than the end of their path. There is no circle around the end of
+  /// Goals of episodes, if not the end of their path. There is no circle around the end of
   /// the reference path then, except where the goal is a turning point.
   std::optional<PlannedGoal> goal = {};
 };
@@ -54,12 +54,13 @@ std::vector<Storey> find_storeys(const graph::NavGraph& graph);
 /// Index of the storey whose floor is nearest to a height, world z. \pre !storeys.empty()
 std::size_t nearest_storey(const std::vector<Storey>& storeys, double floor);
 
-/// A self-contained SVG document: one panel a storey, lowest first, all at one scale, north (+y)
+/// A self-contained SVG document: one panel per storey, lowest first, all at one scale, north (+y)
 /// up, with scale bar and legend. Edges between storeys are drawn on both, dashed, with a mark at
-/// their other end. It has its own background, for light and dark pages; colours can be told apart
-/// by colour-blind readers. Texts are escaped.
-/// \throws ArgumentError if a path is empty or holds a viewpoint that is not below graph.size(), as
-/// a goal must not either; for a scale or success distance that is negative or not finite, or an
+/// their other end. It has its own background, for light and dark pages; its colours suit
+/// colour-blind readers. Texts are escaped.
+/// \throws ArgumentError for an empty path, or a path or goal with a viewpoint that is not below
+/// graph.size()
+/// \throws ArgumentError for a scale or success distance that is negative or not finite, or an
 /// underlay of another number of storeys
 std::string floor_plan_svg(const graph::NavGraph& graph, const std::vector<PlannedPath>& paths = {},
                            const FloorPlanOptions& options = {});

@@ -7,10 +7,10 @@
 
 namespace enfilade::draw {
 
-/// What is written on the drawing of two graphs.
+/// Texts on the drawing of two graphs.
 struct ComparisonPlanOptions {
   std::string title;              ///< empty: the scan id
-  std::string note;               ///< a paragraph below the figures; may be empty
+  std::string note;               ///< a paragraph below the numbers; may be empty
   bool label_viewpoints = false;  ///< their index beside each
 };
 

@@ -1,4 +1,4 @@
-/// \file  What a renderer drew, in colours that people can read.
+/// \file  Layers of a rendered picture in colours for people.
 #pragma once
 #include <filesystem>
 #include <vector>

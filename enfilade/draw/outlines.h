@@ -26,8 +26,9 @@ struct Outline {
   std::string label;  ///< "plant", ASCII; may be empty
 };
 
-/// Number of a viewpoint's views by MatterSim's viewIndex, and where each looks: 12 headings from
-/// north on, three rows (30 degrees down, level, up). \pre view < kViews
+/// Number of a viewpoint's views by MatterSim's viewIndex, and their directions: 12 headings from
+/// north on, three rows (30 degrees down, level, up).
+/// \pre view < kViews
 inline constexpr std::size_t kViews = 36;
 tasks::Direction direction_of_view(std::uint8_t view);
 
@@ -35,22 +36,24 @@ tasks::Direction direction_of_view(std::uint8_t view);
 Vec3d unit_vector(const tasks::Direction& direction);
 tasks::Direction direction_of(Vec3d vector);
 
-/// Of a box in one of the 36 pictures of 640 x 480 pixels and 60 degrees: x, y of the left top
-/// corner, width, height, pixels. \pre view < kViews
+/// The outline of a box in one of the 36 pictures of 640 x 480 pixels and 60 degrees: x, y of the
+/// left top corner, width, height, pixels.
+/// \pre view < kViews
 Outline outline_of_box(std::uint8_t view, const std::array<std::int32_t, 4>& box);
-/// Of a quadrilateral as SOON has it, whose sides are straight in heading and elevation. Each goes
-/// the shorter way round, also across heading 0.
+/// The outline of SOON's quadrilateral, whose sides are straight in heading and elevation. Each
+/// goes the shorter way round, also across heading 0.
 Outline outline_of_corners(const std::array<tasks::Direction, 4>& corners);
 
-/// Which of an object's boxes to show: that which touches the fewest edges of its picture, so that
-/// most of the object is in it. Of several, with a direction: that of the picture which looks
-/// nearest to it; without: that nearest to the middle of its picture. \pre object.visible()
+/// Index of the object's box to show. It touches the fewest edges of its picture, so that most of
+/// the object is in it. Among several, with a direction, that of the picture nearest to it;
+/// without, the one nearest to the middle of its picture.
+/// \pre object.visible()
 std::size_t best_box(const tasks::ViewedObject& object,
                      const std::optional<tasks::Direction>& towards = {});
 
-/// The outlines of a goal's object around a viewpoint: of REVERIE the object's box, of SOON all
-/// boxes there. Empty for other goals, and where nothing is seen.
-/// \param objects who sees what; null: nothing is known of it
+/// The outlines of a goal's object around a viewpoint: REVERIE's box of the object, all SOON's
+/// boxes there. Empty for other goals, and if nothing is seen.
+/// \param objects boxes by viewpoint; null: unknown
 /// \param towards as in best_box()
 std::vector<Outline> goal_outlines(const graph::NavGraph& graph, const tasks::Goal& goal,
                                    ViewpointIndex viewpoint, const tasks::ObjectBoxes* objects,
@@ -59,13 +62,14 @@ std::vector<Outline> goal_outlines(const graph::NavGraph& graph, const tasks::Go
 /// The middle of an outline. \pre it has a rim
 tasks::Direction centre_of(const Outline& outline);
 
-/// A line of yellow with a dark edge, and the label above it, drawn on a view. What lies behind or
-/// beside the view is left out. \param vertical_field_of_view in (0, pi)
+/// Draws a line of yellow with a dark edge, and the label above it, on a view. Parts behind or
+/// beside the view are left out.
+/// \param vertical_field_of_view in (0, pi)
 /// \throws ArgumentError unless the picture has 3 channels
 void draw_outline(image::Image8& picture, const Outline& outline, const tasks::Direction& look,
                   Radians vertical_field_of_view);
-/// The same on a panorama of all directions (dataset::render_panorama()), whose middle column looks
-/// along `middle`. A line across its left and right edges goes on at the other one.
+/// The same on a panorama of all directions (dataset::render_panorama()), whose middle column is at
+/// `middle`. A line across its left and right edges goes on at the other one.
 void draw_outline_on_panorama(image::Image8& picture, const Outline& outline, Radians middle);
 
 }  // namespace enfilade::draw

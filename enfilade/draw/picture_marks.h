@@ -13,9 +13,10 @@ struct Mark {
   std::string text;
 };
 
-/// Draws each as light letters on a dark plate with a light rim, in the order of the list; plates
-/// are moved inside where they would cross the edge of the picture. One whose middle is outside of
-/// the picture is left out. \pre 3 channels
+/// Draws each as light letters on a dark plate with a light rim, in the order of the list. Plates
+/// that would cross the edge of the picture are moved inside. One whose middle is outside of the
+/// picture is left out.
+/// \pre 3 channels
 void draw_marks(image::Image8& picture, std::span<const Mark> marks);
 
 }  // namespace enfilade::draw

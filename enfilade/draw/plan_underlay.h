@@ -12,7 +12,7 @@ namespace enfilade::draw {
 
 /// A line of a building's plan.
 struct UnderlayLine {
-  /// What the line shows; each kind has a colour of its own.
+  /// Kind of the line; each has a colour of its own.
   enum class Kind : std::uint8_t {
     kThing,  ///< furniture
     kStairs,

@@ -15,12 +15,12 @@ namespace enfilade::draw {
 
 /// The viewpoints that a goal is about, other than the end of the reference path.
 struct PlannedGoal {
-  /// What they are.
+  /// Kind of the goal.
   enum class Kind : std::uint8_t {
-    kTurningPoint,  ///< of R2R-Back: a diamond, with the success distance around it
-    kObject,        ///< of REVERIE: squares on the viewpoints that see the object
-    kRegion,        ///< of CVDN: its viewpoints stand on a yellow floor
-    kBoxes,         ///< of SOON: squares on the viewpoints that have a box of the object
+    kTurningPoint,  ///< R2R-Back: a diamond, with the success distance around it
+    kObject,        ///< REVERIE: squares on the viewpoints that see the object
+    kRegion,        ///< CVDN: its viewpoints stand on a yellow floor
+    kBoxes,         ///< SOON: squares on the viewpoints that have a box of the object
   };
   Kind kind = Kind::kTurningPoint;
   std::vector<ViewpointIndex> viewpoints;  ///< ascending, each once; may be empty
@@ -28,13 +28,13 @@ struct PlannedGoal {
 };
 
 /// The mark of a path's goal. No value for goals that are the end of the path, and hidden ones.
-/// \param what  what is there, for the legend: "plant"; may be empty
+/// \param what  the object's name, for the legend: "plant"; may be empty
 std::optional<PlannedGoal> planned_goal(const tasks::ReferencePath& path,
                                         std::string_view what = {});
 
-/// What a goal's object or region is called, without details after a number sign: of REVERIE as the
-/// boxes have it, of CVDN as the instruction ends (`<TAR> plant`), of SOON its
-/// `obj_name`, "The vase." without article and full stop. Empty if it has no name.
+/// The name of a goal's object or region, without details after a number sign. REVERIE: as in the
+/// boxes. CVDN: the instruction's end (`<TAR> plant`). SOON: its `obj_name`, "The vase." without
+/// article and full stop. Empty if it has no name.
 std::string name_of_goal(const tasks::EpisodeSet& episodes, const tasks::Episode& episode,
                          const tasks::ObjectBoxes* objects);
 

@@ -31,22 +31,24 @@ std::vector<Shot> shots_of_scan(const scan::PanoramaSource& source, std::size_t 
                                 Radians first);
 /// The start as annotated, then each viewpoint of the path, looking at the next one.
 std::vector<Shot> shots_of_path(const graph::NavGraph& graph, const tasks::ReferencePath& path);
-/// Each viewpoint of the trajectory, looking as the agent did; at the next viewpoint if the
-/// trajectory has no headings. \param start heading of the first then
+/// Each viewpoint of the trajectory, in the agent's direction; towards the next viewpoint if the
+/// trajectory has no headings.
+/// \param start heading of the first then
 std::vector<Shot> shots_of_trajectory(const graph::NavGraph& graph,
                                       const tasks::Trajectory& trajectory, Radians start);
 
 /// Adds the outlines of a goal's object (goal_outlines()) to each shot of a viewpoint that has it.
 void outline_goal(std::vector<Shot>& shots, const graph::NavGraph& graph, const tasks::Goal& goal,
                   const tasks::ObjectBoxes* objects);
-/// A look at the goal's object with its outline: from the end of the path if it is seen there, else
-/// from the first viewpoint that sees it. No value where nothing is known of it.
+/// A view of the goal's object with its outline. It is from the end of the path if that sees it,
+/// else from the first viewpoint that does. No value if its place is unknown.
 std::optional<Shot> shot_of_goal(const graph::NavGraph& graph, const tasks::ReferencePath& path,
                                  const tasks::ObjectBoxes* objects);
 
-/// Draws the shots, in RGB. \param scan, source the scan that they are of, in the renderer's set
-/// \param camera of the small pictures; each is drawn three times as large and averaged, as a small
-/// picture shows more of a panorama a pixel than its faces have texels
+/// Draws the shots, in RGB.
+/// \param scan, source the shots' scan, in the renderer's set
+/// \param camera of the small pictures. Each is drawn three times as large and averaged, as a small
+/// picture has fewer pixels than its part of the panorama has texels
 /// \throws LookupError for an unknown viewpoint or one without colour; as Renderer::render()
 std::vector<SheetPicture> draw_shots(render::Renderer& renderer, ScanIndex scan,
                                      const scan::PanoramaSource& source,

@@ -11,25 +11,26 @@
 
 namespace enfilade::exports {
 
-/// The boxes around the included viewpoints of the graphs; one that `boxes` lacks gets an empty
-/// list, as in REVERIE's files. \throws FileError, InvalidInput for graphs that cannot be read
+/// The boxes around the included viewpoints of the graphs; a viewpoint without boxes gets an empty
+/// list, as in REVERIE's files.
+/// \throws FileError, InvalidInput for graphs that cannot be read
 tasks::ObjectBoxes boxes_of_graphs(const tasks::ObjectBoxes& boxes, const graph::GraphSet& graphs);
 
 /// The same, computed from labelled meshes (capture::compute_object_boxes()): SCAN.house, .ply,
-/// .fsegs.json and .semseg.json of each scan. Looked for in `folder` itself, and there in SCAN,
-/// `SCAN/house_segmentations` and `v1/scans/SCAN/house_segmentations`.
+/// .fsegs.json and .semseg.json of each scan. They are searched in `folder` itself, and there in
+/// SCAN, `SCAN/house_segmentations` and `v1/scans/SCAN/house_segmentations`.
 /// \param connectivity  folder of the graphs' files. `options.progress` counts scans
-/// \throws LookupError for a scan without a .house file, naming the places; as
-/// mesh::read_house_mesh() and capture::compute_object_boxes()
+/// \throws LookupError for a scan without a .house file, naming the searched folders
+/// \throws as mesh::read_house_mesh() and capture::compute_object_boxes()
 tasks::ObjectBoxes boxes_of_meshes(const graph::GraphSet& graphs,
                                    const std::filesystem::path& connectivity,
                                    const std::filesystem::path& folder,
                                    const capture::ObjectBoxOptions& boxes = {},
                                    const ExportOptions& options = {});
 
-/// Writes REVERIE's folder: `<scan>_<viewpoint>.json` for each viewpoint that is there.
-/// tasks::ObjectBoxes::to_json() makes the forms of one file. \throws FileError; ArgumentError for
-/// a name that cannot be a file's
+/// Writes REVERIE's folder: `<scan>_<viewpoint>.json` for each viewpoint with boxes. Single files
+/// in both forms are made by tasks::ObjectBoxes::to_json().
+/// \throws FileError; ArgumentError for a name that cannot be a file's
 void write_box_folder(const tasks::ObjectBoxes& boxes, const std::filesystem::path& folder);
 
 }  // namespace enfilade::exports

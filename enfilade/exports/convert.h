@@ -10,7 +10,7 @@
 
 namespace enfilade::exports {
 
-/// What a file holds.
+/// Content of a file.
 enum class FileKind : std::uint8_t {
   kAnnotations,  ///< paths with instructions, of any benchmark
   kFollowers,    ///< RxR's followers
@@ -29,9 +29,10 @@ enum class ResultKeys : std::uint8_t {
   kOfficial,  ///< `predObjId` (REVERIE), the number `inst_idx` (CVDN)
   kDuet,      ///< `pred_objid`, the text `instr_id`: HAMT, DUET and their descendants
 };
-/// A list of results with other keys, an entry a line; all else stays as it is. A number
-/// `predObjId` stays a number. \throws InvalidInput listing its faults with JSON paths: not a list
-/// of objects, both keys in one entry, an instr_id that is no number where `inst_idx` is wanted
+/// A list of results with other keys, one entry per line; the rest does not change. A number
+/// `predObjId` stays a number.
+/// \throws InvalidInput listing its faults with JSON paths: not a list of objects, both keys in one
+/// entry, an instr_id that is not a number for `inst_idx`
 std::string with_keys(std::string_view results, const std::string& file, ResultKeys keys,
                       tasks::Task task);
 
@@ -41,8 +42,9 @@ struct AnnotationForm {
   bool lines = false;     ///< JSON Lines, where the form itself is a list
 };
 /// tasks::to_text(), or to_released_soon(), after a check that the text is read back equal. DUET's
-/// lines of SOON do not say which paths are alternatives of one entry; that is lost.
-/// \throws ArgumentError for what the form cannot hold, naming the first path that would differ
+/// lines of SOON do not tell which paths are alternatives of one entry; that is lost.
+/// \throws ArgumentError for content that the form cannot hold, naming the first path that would
+/// differ
 std::string annotations_text(const tasks::Annotations& annotations, const AnnotationForm& form);
 
 }  // namespace enfilade::exports

@@ -7,9 +7,9 @@
 
 namespace enfilade::exports {
 
-// A dataset "<scan>_<viewpoint>" for each included viewpoint, packed by gzip, with the attributes
-// of write_view_features(). Pictures are drawn from the data set's panoramas, which need the layer.
-// What was stopped is continued. `options.progress` counts viewpoints. All throw LookupError for
+// A dataset "<scan>_<viewpoint>" per included viewpoint, packed by gzip, with the attributes of
+// write_view_features(). Pictures are rendered from the data set's panoramas, which need the layer.
+// A stopped run is continued. `options.progress` counts viewpoints. All throw LookupError for
 // panoramas without the layer, and FileError, InvalidInput for broken files.
 
 /// GridMM's `depth.hdf5`: (36, 128, 128) uint16, views of 128 x 128 pixels and 60 degrees; quarter
@@ -17,12 +17,12 @@ namespace enfilade::exports {
 void write_gridmm_depth(const dataset::Dataset& data, const std::filesystem::path& file,
                         const ExportOptions& options = {});
 
-/// Metres that BEVBert's depths have as 1: its readers multiply by 10. What is further is 1, too.
+/// Metres that BEVBert's depths have as 1: its readers multiply by 10. Farther depths are 1, too.
 inline constexpr float kBevbertMetres = 10;
 
 /// BEVBert's `depth_14x14.hdf5`: (12, 14, 14) 32 bit floats of the 12 level views (viewIndex 12 to
-/// 23) of 224 x 224 pixels and 90 degrees: the mean along the optical axis of the readings in a
-/// cell of 16 x 16 pixels, in units of kBevbertMetres; 0 where a cell has none.
+/// 23) of 224 x 224 pixels and 90 degrees. Each is the mean of a cell of 16 x 16 pixels, along the
+/// optical axis, in units of kBevbertMetres; 0 without readings.
 void write_bevbert_depth(const dataset::Dataset& data, const std::filesystem::path& file,
                          const ExportOptions& options = {});
 

@@ -1,4 +1,4 @@
-/// \file  Experts' walks as pictures and actions, in the files that video models are trained with.
+/// \file  Experts' trajectories as pictures and actions, in the files that train video models.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -19,16 +19,17 @@
 
 namespace enfilade::exports {
 
-/// What a building looks like.
+/// Appearance of a building.
 struct BuildingLook {
   std::shared_ptr<const continuous::Scene> scene;
-  /// Of that scene: pixels take their colours from them where they see; null: the mesh's own.
+  /// Panoramas of that scene, which give pixels their colours where they see them; null: the mesh's
+  /// own.
   std::shared_ptr<const continuous::Photographs> photographs = nullptr;
 };
 /// Called once a scan, from one thread.
 using LookOfScan = std::function<BuildingLook(const std::string&)>;
 
-/// Where an expert walks: along each episode's reference path, within 0.5 m of points on the way
+/// Input of the expert. It follows each episode's reference path, within 0.5 m of points on the way
 /// and 0.25 m of the end, as VLN-CE's experts do.
 struct ExpertWalks {
   const tasks::ContinuousEpisodes& episodes;
@@ -37,20 +38,22 @@ struct ExpertWalks {
   LookOfScan look_of;
 };
 
-/// What the pictures are like, and which walks are taken.
+/// Size of the pictures, and selection of trajectories.
 struct WalkPictures {
   /// 640 x 480 pixels, 79 degrees from left to right, as StreamVLN and NaVid have.
   Camera camera{640, 480, degrees(63.4534)};
   int quality = 90;                ///< of JPEG, 1 to 100
-  std::size_t most_actions = 498;  ///< longer walks are left out, as StreamVLN's data do
+  std::size_t most_actions = 498;  ///< longer trajectories are left out, as in StreamVLN's data
   std::string data = "r2r";        ///< "r2r" or "rxr": in names of folders
-  /// Where colours come from; look_of() has photographs for kPanoramas.
+  /// Source of colours; look_of() has photographs for kPanoramas.
   continuous::Appearance appearance = continuous::Appearance::kMesh;
 };
 
-/// What a body sees at some poses of a walk: a picture of three channels each.
-/// \param poses  places in walk.positions \param eyes  of the walk's building alone
-/// \param eye_height  metres above the floor \pre the walk has headings; every pose is one of it
+/// Views at some poses of a trajectory: a picture of three channels each.
+/// \param poses  indices into walk.positions
+/// \param eyes  of the trajectory's building only
+/// \param eye_height  metres above the floor
+/// \pre the trajectory has headings; every pose is one of it
 /// \throws as continuous::Eyes::render()
 std::vector<image::Image8> draw_poses(const tasks::ContinuousResult& walk,
                                       std::span<const std::size_t> poses, continuous::Eyes& eyes,
@@ -58,40 +61,42 @@ std::vector<image::Image8> draw_poses(const tasks::ContinuousResult& walk,
 
 /// How much was done.
 struct WalkReport {
-  std::size_t episodes = 0;  ///< whose pictures are there now
+  std::size_t episodes = 0;  ///< with all pictures
   std::size_t kept = 0;      ///< of them, those that an earlier run had written
   std::size_t too_long = 0;  ///< left out
   std::size_t pictures = 0;
 };
 
-// All have a picture before each action, the one of the stop included. A walk's files appear when
-// all its pictures are drawn; a run that was stopped goes on. `enfilade_export.json` says what the
-// pictures are like. `options.progress` counts walks. All throw ArgumentError for options out of
-// range, or episodes without a reference path; FileError, also if the folder has pictures of other
-// options; and as agents::run_continuous().
+// All have a picture before each action, the stop included. A trajectory's files appear when all
+// its pictures are rendered; a stopped run is continued. `enfilade_export.json` has the pictures'
+// options. `options.progress` counts trajectories. All throw ArgumentError for options out of
+// range, and episodes without a reference path. They throw FileError, also if the folder has
+// pictures of other options. They throw the errors of agents::run_continuous().
 
 /// StreamVLN's form, below `folder`: `images/<scan>_<data>_<id, six digits>/rgb/001.jpg`, and
 /// `annotations.json`: `[{"id": 525, "video": "images/<scan>_r2r_000525", "instructions": ["..."],
-/// "actions": [-1, 1, 2, ...]}]`, where action -1 is the beginning, 1 forward, 2 left, 3 right, one
-/// a picture; the stop at the end is not written, as in the released data.
+/// "actions": [-1, 1, 2, ...]}]`. Action -1 is the beginning, 1 forward, 2 left, 3 right, one per
+/// picture. The stop at the end is not written, as in the released data.
 WalkReport write_streamvln(const ExpertWalks& walks, const std::filesystem::path& folder,
                            const WalkPictures& pictures = {}, const ExportOptions& options = {});
 
 /// NaVILA's form, below `folder`: `R2R/train/<id>/frame_0.jpg` and `R2R/annotations.json` (RxR, and
-/// the split's name, likewise): an entry a decision, `{"video_id": "<id>-<decision>", "q":
-/// instruction, "a": "The next action is move forward 75 cm.", "frames": ["<id>/frame_0.jpg",
+/// the split's name, likewise). It has one entry per decision, `{"video_id": "<id>-<decision>",
+/// "q": instruction, "a": "The next action is move forward 75 cm.", "frames": ["<id>/frame_0.jpg",
 /// ...]}`, with all pictures so far. Up to three equal actions are one decision: 25 to 75 cm, or
 /// one to three turns. Each decision is there once; the released file repeats turns, short steps
 /// and stops to balance them.
 WalkReport write_navila(const ExpertWalks& walks, const std::filesystem::path& folder,
                         const WalkPictures& pictures = {}, const ExportOptions& options = {});
 
-/// A data set of LeRobot, version 2.1, in `folder`: `data/chunk-000/episode_000000.parquet` with a
-/// row a picture, and `meta/`: info.json, tasks.jsonl (instructions), episodes.jsonl,
-/// episodes_stats.jsonl. Columns: `observation.images.rgb` (JPEG), `observation.state` (x, y, z of
-/// the floor, metres, and heading, radians, world frame), `action` (0 stop, 1 forward, 2 left, 3
-/// right; what is done after the picture), and LeRobot's own. Pictures are in the rows (its type
-/// "image"), not in videos. A step counts as a fifth of a second.
+/// A data set of LeRobot, version 2.1, in `folder`: `data/chunk-000/episode_000000.parquet` with
+/// one row per picture, and `meta/`: info.json, tasks.jsonl (instructions), episodes.jsonl,
+/// episodes_stats.jsonl. Its columns, beside LeRobot's own:
+/// - `observation.images.rgb`: JPEG, in the rows (its type "image"), not in videos
+/// - `observation.state`: x, y, z of the floor, metres, and heading, radians, world frame
+/// - `action`: 0 stop, 1 forward, 2 left, 3 right; the action after the picture
+///
+/// A step counts as a fifth of a second.
 WalkReport write_lerobot(const ExpertWalks& walks, const std::filesystem::path& folder,
                          const WalkPictures& pictures = {}, const ExportOptions& options = {});
 

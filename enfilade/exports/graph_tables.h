@@ -1,5 +1,5 @@
-/// \file  Tables that other code makes of navigation graphs: who can be reached from where, seen
-/// from which view. Texts in JSON; docs/exports.md has each form.
+/// \file  Other code's tables of navigation graphs: which viewpoints are reachable from a
+/// viewpoint, and in which view. Texts in JSON; docs/exports.md has each form.
 #pragma once
 #include <memory>
 #include <string>
@@ -22,10 +22,10 @@ std::string duet_candidates(const std::shared_ptr<const graph::GraphSet>& graphs
                             const ExportOptions& options = {});
 
 /// LangNav's and NavCoT's `adj_loc_dict.json`: `{"<scan>_<viewpoint>": [{"viewpointId": ...,
-/// "pointId": ..., ...}]}`. Each entry has the fields of EnvDrop's candidates: `scanId`,
-/// `viewpointId`, `pointId` (the view), `idx` (in that view's navigable list), `distance` (the
-/// angle, radians), `heading` and `normalized_heading` ([0, 2 pi], world), `elevation`, and
-/// `position`, metres.
+/// "pointId": ..., ...}]}`. Each entry has the fields of EnvDrop's candidates:
+/// - `scanId`, `viewpointId`, `pointId` (the view), `idx` (in that view's navigable list)
+/// - `distance` (the angle, radians), `position` (metres)
+/// - `heading` and `normalized_heading` ([0, 2 pi], world), `elevation`
 std::string langnav_adjacency(const std::shared_ptr<const graph::GraphSet>& graphs,
                               const ExportOptions& options = {});
 

@@ -87,7 +87,7 @@ Json lerobot_features(const Camera& camera) {
       {"task_index", number("int64")}};
 }
 
-// The columns of a walk but for its pictures, which statistics are made of, too.
+// The columns of a trajectory except its pictures; statistics are made of them, too.
 std::vector<detail::ParquetColumn> numbers_of(const tasks::ContinuousResult& walk,
                                               std::size_t index, const Plan& plan) {
   const std::size_t rows = walk.actions.size();

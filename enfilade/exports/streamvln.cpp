@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Six digits of a number, an id that is none as it is.
+// Six digits of a number; another id unchanged.
 std::string digits(const std::string& id) {
   const bool number =
       !id.empty() && std::ranges::all_of(id, [](char c) { return c >= '0' && c <= '9'; });

@@ -25,11 +25,11 @@ FeatureFormat format_of(const std::filesystem::path& file);
 
 /// Properties of all features of a set.
 struct FeatureInfo {
-  std::string encoder;           ///< "resnet152", "home"; empty if the file does not say
+  std::string encoder;           ///< "resnet152", "home"; empty if not in the file
   std::string preprocessing;     ///< "caffe", "torchvision", "home"; likewise
   std::string weights;           ///< hash of the encoder's weights, 16 hex digits; likewise
   std::size_t views = 36;        ///< per viewpoint: rows of an array
-  std::size_t dimensions = 0;    ///< of a view: columns; 2048 for ResNet-152
+  std::size_t dimensions = 0;    ///< per view: columns; 2048 for ResNet-152
   Camera camera;                 ///< of the views
   DType type = DType::kFloat32;  ///< as stored: kFloat32 or kFloat16
 };
@@ -45,9 +45,10 @@ struct FeatureKey {
 /// are read into memory.
 class FeatureSet {
  public:
-  /// \throws FileError; InvalidInput naming the viewpoint, for sizes that differ, a viewpoint that
-  /// comes twice, broken base64 and, in formats that are read into memory, numbers that are not
-  /// finite
+  /// \throws FileError
+  /// \throws InvalidInput naming the viewpoint, for sizes that differ, a repeated viewpoint and
+  /// broken base64
+  /// \throws InvalidInput for numbers that are not finite, in formats that are read into memory
   static FeatureSet open(const std::filesystem::path& file);
 
   const FeatureInfo& info() const noexcept;
@@ -71,9 +72,9 @@ class FeatureSet {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// For an agent that sees `dimensions` numbers a view: if the set has 1,000 more, which is how
-/// features are published with the scores of ImageNet's classes behind them, the first ones; else
-/// the set itself.
+/// For an agent with `dimensions` numbers per view. If the set has 1,000 more, returns the first
+/// ones: features are published with the scores of ImageNet's classes after them. Else returns the
+/// set itself.
 FeatureSet without_class_scores(const FeatureSet& features, std::size_t dimensions);
 
 /// Writes features, one viewpoint at a time, in any order. The file has its name only after
@@ -82,9 +83,11 @@ FeatureSet without_class_scores(const FeatureSet& features, std::size_t dimensio
 class FeatureWriter {
  public:
   /// Continues a "<file>.part" of the same info and keys (safetensors; other formats begin again).
-  /// \throws FileError, also if another process is writing it; ArgumentError for no keys, equal
-  /// keys, names with control characters or "/", viewpoints with "_", 0 dimensions, types other
-  /// than kFloat32 and kFloat16, and what the format does not support: TSV has 36 views of kFloat32
+  /// \throws FileError, also if another process is writing it
+  /// \throws ArgumentError for no keys, equal keys, names with control characters or "/",
+  /// viewpoints with "_", 0 dimensions, or types other than kFloat32 and kFloat16
+  /// \throws ArgumentError for a layout that the format does not support: TSV has 36 views of
+  /// kFloat32
   static FeatureWriter create(const std::filesystem::path& file, const FeatureInfo& info,
                               std::vector<FeatureKey> keys);
   ~FeatureWriter();

@@ -29,7 +29,7 @@ struct Hdf5Array {
   std::span<const std::byte> bytes;  ///< product of shape times size_of(type)
 };
 
-/// What an attribute can be: a text, a number, texts, an array. h5py gives texts as str.
+/// Value of an attribute: a text, a number, texts, an array. h5py gives texts as str.
 using Hdf5Value =
     std::variant<std::string, std::int64_t, double, std::vector<std::string>, Hdf5Array>;
 /// A named value beside an array.
@@ -42,7 +42,7 @@ struct Hdf5Attribute {
 struct Hdf5Dataset {
   std::string name;  ///< in the root group: not empty, without "/"
   Hdf5Array array;
-  std::vector<Hdf5Attribute> attributes;  ///< each smaller than 64 kB, as the format wants
+  std::vector<Hdf5Attribute> attributes;  ///< each smaller than 64 kB, as the format requires
 };
 
 /// How a file is written.
@@ -62,9 +62,10 @@ class Hdf5Writer {
   Hdf5Writer(Hdf5Writer&&) noexcept;
   Hdf5Writer& operator=(Hdf5Writer&&) noexcept;
 
-  /// \throws FileError (the disk is full, ...); ArgumentError for a name that is not allowed or
-  /// that the file has already, a shape that is not allowed or does not fit the bytes, and texts
-  /// with a null character. \pre not finished
+  /// \pre not finished
+  /// \throws FileError (the disk is full, ...)
+  /// \throws ArgumentError for an invalid or repeated name, an invalid shape or one that does not
+  /// fit the bytes, and texts with a null character
   void write(const Hdf5Dataset& dataset);
   /// Copies all arrays of a file that an Hdf5Writer has finished, as they are packed.
   /// \throws FileError; ArgumentError for a name that this file has already

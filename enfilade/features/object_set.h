@@ -18,21 +18,22 @@ struct ObjectView {
   double width = 0, height = 0;  ///< pixels, of a picture of 640 x 480
 };
 
-/// The objects of viewpoints with their features, as REVERIE's and SOON's are published: HDF5, a
-/// dataset "<scan>_<viewpoint>" of (objects, dimensions) numbers where there is any object, beside
-/// which stand the attributes `obj_ids`, `directions` (heading and elevation, radians) and `sizes`
-/// (width and height) of the objects; SOON's have `bboxes` (left, top, right, bottom, of pictures
-/// of 600 x 600) instead of sizes. Immutable: any thread may read.
+/// The objects of viewpoints with their features, in the published format of REVERIE and SOON:
+/// HDF5. A viewpoint with objects has a dataset "<scan>_<viewpoint>" of (objects, dimensions)
+/// numbers. Its attributes are `obj_ids`, `directions` (heading and elevation, radians) and `sizes`
+/// (width and height) of the objects. SOON has `bboxes` (left, top, right, bottom, in pictures of
+/// 600 x 600) instead of sizes. Immutable: any thread may read.
 class ObjectSet {
  public:
-  /// Reads into memory. \throws FileError; InvalidInput naming the viewpoint, for attributes that
-  /// are missing or of another number of objects, sizes that differ, and numbers that are not
-  /// finite
+  /// Reads into memory.
+  /// \throws FileError
+  /// \throws InvalidInput naming the viewpoint, for missing attributes, another number of objects,
+  /// sizes that differ, and numbers that are not finite
   static ObjectSet open(const std::filesystem::path& file);
 
-  std::size_t dimensions() const noexcept;    ///< of an object
+  std::size_t dimensions() const noexcept;    ///< per object
   std::size_t viewpoints() const noexcept;    ///< that have objects
-  std::size_t most_objects() const noexcept;  ///< of a viewpoint
+  std::size_t most_objects() const noexcept;  ///< per viewpoint
   const std::filesystem::path& file() const noexcept;
   /// In the file's order. Empty for viewpoints that are not there. Valid as long as *this.
   std::span<const ObjectView> objects(std::string_view scan, std::string_view viewpoint) const;

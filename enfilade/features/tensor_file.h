@@ -38,26 +38,28 @@ struct NamedArray {
   std::size_t elements() const noexcept;  ///< product of shape
 };
 
-/// The arrays of a file of weights, memory-mapped where the format allows. Immutable: any thread.
-/// Reads safetensors (https://github.com/huggingface/safetensors, "Format"), NumPy's `.npz` (zip
-/// archives of `.npy`, named by their paths without ".npy"), and dictionaries of
-/// tensors written by PyTorch's torch.save(): zip archives (since 1.6) and the older plain pickles.
+/// The arrays of a file of weights, memory-mapped if the format allows. Immutable: any thread.
+/// Reads
+/// - safetensors (https://github.com/huggingface/safetensors, "Format")
+/// - NumPy's `.npz` (zip archives of `.npy`, named by their paths without ".npy")
+/// - dictionaries of tensors written by PyTorch's torch.save(): zip archives (since 1.6) and the
+///   older plain pickles
+///
 /// From a pickle only a dictionary's tensors are built; no code that it names is ever run. In a
-/// checkpoint the dictionary below "state_dict", "model_state_dict", "model" or "module" is read;
-/// in one of several networks ({"encoder": {"state_dict": ...}, ...}) those of all, named
-/// "encoder.<name>" (once, and without PyTorch's wrapper "module."); of a TorchScript module the
-/// tensors of all modules in it.
-/// docs/features.md has more.
+/// checkpoint the dictionary below "state_dict", "model_state_dict", "model" or "module" is read. A
+/// checkpoint of several networks ({"encoder": {"state_dict": ...}, ...}) gives those of all, named
+/// "encoder.<name>" (once, and without PyTorch's wrapper "module."). A TorchScript module gives the
+/// tensors of all modules in it. docs/features.md has more.
 class TensorFile {
  public:
   /// Detects the format by content. \throws FileError; InvalidInput naming the array or the byte
   static TensorFile open(const std::filesystem::path& file);
 
   std::span<const NamedArray> arrays() const noexcept;  ///< by name; valid as long as *this
-  const NamedArray* find(std::string_view name) const noexcept;  ///< null if there is none
-  /// safetensors' `__metadata__`. Of a checkpoint of PyTorch what stands beside "state_dict", in
-  /// one of several networks as "<network>.epoch": digits of a whole number, else an empty text.
-  /// Empty for others.
+  const NamedArray* find(std::string_view name) const noexcept;  ///< null for an unknown name.
+  /// safetensors' `__metadata__`. For a checkpoint of PyTorch, the fields beside "state_dict"; in
+  /// one of several networks as "<network>.epoch". They are digits of a whole number, else an empty
+  /// text. Empty for others.
   const std::map<std::string, std::string>& metadata() const noexcept;
   const std::filesystem::path& path() const noexcept;
 
@@ -68,10 +70,12 @@ class TensorFile {
 
 /// Writes safetensors. Writes to `<file>.part` first and then renames it, so `file` is complete or
 /// unchanged, even after a power failure. Arrays whose size is a multiple of 64 bytes come first,
-/// at offsets that are multiples of 64; the others follow, at multiples of their element's size, as
-/// the format allows no gaps. The same input gives the same bytes. \throws FileError (also for a
-/// full disk, a file that another process is writing, or one that is not a regular file);
-/// ArgumentError for equal names, bytes that do not fit the shape, or text that is not UTF-8
+/// at offsets that are multiples of 64. The others follow, at multiples of their element's size, as
+/// the format allows no gaps. The same input gives the same bytes.
+/// \throws FileError, also for a full disk, a file that another process is writing, or one that is
+/// not a regular file
+/// \throws ArgumentError for equal names, bytes that do not fit the shape, or text that is not
+/// UTF-8
 void write_safetensors(const std::filesystem::path& file, std::span<const NamedArray> arrays,
                        const std::map<std::string, std::string>& metadata = {});
 

@@ -15,7 +15,7 @@ namespace enfilade::graph {
 struct ViewpointOptions {
   double separation = 2.25;      ///< metres, mean length of edges in furnished homes; 0.2 .. 100
   double eye_height = 1.5;       ///< metres above the floor; lower where the ceiling is
-  double least_clearance = 0.3;  ///< metres from what the body would touch, where there is room
+  double least_clearance = 0.3;  ///< metres from obstacles, where there is room
   std::uint64_t seed = 1;
 };
 

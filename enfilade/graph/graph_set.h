@@ -55,7 +55,7 @@ class GraphSet {
   void load_all(int threads = 0) const;
 
   /// The included viewpoint of these names.
-  /// \throws LookupError naming what is unknown or excluded; FileError, InvalidInput
+  /// \throws LookupError naming the unknown or excluded one; FileError, InvalidInput
   Location locate(std::string_view scan, std::string_view viewpoint) const;
 
  private:

@@ -89,7 +89,7 @@ BuiltHome build_home(const PlanOptions& options, Surfaces surfaces) {
 scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, int threads) {
   const mesh::WalkableFloor floor(inside_of(built.home.mesh));
   auto viewpoints = graph::place_viewpoints(*built.tracer, floor);
-  // Beds and tables are floor to a mesh, but nobody gets there.
+  // Beds and tables are floor to a mesh, but out of reach.
   std::erase_if(viewpoints, [&](const graph::PlacedViewpoint& v) {
     const auto cell = floor.below(to_float(v.eye));
     return !cell || floor.cells()[*cell].area != 0;

@@ -1,4 +1,4 @@
-/// \file  A model home with everything that is computed from it but light and pictures.
+/// \file  A synthetic home with everything that is computed from it but light and pictures.
 #pragma once
 #include <memory>
 #include <string>
@@ -18,11 +18,11 @@ struct BuiltHome {
 /// Plan, mesh, furniture and lights of one home. \throws as make_plan()
 BuiltHome build_home(const PlanOptions& options, Surfaces surfaces = Surfaces::kTextured);
 
-/// Viewpoints on the floors of all rooms, and edges, from the mesh alone. What lies outside the
-/// rooms (grass, roofs) is no floor.
+/// Viewpoints on the floors of all rooms, and edges, from the mesh alone. Surfaces outside of the
+/// rooms (grass, roofs) are not floor.
 scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, int threads);
 
-/// The list's entry of a home with this graph. \param plan what the home was made with
+/// The list's entry of a home with this graph. \param plan the home's own
 HomeEntry describe(const Home& home, const PlanOptions& plan,
                    const scan::Connectivity& connectivity);
 

@@ -29,7 +29,7 @@ mesh::Sun draw_sun(Rng rng) {
   return sun;
 }
 
-// Of a rectangle, from a point outside it; 0 inside.
+// Distance to a rectangle, from a point outside it; 0 inside.
 double distance_to(const Rect& rect, Vec3d p) {
   const double x = std::max({rect.x0 - p.x, p.x - rect.x1, 0.0});
   const double y = std::max({rect.y0 - p.y, p.y - rect.y1, 0.0});

@@ -12,7 +12,7 @@
 
 namespace enfilade::homes {
 
-/// A solid thing, as the generator knows it: a box that may be turned about the vertical.
+/// A solid object of the generator: a box that may be turned about the vertical.
 struct Obstacle {
   double x = 0, y = 0;            ///< middle, metres
   double half_x = 0, half_y = 0;  ///< before turning
@@ -24,7 +24,7 @@ struct Obstacle {
 struct Thing {
   std::uint32_t object = 0;  ///< its place in mesh.objects
   std::string noun;          ///< "sofa", "bookshelf"
-  std::string colour;        ///< "red"; empty: nothing to speak of
+  std::string colour;        ///< "red"; empty: not mentioned
   std::string material;      ///< "wooden", "marble"; may be empty
   std::size_t room = 0;      ///< place in plan.rooms
   Vec3d low, high;           ///< box along the axes, world
@@ -43,7 +43,7 @@ struct Home {
 /// without pictures takes; everything else is the same without them.
 enum class Surfaces : std::uint8_t { kTextured, kPlain };
 
-/// SYNTHETIC. The same options give the same home, to the byte, on every platform.
+/// Makes a synthetic home. The same options give the same home, to the byte, on every platform.
 /// \throws ArgumentError as make_plan()
 Home make_home(const PlanOptions& options, Surfaces surfaces = Surfaces::kTextured);
 

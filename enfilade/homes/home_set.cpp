@@ -61,8 +61,8 @@ void validate(const HomeSetOptions& o) {
                     o.shard.count, kMostHomes));
 }
 
-// The place of a home in a set of `homes`, from its name. Refuses a name that is none of the set's,
-// at `where` of `file`.
+// The index of a home in a set of `homes`, from its name. Refuses a name that is not in the set, at
+// `where` of `file`.
 std::size_t place_of(const std::string& scan, std::size_t homes, const fs::path& file,
                      const std::string& where) {
   const auto place = sets::place_of_scan(scan);

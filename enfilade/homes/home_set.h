@@ -1,4 +1,4 @@
-/// \file  A data set of model homes: buildings, graphs, panoramas, Room-to-Room.
+/// \file  A data set of synthetic homes: buildings, graphs, panoramas, Room-to-Room.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -19,7 +19,7 @@ namespace enfilade::homes {
 
 /// How finely the light of pictures is computed.
 enum class HomeLight : std::uint8_t {
-  kFine,    ///< points 0.3 m apart, nearer at shadows: pictures to look at
+  kFine,    ///< points 0.3 m apart, nearer at shadows: pictures for people
   kCoarse,  ///< points 1 m apart, few rays: a quarter of the time, for pictures to learn from
 };
 std::string_view to_string(HomeLight light) noexcept;  ///< "fine", "coarse"
@@ -33,18 +33,18 @@ mesh::BakeOptions bake_options(HomeLight light, int threads);
 struct HomeSetOptions {
   std::size_t homes = 16;
   std::uint64_t seed = 1;
-  std::optional<HomeKind> kind;          ///< none: a mixture, most of them houses
-  double least_area = 0, most_area = 0;  ///< m2, drawn between; 0: as usual for the kind
-  /// One home in this many is a house or an office of two storeys and 170 m2, whatever the areas,
-  /// unless `kind` has no stairs. 0: storeys as usual for kind and area.
+  std::optional<HomeKind> kind;          ///< no value: a mixture, most of them houses
+  double least_area = 0, most_area = 0;  ///< m2, drawn between; 0: as usual for the kind.
+  /// One home in this many is a house or an office of two storeys and 170 m2, for any areas, unless
+  /// `kind` has no stairs. 0: storeys as usual for kind and area.
   std::size_t stairs_every = 0;
   std::uint32_t face_size = 256;  ///< texels of a panorama's faces; 0: no pictures
-  std::uint32_t samples = 4;      ///< colour rays a texel
+  std::uint32_t samples = 4;      ///< colour rays per texel
   int jpeg_quality = 92;
-  HomeLight light = HomeLight::kFine;  ///< of panoramas; those of `parts` have the finest
-  /// So many of the homes are made to be looked at, whatever the options above say: fine light,
-  /// faces of kPrettyFaceSize texels, kPrettySamples rays a texel; see pretty_homes(). None if
-  /// face_size is 0. At most `homes`
+  HomeLight light = HomeLight::kFine;  ///< of panoramas; those of `parts` have the finest.
+  /// Number of homes rendered at display quality, whatever the options above: fine light, faces of
+  /// kPrettyFaceSize texels, kPrettySamples rays per texel; see pretty_homes(). None if face_size
+  /// is 0. At most `homes`
   std::size_t pretty = 0;
 
   // Options of one run: a later run of the same set may have others.
@@ -58,20 +58,25 @@ struct HomeSetOptions {
   int threads = 0;  ///< 0: all cores; the files are the same for any number
 };
 
-/// Texels along a face, and colour rays a texel, of HomeSetOptions::pretty.
+/// Texels along a face, and colour rays per texel, of HomeSetOptions::pretty.
 inline constexpr std::uint32_t kPrettyFaceSize = 256;
-inline constexpr std::uint32_t kPrettySamples = 4;  ///< see kPrettyFaceSize
-/// The scans that HomeSetOptions::pretty makes pretty, ascending: those that write_home_paths()
-/// with the set's seed puts into val_unseen come first, as reports show these, then train's, then
-/// test's.
+inline constexpr std::uint32_t kPrettySamples = 4;  ///< see kPrettyFaceSize.
+/// The scans that HomeSetOptions::pretty renders at display quality, ascending. First those that
+/// write_home_paths() with the set's seed puts into val_unseen, as reports show these, then
+/// train's, then test's.
 std::vector<std::string> pretty_homes(const HomeSetOptions& options);
 
-/// Options by name. "small": 2 homes of a few viewpoints, for tests. "pretty": 16 homes of 25 to 50
-/// viewpoints, three of them with two storeys, all to be looked at. "demo": 60 homes of 25 to 50
-/// viewpoints, every eighth with two storeys, as "training" makes them but for three pretty ones.
-/// "full": 90 homes of 117 viewpoints on average, faces of 512 texels. "graphs": 6 homes like those
-/// of "pretty" but without pictures, made in a second or two. "training": 96 homes for training
-/// alone: faces of 64 texels, one ray a texel, coarse light. \throws ArgumentError for another name
+/// Options by name.
+/// - "small": 2 homes of a few viewpoints, for tests
+/// - "pretty": 16 homes of 25 to 50 viewpoints, three of them with two storeys, all at display
+///   quality
+/// - "demo": 60 homes of 25 to 50 viewpoints, every eighth with two storeys, as in "training"
+///   except three at display quality
+/// - "full": 90 homes of 117 viewpoints on average, faces of 512 texels
+/// - "graphs": 6 homes like those of "pretty" but without pictures, made in a second or two
+/// - "training": 96 homes for training only: faces of 64 texels, one ray per texel, coarse light
+///
+/// \throws ArgumentError for another name
 HomeSetOptions home_set_preset(std::string_view name);
 std::vector<std::string> home_set_presets();
 
@@ -93,20 +98,20 @@ struct HomeEntry {
   std::string kind;
   std::size_t viewpoints = 0, edges = 0;  ///< of its graph
   std::size_t triangles = 0;              ///< of its mesh
-  std::vector<RoomEntry> rooms;           ///< in the plan's order: a room's index is its region
+  std::vector<RoomEntry> rooms;           ///< in the plan's order: a room's index is its region.
   /// Walls, doors, windows, stairs and furniture of each storey of its graph; world, metres, to the
   /// millimetre; z is 0, and there are no texts. No storeys: the list has none, see completed().
   draw::PlanUnderlay lines;
   std::string corrections;  ///< checksum of the corrections in its graph; empty: none
 };
 
-/// What write_homes() has done.
+/// Result of write_homes().
 struct HomeSetReport {
   std::vector<HomeEntry> homes;   ///< of the shard, in their order
   std::vector<Diagnostic> notes;  ///< warnings: corrections that change nothing
 };
 
-/// Called with what is being done, and how many steps of all are done.
+/// Called with the current work, and how many steps of all are done.
 using SetProgress =
     std::function<void(const std::string& what, std::size_t done, std::size_t total)>;
 
@@ -116,11 +121,13 @@ using SetProgress =
 /// continued. The same options and corrections give the same bytes. Paths and instructions are
 /// written by write_home_paths().
 ///
-/// Runs of different shards may write to the folder at the same time; afterwards one run of the
-/// whole set makes what is missing, and the list. \throws FileError if the folder holds something
-/// else, or homes of other options (naming the first that differs); ArgumentError for options out
-/// of range; NoPlan naming the home (choose another seed or area for the set); InvalidInput for a
-/// broken list or broken corrections. Homes that were made before the error are kept
+/// Runs of different shards may write to the folder at the same time. Afterwards one run of the
+/// whole set makes the missing homes, and the list. Homes that were made before an error are kept.
+/// \throws FileError if the folder holds other files, or homes of other options (naming the first
+/// that differs)
+/// \throws ArgumentError for options out of range
+/// \throws NoPlan naming the home (choose another seed or area for the set)
+/// \throws InvalidInput for a broken list or broken corrections
 HomeSetReport write_homes(const std::filesystem::path& folder, const HomeSetOptions& options,
                           const SetProgress& progress = {});
 
@@ -131,9 +138,10 @@ HomeSetOptions read_home_options(const std::filesystem::path& folder);
 std::vector<HomeEntry> read_home_list(const std::filesystem::path& folder);
 
 /// An entry of the folder's list with its lines and its rooms' floors. Lists of earlier versions
-/// lack them; then the home is made again, in less than a second. \throws FileError if the home
-/// made now has another number of triangles than the list says: then this version makes another
-/// home, and its lines would not fit the graph; as make_home(), scan::load_connectivity()
+/// lack them; then the home is made again, in less than a second.
+/// \throws FileError if the home made now has another number of triangles than in the list: its
+/// lines would not fit the graph
+/// \throws as make_home(), scan::load_connectivity()
 HomeEntry completed(HomeEntry home, const std::filesystem::path& folder);
 
 /// Fewer cannot be split by building into train, val_unseen and test.
@@ -151,24 +159,27 @@ struct HomePathOptions {
   /// Without a test split, whose goals are hidden, two homes are enough: one for train and
   /// val_seen, one for val_unseen.
   bool test_split = true;
-  /// Of home_tasks(): which are written beside Room-to-Room; "r2r" may be named, too.
+  /// Written beside Room-to-Room, of home_tasks(); "r2r" may be named, too.
   std::vector<std::string> tasks = home_tasks();
   int threads = 0;
 };
-/// What was written.
+/// Counts of the written files.
 struct HomePathReport {
   std::size_t paths = 0, instructions = 0;
 };
-/// Writes Room-to-Room annotations for a folder of homes: `r2r/R2R_<split>.json` for train,
-/// val_seen, val_unseen and test, split by building in the paper's proportions, with three
-/// instructions a path, one by each speaker. The test paths with their goals are in
-/// `hidden/R2R_test.json`. Graphs are read from the folder, so corrections made there count. Of the
-/// same paths, the other benchmarks' annotations are written in the forms and under the names that
-/// tasks::episode_places() looks for, each folder with a README.md that calls it synthetic;
-/// their whole test splits are in `hidden/<task>/`. `annotations.txt` lists what was written; what
-/// an earlier call listed and this one does not write is removed. \throws ArgumentError for an
-/// unknown task; as read_home_list(), graph::GraphSet; FileError if there are fewer homes than the
-/// splits need or the splits cannot be written
+/// Writes annotations for a folder of homes. Graphs are read from the folder, so corrections made
+/// there count.
+/// - `r2r/R2R_<split>.json`: Room-to-Room's train, val_seen, val_unseen and test, split by building
+///   in the paper's proportions. Each path has three instructions, one by each speaker.
+/// - `hidden/R2R_test.json`: the test paths with their goals.
+/// - The other benchmarks' annotations of the same paths, in the forms and under the names that
+///   tasks::episode_places() lists. Each folder has a README.md that calls it synthetic.
+/// - `hidden/<task>/`: the whole test splits of those benchmarks.
+/// - `annotations.txt`: the files that were written. Files that an earlier call listed and this one
+///   does not write are removed.
+/// \throws ArgumentError for an unknown task
+/// \throws FileError if there are fewer homes than the splits need or the splits cannot be written
+/// \throws as read_home_list(), graph::GraphSet
 HomePathReport write_home_paths(const std::filesystem::path& folder, const HomePathOptions& options,
                                 const SetProgress& progress = {});
 

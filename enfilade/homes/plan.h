@@ -12,14 +12,14 @@
 
 namespace enfilade::homes {
 
-/// What kind of building it is.
+/// Kind of a building.
 enum class HomeKind : std::uint8_t { kHouse, kFlat, kOffice, kHotelFloor };
 std::string to_string(HomeKind kind);  ///< "house", "flat", "office", "hotel"
 /// The kind of this name, if there is one.
 std::optional<HomeKind> parse_home_kind(std::string_view name);
 std::vector<std::string> home_kinds();  ///< all names
 
-/// What is asked of a plan; the rest is drawn from the seed.
+/// Requirements of a plan; the rest is drawn from the seed.
 struct PlanOptions {
   std::uint64_t seed = 1;
   std::optional<HomeKind> kind;     ///< none: drawn
@@ -38,10 +38,10 @@ class NoPlan : public Error {
   using Error::Error;
 };
 
-/// What style its surfaces have is decided later, from the type.
+/// A room of a plan. The style of its surfaces is chosen later, from the type.
 struct PlanRoom {
   char type = '-';   ///< Matterport3D's region letter: 'b' bedroom, 'h' hallway, 's' stairs, ...
-  std::string name;  ///< as people say it: "master bedroom", "kitchen"; types may repeat
+  std::string name;  ///< as people call it: "master bedroom", "kitchen"; types may repeat
   unsigned storey = 0;
   Rect floor;            ///< inner faces of its walls
   double ceiling = 2.6;  ///< metres above the storey's floor
@@ -49,7 +49,7 @@ struct PlanRoom {
 
 /// A hole in a wall.
 struct Opening {
-  /// What is in the hole.
+  /// Content of the hole.
   enum class Kind : std::uint8_t {
     kDoor,      ///< with a frame; its leaf stands open at `leaf` degrees
     kArch,      ///< a wide opening without a door
@@ -97,13 +97,14 @@ struct Plan {
 /// \throws ArgumentError for options out of range
 void check_options(const PlanOptions& options);
 
-/// Draws a plan. The front door leads to a hall; living room, dining room and kitchen are
-/// neighbours, sometimes without doors between them; bedrooms and baths lie along corridors;
+/// Draws a plan. The front door leads to a hall. Living room, dining room and kitchen are
+/// neighbours, sometimes without doors between them. Bedrooms and baths lie along corridors;
 /// offices have meeting rooms; hotel rooms have baths of their own. Every room can be reached from
-/// every other without passing through a bedroom or bath, except that a bath which belongs to a
-/// bedroom is reached through it. Stairs join the storeys, and windows are in outer walls. The same
-/// options give the same plan on every platform. \throws as check_options(); NoPlan if none of many
-/// draws succeeds, for instance because the rooms of the kind hardly fit into the area
+/// every other without passing through a bedroom or bath, except that a bedroom's own bath is
+/// reached through it. Stairs join the storeys, and windows are in outer walls. The same options
+/// give the same plan on every platform.
+/// \throws as check_options(); NoPlan if none of many draws succeeds, for instance because the
+/// rooms of the kind hardly fit into the area
 Plan make_plan(const PlanOptions& options);
 
 }  // namespace enfilade::homes

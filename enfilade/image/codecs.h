@@ -31,7 +31,7 @@ inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 29;
 /// Size and channels of a picture, as its file's header says.
 struct Shape {
   std::uint32_t width = 0, height = 0, channels = 0;
-  std::uint32_t bits = 8;  ///< of a channel
+  std::uint32_t bits = 8;  ///< per channel
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
@@ -66,8 +66,8 @@ std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
 
 /// Reads the header only. \throws InvalidInput
 Shape png_shape(Bytes png, const std::string& file);
-/// 8 bits a channel; fewer bits are scaled up; a palette becomes RGB or RGBA. The transparent
-/// colour of a grey or RGB file is ignored. \throws InvalidInput, also for 16 bits a channel
+/// 8 bits per channel; fewer bits are scaled up; a palette becomes RGB or RGBA. The transparent
+/// colour of a grey or RGB file is ignored. \throws InvalidInput, also for 16 bits per channel
 Image8 decode_png8(Bytes png, const std::string& file);
 /// Greyscale of up to 16 bits, one channel, values as stored. \throws InvalidInput, also for colour
 Image16 decode_png16(Bytes png, const std::string& file);

@@ -257,7 +257,7 @@ class RowDecoder {
                                   HuffmanTable(HuffmanTable::Kind::kAc)};
   std::array<Plane, 3> planes_;  // by component
   std::array<Lane, 2> lanes_;
-  std::vector<std::uint8_t> unused_;  // where a block goes that is none
+  std::vector<std::uint8_t> unused_;  // target of blocks that do not exist
   std::array<Row, 2> rows_;           // of the lanes
   std::array<std::vector<std::uint8_t>, 2> upsampled_;
   std::vector<std::uint16_t> sums_;

@@ -23,7 +23,7 @@ struct FreeBytes {
   void operator()(void* bytes) const noexcept { std::free(bytes); }
 };
 
-// Of a chunk without pixels: a colour profile, a text, a thumbnail.
+// Limit of a chunk without pixels: a colour profile, a text, a thumbnail.
 constexpr std::size_t kLargestChunk = std::size_t{64} << 20;
 
 void check(int result, const std::string& file) {

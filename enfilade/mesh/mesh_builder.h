@@ -1,4 +1,4 @@
-/// \file  How model homes put triangles together.
+/// \file  How synthetic homes put triangles together.
 #pragma once
 #include <array>
 #include <cstdint>

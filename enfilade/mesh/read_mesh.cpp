@@ -72,7 +72,7 @@ ReadResult read(const Source& source, const ReadOptions& options) {
 
 ReadResult read_mesh(const std::filesystem::path& file, const ReadOptions& options) {
   check_options(options);
-  format_of(file.string());  // before a large file is read for nothing
+  format_of(file.string());  // before a large file is read in vain
   const std::string bytes = read_file(file);
   return read({bytes, file.string(), file.parent_path(), true}, options);
 }

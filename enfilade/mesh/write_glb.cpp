@@ -244,7 +244,7 @@ class GlbWriter {
   Array positions_{"VEC3", 3, kFloat, kArrayBuffer}, normals_{"VEC3", 3, kFloat, kArrayBuffer},
       texture_points_{"VEC2", 2, kFloat, kArrayBuffer}, colours_{"VEC3", 3, kFloat, kArrayBuffer},
       indices_{"SCALAR", 1, kUnsignedInt, kElementBuffer};
-  /// Of the primitive being written: position, then the bits of its other attributes.
+  /// Vertices of the current primitive: position, then the bits of its other attributes.
   std::map<std::pair<std::uint32_t, std::array<std::uint32_t, 5>>, std::size_t> vertices_;
   std::array<float, 3> low_{}, high_{};
 };

@@ -1,4 +1,4 @@
-/// \file  Attention files: what an agent attended to in its instruction, step by step.
+/// \file  Attention files: an agent's attention to its instruction, step by step.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -29,9 +29,10 @@ using AttentionFile = std::map<std::string, EpisodeAttention>;
 
 /// Reads "<split>.attention.json" of a model directory: {instr_id: {"words": [...], "steps":
 /// [{"action", "attention", "viewpoint", "heading", "elevation"}]}}; other fields are ignored.
-/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
-/// fields that are missing or of a wrong type, a number of weights other than that of words, a
-/// weight outside [0, 1.001]
+/// \throws FileError
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
+/// - not JSON, fields that are missing or of a wrong type
+/// - another number of weights than of words, a weight outside [0, 1.001]
 AttentionFile load_attention(const std::filesystem::path& file);
 /// The same for a text; `file` is its name in messages.
 AttentionFile parse_attention(std::string_view json, const std::string& file);

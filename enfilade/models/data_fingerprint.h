@@ -23,8 +23,9 @@ struct DataFingerprint {
   void add_graphs(const tasks::EpisodeSet& episodes);  ///< of all scans that these are in
 };
 
-/// Differences between the data of training and the data of now, of splits, scans and features that
-/// are in both: warnings naming the split, scan or field. `file` is the model's, for messages.
+/// Differences between the data of training and the present data, as warnings naming the split,
+/// scan or field. Only of splits, scans and features that are in both. `file` is the model's, for
+/// messages.
 std::vector<Diagnostic> differences(const DataFingerprint& trained, const DataFingerprint& now,
                                     const std::string& file);
 

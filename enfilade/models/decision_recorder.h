@@ -1,4 +1,4 @@
-/// \file  Keeps how an agent chooses while it walks a split, and writes what is worth showing.
+/// \file  Records an agent's choices on a split, and writes a selection of them.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -55,14 +55,15 @@ class DecisionRecorder {
   /// \param episodes how many the set has
   DecisionRecorder(AgentKind agent, std::size_t episodes);
 
-  /// What the agent reads; before its steps. \pre episode < episodes
+  /// The words of the instruction; before its steps. \pre episode < episodes
   void read(std::size_t episode, std::vector<std::string> words);
-  /// The next step of an episode. \pre episode < episodes; `attention` is empty or has a weight per
-  /// word; there is a choice, and `chosen` is one
+  /// Adds the next step of an episode.
+  /// \pre episode < episodes; `attention` is empty or has a weight per word; there is a choice, and
+  /// `chosen` is one
   void add(std::size_t episode, RecordedStep step);
 
   std::size_t steps(std::size_t episode) const;  ///< recorded so far. \pre episode < episodes
-  /// An episode with the names of its viewpoints. \pre `episodes` are those that were walked
+  /// An episode with the names of its viewpoints. \pre `episodes` are the recorded ones
   EpisodeDecisions episode(std::size_t episode, const tasks::EpisodeSet& episodes) const;
   static constexpr std::size_t kShown = 60;  ///< count for shown_episodes(), as files have them
   /// Writes the file of shown_episodes(). \pre as in episode(); a trajectory an episode
@@ -79,9 +80,9 @@ class DecisionRecorder {
   std::vector<Episode> recorded_;
 };
 
-/// The episodes of a split of which more is written than a trajectory: the first `count` and, if
-/// the split can be scored, a third as many of the best by SPL (of equal SPLs those with the
-/// longest paths) and of the worst by navigation error.
+/// The episodes of a split that are written with more than a trajectory: the first `count`. If the
+/// split can be scored, also a third as many of the best by SPL, and of the worst by navigation
+/// error. Among equal SPLs, those with the longest paths come first.
 std::set<std::size_t> shown_episodes(const std::vector<tasks::Trajectory>& trajectories,
                                      const tasks::EpisodeSet& episodes, std::size_t count);
 

@@ -15,12 +15,13 @@
 
 namespace enfilade::models {
 
-/// One thing that an agent could do.
+/// One possible action of an agent.
 struct Choice {
-  std::string viewpoint;            ///< where it would go; empty: it stops
+  std::string viewpoint;            ///< its target; empty: stop
   double probability = 0;           ///< in [0, 1]
-  std::optional<double> map = {};   ///< the probability by the map alone; of agents that have one
-  std::optional<double> view = {};  ///< by what is seen alone; none for what is not to be seen
+  std::optional<double> map = {};   ///< the probability by the map alone; only for agents with a
+                                    ///< map
+  std::optional<double> view = {};  ///< by the views alone; no value for targets out of view
 };
 
 /// A viewpoint on the agent's map.
@@ -36,11 +37,10 @@ struct DecisionStep {
   double heading = 0, elevation = 0;  ///< radians, of its view
   std::vector<double> attention;      ///< one weight per word, in [0, 1]; empty: not recorded
   std::vector<Choice> choices;        ///< at least one
-  std::size_t chosen = 0;             ///< index of `choices`
-  /// Viewpoints that it goes through to the chosen one, that one included; empty: not recorded, or
-  /// it stays.
+  std::size_t chosen = 0;             ///< index into `choices`
+  /// Viewpoints on the way to the chosen one, that one included; empty: not recorded, or it stays.
   std::vector<std::string> way;
-  std::optional<double> map_share;  ///< of the map in the common score, in [0, 1]
+  std::optional<double> map_share;  ///< weight of the map in the common score, in [0, 1]
   std::vector<MapNode> nodes;       ///< the map so far; empty for an agent without one
   std::string object;               ///< the one that it would answer here; empty: none
 };
@@ -55,20 +55,25 @@ struct EpisodeDecisions {
 /// By instruction id.
 using DecisionFile = std::map<std::string, EpisodeDecisions>;
 
-/// Reads "<split>.attention.json" of such an agent: {instr_id: {"agent", "words": [...], "steps":
-/// [{"viewpoint", "heading", "elevation", "attention", "choices": [{"viewpoint", "probability",
-/// "map", "view"}], "chosen", "way", "map_share", "nodes": [{"viewpoint", "visited", "stop"}],
-/// "object"}]}}. Of a step `attention`, `way`, `map_share`, `nodes` and `object` may be missing, of
-/// a choice `map` and `view`, of a node `stop`; other fields are ignored. The viewpoint of stop is
-/// null.
-/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
-/// fields that are missing or of a wrong type, a number of weights other than that of words, a
-/// probability outside [0, 1.001], no choice, a chosen one that is none of the choices
+/// Reads "<split>.attention.json" of such an agent.
+///
+///     {instr_id: {"agent", "words": [...], "steps": [...]}}
+///
+/// A step is {"viewpoint", "heading", "elevation", "attention", "choices", "chosen", "way",
+/// "map_share", "nodes", "object"}. Optional are `attention`, `way`, `map_share`, `nodes` and
+/// `object`. A choice is {"viewpoint", "probability", "map", "view"}; `map` and `view` are
+/// optional, and the viewpoint of stop is null. A node is {"viewpoint", "visited", "stop"}; `stop`
+/// is optional. Other fields are ignored.
+/// \throws FileError
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
+/// - not JSON, fields that are missing or of a wrong type
+/// - another number of weights than of words, a probability outside [0, 1.001]
+/// - no choice, a chosen one that is not one of the choices
 DecisionFile load_decisions(const std::filesystem::path& file);
 /// The same for a text; `file` is its name in messages.
 DecisionFile parse_decisions(std::string_view json, const std::string& file);
 
-/// What may stand in "<split>.attention.json".
+/// Content of "<split>.attention.json".
 using RecordedSplit = std::variant<AttentionFile, DecisionFile>;
 /// Reads either form: decisions if the first episode names its agent.
 /// \throws as load_attention() and load_decisions()

@@ -31,9 +31,10 @@ struct DuetConfig {
   std::int64_t object = 0;   ///< columns of an object's features; 0: no objects
   Fusion fusion = Fusion::kDynamic;
   bool map_distances = true;      ///< the map's distances bias the attention among its nodes
-  std::int64_t max_words = 200;   ///< of an instruction, those at both ends included
-  std::int64_t max_actions = 15;  ///< decisions of an episode; the last one always stops
-  /// A walk ends where the agent has stopped by itself, and not where stopping was most probable.
+  std::int64_t max_words = 200;   ///< per instruction, those at both ends included
+  std::int64_t max_actions = 15;  ///< per episode; the last one always stops.
+  /// A trajectory ends where the agent has stopped by itself, and not where stopping was most
+  /// probable.
   bool stays_where_it_stops = false;
   double dropout = 0.1;          ///< within the network, in training
   double feature_dropout = 0.4;  ///< of image and object features, in training
@@ -46,7 +47,7 @@ struct DuetConfig {
 /// \throws ArgumentError for another name, naming those that there are
 DuetConfig duet_preset(std::string_view name);
 
-/// \throws ArgumentError naming the first size that is not possible, and what is
+/// \throws ArgumentError naming the first impossible size, and the possible ones
 void validate(const DuetConfig& config);
 
 }  // namespace enfilade::models

@@ -28,16 +28,17 @@ class InstructionWords {
   std::int64_t end() const noexcept;         ///< `<EOS>`, [SEP], `</s>`
   std::int64_t pad() const noexcept;         ///< `<PAD>`, [PAD], `<pad>`
   std::optional<std::int64_t> mask() const;  ///< `<MASK>`, [MASK], `<mask>`
-  std::string word(std::int64_t id) const;   ///< to be looked at. \pre id < size()
+  std::string word(std::int64_t id) const;   ///< for display. \pre id < size()
   /// Null if these are pieces.
   const tasks::Vocabulary* vocabulary() const { return std::get_if<tasks::Vocabulary>(&words_); }
 
-  /// begin(), the words, end(). Of more than `most` ids the last that is kept becomes end().
+  /// begin(), the words, end(). With more than `most` ids the last kept one becomes end().
   /// \pre most >= 2
   std::vector<std::int64_t> encode(std::string_view text, std::size_t most) const;
-  /// An episode's instruction. Where its annotation brings ids of these pieces (`tokens` that go
-  /// from begin() to end(), all below size()), these, the first `most` of them: as the released
-  /// agents read. Otherwise its text. \pre most >= 2
+  /// An episode's instruction. Uses the first `most` of its annotation's `tokens` if these are ids
+  /// of these pieces: from begin() to end(), all below size(). The released agents do so, too.
+  /// Otherwise encodes its text.
+  /// \pre most >= 2
   std::vector<std::int64_t> encode(const tasks::Episode& episode, std::size_t most) const;
   /// The same of all episodes, in their order. \param reads whether the agent uses language: else
   /// every instruction is begin() and end() alone. \pre most >= 2

@@ -10,8 +10,8 @@
 
 namespace enfilade::models {
 
-/// The words that occur at least `least_count` times in the instructions of these episodes (5 in
-/// the released code: 991 entries with the special ones for R2R's train).
+/// The words that occur at least `least_count` times in the instructions of these episodes. Default
+/// 5 as in the released code: 991 entries with the special ones for R2R's train.
 tasks::Vocabulary training_vocabulary(const tasks::EpisodeSet& episodes,
                                       std::size_t least_count = 5);
 
@@ -43,7 +43,7 @@ class EncodedInstructions {
 std::size_t word_count(std::span<const std::uint32_t> row);
 
 /// The words of an encoded row in reading order ("<UNK>" for those not in the vocabulary), then
-/// "<EOS>" unless it was cut off. words[k] is at places[k] of the row.
+/// "<EOS>" unless it was cut off. Word k is words[k], at places[k] of the row.
 struct ReadingOrder {
   std::vector<std::string> words;
   std::vector<std::size_t> places;

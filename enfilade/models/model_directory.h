@@ -31,7 +31,7 @@ struct ModelFiles {
   std::filesystem::path lock() const { return folder / "training.lock"; }
   /// `results/<split>.json`
   std::filesystem::path results(std::string_view split) const;
-  /// `walks/02/<scan>.safetensors`: what an agent that walks freely learns from. \param set from 1
+  /// `walks/02/<scan>.safetensors`: DAgger data of a continuous agent. \param set from 1
   std::filesystem::path walks(std::size_t set, std::string_view scan) const;
   /// The weights of its picture encoder: `encoder`, whatever their format.
   std::filesystem::path encoder() const { return folder / "encoder"; }
@@ -56,12 +56,13 @@ ModelConfig load_model_config(const std::filesystem::path& file);
 /// Reads vocabulary.txt. \throws FileError; InvalidInput, also if its size is not the network's
 tasks::Vocabulary load_vocabulary(const ModelFiles& files, const NetworkConfig& network);
 
-/// Reads the words or pieces of an agent that chooses among viewpoints, from the file that it has
-/// of its kind of text. \throws FileError; InvalidInput, also if their number is not the network's
+/// Reads the words or pieces of an agent that chooses among viewpoints, from the file of its kind
+/// of text.
+/// \throws FileError; InvalidInput, also if their number is not the network's
 InstructionWords load_instruction_words(const ModelFiles& files, const TrainConfig& training);
 
-/// `features` if the model sees, else null. \throws ArgumentError if it sees and there are none, or
-/// their size is not the network's
+/// `features` if the model uses vision, else null.
+/// \throws ArgumentError if it does and there are none, or their size is not the network's
 const features::FeatureSet* usable_features(const ModelConfig& config,
                                             const features::FeatureSet* features);
 

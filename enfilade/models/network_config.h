@@ -5,7 +5,7 @@
 
 namespace enfilade::models {
 
-/// What the agent may use. The weights have the same shapes in any case; unused ones only decay.
+/// Inputs of the agent. The weights have the same shapes in any case; unused ones only decay.
 struct Inputs {
   bool language = true;  ///< off: every instruction is just `<EOS>`
   bool vision = true;    ///< off: features are zero and not read
@@ -22,7 +22,7 @@ struct NetworkConfig {
   double dropout = 0.5;         ///< [0, 1)
   Inputs inputs;
 };
-/// \throws ArgumentError naming the field, its value and what is allowed
+/// \throws ArgumentError naming the field, its value and the allowed range
 void validate(const NetworkConfig& config);
 
 /// Adam with L2 regularisation, as in the released code: the same for encoder and decoder.

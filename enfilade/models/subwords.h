@@ -33,7 +33,7 @@ class Subwords {
   /// a table of characters that points outside itself
   static Subwords load_sentence_pieces(const std::filesystem::path& file);
   static Subwords parse_sentence_pieces(std::string_view bytes, const std::string& origin);
-  /// One or the other: a file whose name ends in `.model` is SentencePiece's.
+  /// Either kind: a file whose name ends in `.model` is SentencePiece's.
   static Subwords load(const std::filesystem::path& file, Letters letters = Letters::kFolded);
 
   std::size_t size() const noexcept;                                ///< ids are below it
@@ -47,13 +47,14 @@ class Subwords {
 
   /// A text as token ids, begin() and end() around them; nothing is cut off. Words that the pieces
   /// cannot make are unknown(). Special pieces written out in the text ("[SEP]") are text like any
-  /// other. Bytes that are not UTF-8 count as U+FFFD, which WordPiece reads over. Linear in the
-  /// text but for the longest piece.
+  /// other. Bytes that are not UTF-8 count as U+FFFD, which WordPiece skips. Linear in the text
+  /// except for the longest piece.
   ///
-  /// WordPiece: control characters go, CJK characters and punctuation are words of their own, of
-  /// the rest each longest piece from the left, in words of at most 100 characters (Devlin et al.,
-  /// 2019, as in their code and in Hugging Face's). SentencePiece: characters are replaced by the
-  /// file's table, and the most probable pieces taken (Kudo, 2018).
+  /// - WordPiece: control characters go, CJK characters and punctuation are words of their own.
+  ///   Other words, of at most 100 characters, give each longest piece from the left (Devlin et
+  ///   al., 2019, as in their code and in Hugging Face's).
+  /// - SentencePiece: characters are replaced by the file's table, and the most probable pieces
+  ///   taken (Kudo, 2018).
   std::vector<std::int32_t> encode(std::string_view text) const;
 
   /// How text becomes ids of pieces; the two kinds are such.
@@ -65,8 +66,8 @@ class Subwords {
 };
 
 /// Puts the ids of each instruction's text into its details' `tokens`, which files of the public
-/// code have as `instr_encodings`; those that are there are replaced. \throws ArgumentError for
-/// CVDN, whose token ids are those of a whole dialogue, not of a text
+/// code have as `instr_encodings`; existing ones are replaced.
+/// \throws ArgumentError for CVDN, whose token ids are those of a whole dialogue, not of a text
 void encode_instructions(tasks::Annotations& annotations, const Subwords& words);
 
 }  // namespace enfilade::models

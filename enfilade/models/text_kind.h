@@ -5,7 +5,7 @@
 
 namespace enfilade::models {
 
-/// What an instruction is cut into.
+/// Tokens of an instruction.
 enum class TextKind : std::uint8_t {
   kWords,           ///< the words of the training instructions
   kWordPieces,      ///< pieces of BERT's vocabulary

@@ -129,7 +129,7 @@ void make_small_seq2seq_ce(TrainConfig& config) {
   config.iterations = updates_of(sizes, config.batch_size);
 }
 
-// Larger steps than published, as nothing is pretrained; first values, which nobody has tuned.
+// Larger steps than published, as nothing is pretrained; first values, not tuned.
 void make_small(TrainConfig& config) {
   config.adam.learning_rate = 1e-3;
   config.iterations = 3000;
@@ -326,7 +326,7 @@ void validate(const TrainConfig& config) {
 
 namespace {
 
-// What differs of two objects, but for the names that are left out.
+// Differences of two objects, except the names that are left out.
 template <class LeftOut>
 void compare(const Json& a, const Json& b, const LeftOut& left_out,
              std::vector<std::string>& found) {

@@ -20,22 +20,22 @@ enum class AgentKind : std::uint8_t {
   kSeq2Seq,    ///< Anderson et al. 2018: six actions, no memory but an LSTM's
   kPanoramic,  ///< EnvDrop's listener (Tan et al. 2019): an LSTM that chooses among neighbours
   kDuet,       ///< DUET (Chen et al. 2022): a Transformer with a map
-  kSpeaker,    ///< EnvDrop's speaker (Tan et al. 2019): does not walk but describes paths in words
-  kSeq2SeqCe,  ///< Krantz et al. 2020: walks freely, by VLN-CE's four actions
+  kSpeaker,    ///< EnvDrop's speaker (Tan et al. 2019): describes paths in words
+  kSeq2SeqCe,  ///< Krantz et al. 2020: continuous, with VLN-CE's four actions
 };
 /// "seq2seq", "panoramic", "duet", "speaker", "seq2seq-ce"
 std::string_view to_string(AgentKind value) noexcept;
 AgentKind parse_agent_kind(std::string_view name);  ///< \throws ArgumentError
 
-/// What a training of duet is for.
+/// Purpose of a training of duet.
 enum class Stage : std::uint8_t {
-  kFineTune,  ///< it walks, with a teacher
+  kFineTune,  ///< it chooses actions, with a teacher
   kPretrain,  ///< it guesses: masked words and views, the next step, the object
 };
 std::string_view to_string(Stage value) noexcept;  ///< "fine-tune", "pretrain"
 Stage parse_stage(std::string_view name);          ///< \throws ArgumentError
 
-/// What happens to an agent that chose `end` away from its goal, while others of its batch go on.
+/// Behaviour of an agent that chose `end` away from its goal, while others of its batch continue.
 enum class AfterEnd {
   kWalksOn,  ///< as in the released code: it is still labelled and moved and adds to the loss; only
              ///< its recorded path has ended
@@ -63,7 +63,7 @@ enum class Optimizer : std::uint8_t {
 std::string_view to_string(Optimizer value) noexcept;  ///< "adam", "adamw", "rmsprop"
 Optimizer parse_optimizer(std::string_view name);      ///< \throws ArgumentError
 
-/// What becomes of the learning rate after the warm-up.
+/// Learning rate after the warm-up.
 enum class Schedule : std::uint8_t {
   kConstant,
   kLinear,  ///< falls to 0 at TrainConfig::iterations, which then cannot be changed later
@@ -71,26 +71,26 @@ enum class Schedule : std::uint8_t {
 std::string_view to_string(Schedule value) noexcept;  ///< "constant", "linear"
 Schedule parse_schedule(std::string_view name);       ///< \throws ArgumentError
 
-/// What a panoramic agent learns from a walk of its own.
+/// Loss of a panoramic agent's own rollout.
 enum class SampledLoss : std::uint8_t {
-  kLabels,     ///< the teacher's choice wherever it comes: student-forcing
+  kLabels,     ///< the teacher's choice at every viewpoint: student-forcing
   kReinforce,  ///< rewards: advantage actor-critic, as EnvDrop
 };
 std::string_view to_string(SampledLoss value) noexcept;  ///< "labels", "reinforce"
 SampledLoss parse_sampled_loss(std::string_view name);   ///< \throws ArgumentError
 
-/// Which node of its map an agent's teacher names in a walk of the agent's own.
+/// The node of its map that an agent's teacher names in the agent's own rollout.
 enum class MapTeacher : std::uint8_t {
-  kSpl,   ///< the one with the least way through it to the goal
+  kSpl,   ///< the one with the shortest path through it to the goal
   kNdtw,  ///< the one that keeps nearest to the annotated path
 };
 std::string_view to_string(MapTeacher value) noexcept;  ///< "spl", "ndtw"
 MapTeacher parse_map_teacher(std::string_view name);    ///< \throws ArgumentError
 
-/// Where an agent with a map ends after it has stopped by itself. Weights do not depend on it.
+/// Last viewpoint of an agent with a map that has stopped by itself. Weights do not depend on it.
 enum class FinalStop : std::uint8_t {
   kBest,  ///< it goes back to where stopping was most probable, as the released DUET
-  kOwn,   ///< it stays; it goes back only where the limit has stopped it
+  kOwn,   ///< it stays; it goes back only after the limit of actions
 };
 std::string_view to_string(FinalStop value) noexcept;  ///< "best", "own"
 FinalStop parse_final_stop(std::string_view name);     ///< \throws ArgumentError
@@ -99,12 +99,12 @@ FinalStop parse_final_stop(std::string_view name);     ///< \throws ArgumentErro
 /// has those of the other agents.
 struct TrainConfig {
   AgentKind agent = AgentKind::kSeq2Seq;
-  /// The network of seq2seq. Of it `max_words`, `inputs`, and `vocabulary` and `features`, which
-  /// follow from the data, are meant for every agent.
+  /// The network of seq2seq. Its `max_words`, `inputs`, `vocabulary` and `features` apply to every
+  /// agent; the last two follow from the data.
   NetworkConfig network;
-  /// What the agent reads; network.vocabulary counts its words or pieces. Seq2seq has words alone.
+  /// Tokens of the agent; network.vocabulary counts its words or pieces. Seq2seq has only words.
   TextKind text = TextKind::kWords;
-  Letters letters = Letters::kFolded;  ///< of word pieces
+  Letters letters = Letters::kFolded;  ///< for word pieces
   PanoramicConfig panoramic;           ///< of that agent: all but `vocabulary` and `image`
   SpeakerConfig speaker;               ///< likewise
   DuetConfig duet;             ///< likewise; its max_words and max_actions do not count either
@@ -112,36 +112,36 @@ struct TrainConfig {
   /// Rates and decay of any optimizer. RMSprop's share of the old mean is beta2.
   AdamConfig adam;
   Optimizer optimizer = Optimizer::kAdam;  ///< seq2seq has Adam alone
-  double clip = 40;         ///< largest norm of the gradients; not of seq2seq, which has no limit
-  std::size_t warm_up = 0;  ///< first updates, in which the rate rises; not of seq2seq
-  Schedule schedule = Schedule::kConstant;  ///< not of seq2seq
-  /// kTeacher: walks behind the teacher alone. kSample: walks of its own, and those behind the
-  /// teacher as `teacher_weight` says. Not kArgmax.
+  double clip = 40;         ///< largest norm of the gradients; not for seq2seq, which has no limit
+  std::size_t warm_up = 0;  ///< first updates, in which the rate rises; not for seq2seq
+  Schedule schedule = Schedule::kConstant;  ///< not for seq2seq
+  /// kTeacher: teacher-forced rollouts only. kSample: its own rollouts, and teacher-forced ones by
+  /// `teacher_weight`. Not kArgmax.
   Feedback feedback = Feedback::kSample;
-  /// Weight of the loss of a walk behind the teacher beside one of its own; 0: no such walk. Not of
-  /// seq2seq.
+  /// Weight of the loss of a teacher-forced rollout beside its own; 0: none. Not for seq2seq.
   double teacher_weight = 0.2;
-  SampledLoss sampled_loss = SampledLoss::kReinforce;  ///< of panoramic
-  MapTeacher map_teacher = MapTeacher::kSpl;           ///< of duet
-  FinalStop final_stop = FinalStop::kBest;             ///< of duet
-  Stage stage = Stage::kFineTune;                      ///< of duet
-  /// Of duet: the hash of another model's weights (in its file) that training began with. No value:
-  /// random ones.
+  SampledLoss sampled_loss = SampledLoss::kReinforce;  ///< for panoramic
+  MapTeacher map_teacher = MapTeacher::kSpl;           ///< duet only
+  FinalStop final_stop = FinalStop::kBest;             ///< duet only
+  Stage stage = Stage::kFineTune;                      ///< duet only
+  /// duet only: the hash of another model's weights (in its file) that training began with. No
+  /// value: random ones.
   std::optional<std::string> initial_weights = {};
-  std::size_t iterations = 20'000;  ///< of seq2seq-ce they follow: see fix_updates()
+  std::size_t iterations = 20'000;  ///< for seq2seq-ce they follow: see fix_updates()
   std::size_t batch_size = 100;
-  /// Parts that a batch is computed in, one after the other or by several processes; their
-  /// gradients are added in an order that does not depend on how many. No value: all at once. 0: a
-  /// part a process, added as they come, so that results depend on the number of processes.
+  /// Parts that a batch is computed in, one after the other or by several processes. Their
+  /// gradients are added in an order that does not depend on the number of processes. No value: all
+  /// at once. 0: one part per process, added as they come, so that results depend on the number of
+  /// processes.
   std::optional<std::size_t> parts = {};
-  /// Actions of an episode; of agents that choose among viewpoints, choices.
+  /// Actions per episode; for agents that choose among viewpoints, choices.
   std::size_t max_steps = 20;
-  AfterEnd after_end = AfterEnd::kWalksOn;  ///< of seq2seq
-  ForwardTo forward = ForwardTo::kNearest;  ///< of seq2seq
+  AfterEnd after_end = AfterEnd::kWalksOn;  ///< seq2seq only
+  ForwardTo forward = ForwardTo::kNearest;  ///< seq2seq only
   std::uint64_t seed = 1;  ///< of weights, order of episodes, dropout and sampled actions
   std::vector<std::string> splits{"train"};  ///< trained on; the vocabulary is made of them too
-  /// Only the paths in so many buildings are trained on, those that come first in the files: for
-  /// curves of success by the number of buildings. No value: all.
+  /// Number of buildings whose paths are trained on, the first ones in the files: for curves of
+  /// success by the number of buildings. No value: all.
   std::optional<std::size_t> buildings = {};
   std::size_t least_count = 5;  ///< occurrences of a word in the vocabulary
   /// Splits of which validation loss and greedy scores are computed every `evaluate_every`
@@ -151,10 +151,10 @@ struct TrainConfig {
   std::size_t checkpoint_every = 100;  ///< iterations; also after the last
 };
 
-/// Where a training's settings come from.
+/// Source of a training's settings.
 enum class Recipe : std::uint8_t {
   kPublished,  ///< EnvDrop's run script, DUET's of R2R, the paper's of seq2seq: the defaults
-  kSmall,      ///< ours: small networks from nothing, in model homes, on two cores
+  kSmall,      ///< ours: small networks from nothing, in synthetic homes, on two cores
 };
 std::string_view to_string(Recipe value) noexcept;  ///< "published", "small"
 Recipe parse_recipe(std::string_view name);         ///< \throws ArgumentError
@@ -163,8 +163,9 @@ Recipe parse_recipe(std::string_view name);         ///< \throws ArgumentError
 TrainConfig recipe(AgentKind agent, Recipe source = Recipe::kPublished,
                    Stage stage = Stage::kFineTune);
 
-/// Of seq2seq-ce: its sets have no more walks than there are episodes, and `iterations` are the
-/// updates_of() those sets. Of others nothing changes. \param episodes trained on
+/// seq2seq-ce: its sets have no more rollouts than there are episodes, and `iterations` are the
+/// updates_of() those sets. Other agents do not change.
+/// \param episodes trained on
 void fix_updates(TrainConfig& config, std::size_t episodes);
 
 /// The sizes of the networks, with what follows from the data. `<BOS>` and `<MASK>` have rows
@@ -184,11 +185,11 @@ Inputs parse_inputs(std::string_view name);
 Feedback parse_feedback(std::string_view name);
 
 /// Checks everything but network.vocabulary and network.features.
-/// \throws ArgumentError naming the field, its value and what is allowed
+/// \throws ArgumentError naming the field, its value and the allowed range
 void validate(const TrainConfig& config);
 
-/// Why the weights of one network cannot be those of another: agents, texts and sizes that differ
-/// ("hidden: 512, not 256"). What training alone uses, and max_words, may differ.
+/// Reasons why the weights of one network cannot be those of another: agents, texts and sizes that
+/// differ ("hidden: 512, not 256"). Settings used only in training, and max_words, may differ.
 std::vector<std::string> size_differences(const TrainConfig& there, const TrainConfig& here);
 
 /// The differences of two configs that affect the weights ("hidden: 512, not 256"). Left out are

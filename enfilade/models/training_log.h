@@ -41,7 +41,7 @@ struct SpeakerRecord {
   double loss = 0;               ///< cross-entropy a word, natural logarithm, without dropout
   double perplexity = 0;         ///< e to the power of `loss`
   double accuracy = 0;           ///< share of words of which the likeliest is right, 0 to 1
-  double bleu = 0;               ///< BLEU-4 of greedy instructions, one a path, 0 to 1
+  double bleu = 0;               ///< BLEU-4 of greedy instructions, one per path, 0 to 1
   double time = 0;               ///< as TrainRecord's
 };
 
@@ -55,12 +55,14 @@ struct TrainingHistory {
 };
 
 /// Reads a log.jsonl. Each line is a JSON object whose "type" is "train", "evaluation", "speaker"
-/// or another one, which is ignored, as are further fields; so is a last line without its end,
-/// which training is writing or was killed in. Where training went on from a checkpoint, iterations
-/// come again: the later ones count. "iteration" and "loss" of training, and "iteration", "split",
-/// "nav_error" and "success_rate" of an evaluation are required; its other numbers are NaN where
-/// they are missing, as are those of "speaker" but "iteration" and "split". \throws FileError;
-/// InvalidInput naming the line
+/// or another one, which is ignored, as are further fields. So is an incomplete last line, of a
+/// running or killed training. After a resume from a checkpoint, iterations come again: the later
+/// ones count.
+///
+/// Required are "iteration" and "loss" of training, and "iteration", "split", "nav_error" and
+/// "success_rate" of an evaluation. An evaluation's other numbers are NaN if missing, as are those
+/// of "speaker" except "iteration" and "split".
+/// \throws FileError; InvalidInput naming the line
 TrainingHistory load_training_log(const std::filesystem::path& file);
 /// The same for a text; `file` is its name in messages.
 TrainingHistory parse_training_log(std::string_view lines, const std::string& file);

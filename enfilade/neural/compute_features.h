@@ -14,7 +14,7 @@
 
 namespace enfilade::neural {
 
-/// What features are computed with, and of which share of the viewpoints.
+/// Encoder, views and shard of a run.
 struct FeatureJob {
   EncoderConfig encoder;
   Shard shard;            ///< of the viewpoints
@@ -23,7 +23,7 @@ struct FeatureJob {
   int threads = 0;  ///< of rendering; 0: all cores. The encoder runs on libtorch's: set_threads()
 };
 
-/// What a run of compute_features() has done.
+/// Result of compute_features().
 struct FeatureReport {
   std::size_t viewpoints = 0;        ///< of the shard, in the file now
   std::size_t resumed = 0;           ///< of them, those computed by an earlier run that was stopped
@@ -33,12 +33,13 @@ struct FeatureReport {
 };
 
 /// Renders the 36 discretized views (render::discrete_views) of each included viewpoint that has
-/// pictures, in the order of the set's scans, runs the encoder on them, and writes its output with
-/// a FeatureWriter; a run that was stopped is continued. The values do not depend on shards and
-/// `threads`, and on `batch` and libtorch's threads in the last bits only. An encoder on a card has
-/// its pictures drawn there (render::Backend::kCuda, the same bytes). \param progress counts
-/// viewpoints \throws as make_encoder(), FeatureWriter and the panoramas' sources; ArgumentError
-/// for a batch of 0, a shard out of range, or if there is no viewpoint at all
+/// pictures, in the order of the set's scans. Runs the encoder on them, and writes its output with
+/// a FeatureWriter; a stopped run is continued. The values do not depend on shards and `threads`,
+/// and on `batch` and libtorch's threads in the last bits only. An encoder on a card has its
+/// pictures rendered there (render::Backend::kCuda, the same bytes).
+/// \param progress counts viewpoints
+/// \throws as make_encoder(), FeatureWriter and the panoramas' sources
+/// \throws ArgumentError for a batch of 0, a shard out of range, or if there is no viewpoint at all
 FeatureReport compute_features(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                                const FeatureJob& job, const std::filesystem::path& file,
                                const Progress& progress = {});

@@ -18,14 +18,14 @@ enum class Precision : std::uint8_t {
 std::string_view to_string(Precision value) noexcept;  ///< "float32", "tf32", "bfloat16"
 Precision parse_precision(std::string_view name);      ///< \throws ArgumentError
 
-/// What a network is trained with.
+/// Device and processes of a training.
 struct Computing {
   std::string device = "cpu";  ///< "cpu", "cuda" (the first card) or "cuda:1"
   Precision precision = Precision::kFloat32;
   Ranks* ranks = nullptr;  ///< processes that train together; null: this one alone
 };
 
-/// What decides the bits of libtorch's results on a CPU, beside its BLAS.
+/// Libtorch's properties that decide the bits of its results on a CPU, beside its BLAS.
 struct TorchKind {
   std::string version;       ///< of libtorch, "1.13.1"
   std::string instructions;  ///< that it uses here: "AVX2", "AVX512", "default"
@@ -34,21 +34,21 @@ TorchKind torch_kind();
 
 int card_count();  ///< cards that libtorch can use here; 0 if none
 
-/// Below this speed training takes too long: an optimised BLAS is ten times as fast on any machine
-/// of today, the reference BLAS is slower on all.
+/// Below this speed training takes too long. An optimised BLAS is ten times as fast on any current
+/// processor, the reference BLAS is slower on all.
 inline constexpr double kSlowBlas = 30;  ///< GFLOP/s
 
 /// Which libtorch this is, and how fast its matrix products are here.
 struct TorchReport {
   std::string version;  ///< of libtorch, "1.13.1"
   int threads = 0;      ///< that a matrix product runs on
-  std::string blas;     ///< the file of sgemm_, links resolved; empty if it cannot be found
+  std::string blas;     ///< the file of sgemm_, links resolved; empty if unknown.
   /// GFLOP/s of a product of the sequence-to-sequence agent's size, (100, 2592) x (2592, 2048): the
   /// best of a few.
   double product_speed = 0;
   std::string cuda;       ///< "works", or why it does not, in libtorch's words
   bool connects = false;  ///< whether processes can train together
-  std::string processes;  ///< by what, or what is missing
+  std::string processes;  ///< by which library, or the missing part
 };
 /// Takes a few tenths of a second, or several seconds with the reference BLAS. Leaves libtorch with
 /// one thread per core.

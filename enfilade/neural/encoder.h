@@ -25,8 +25,8 @@ std::string_view to_string(Preprocessing preprocessing) noexcept;  ///< "caffe",
 /// Which network, with which weights, on which device.
 struct EncoderConfig {
   std::string name = "resnet152";  ///< one of encoder_names()
-  /// safetensors or a file of torch.save(): of ResNets, torchvision's or timm's names; of
-  /// "vit-b-16", timm's; of CLIP, OpenAI's or Hugging Face's; for "home", a file written by
+  /// A file of safetensors or of torch.save(), with these names: ResNets torchvision's or timm's,
+  /// "vit-b-16" timm's, CLIP OpenAI's or Hugging Face's. For "home", a file written by
   /// pretrain_home_encoder(). Empty: random weights by `seed` (for tests and timings).
   std::filesystem::path weights = {};
   /// The one that the weights were trained with. Caffe's ResNets are another network than
@@ -51,9 +51,9 @@ class ImageEncoder {
   /// The normalisation that the renderer has to apply to its float pictures
   /// (ColourFormat::kPlanarFloat32).
   virtual render::Normalisation normalisation() const = 0;
-  virtual Camera camera() const = 0;  ///< of the pictures it was trained on: 640 x 480, 60 degrees
+  virtual Camera camera() const = 0;  ///< of its training pictures: 640 x 480, 60 degrees.
   /// Memory of (n, 3, height, width) in which encode() reads pictures without a copy, until the
-  /// next call: on the encoder's card if on_card(), then to be filled in the order of the legacy
+  /// next call. On the encoder's card if on_card(), then to be filled in the order of the legacy
   /// default stream; else of the host.
   virtual std::span<float> memory(std::size_t n, const Camera& camera) = 0;
   /// Whether memory() is on a card.
@@ -69,9 +69,12 @@ class ImageEncoder {
   virtual std::string preprocessing() const = 0;
 };
 
-/// Loads an encoder. \throws LookupError for an unknown name; FileError, InvalidInput for the
-/// weights, naming every missing, surplus and wrong-shaped array at once; ArgumentError for class
-/// scores of an encoder without them; Error for a device that is not available
+/// Loads an encoder.
+/// \throws LookupError for an unknown name
+/// \throws FileError, InvalidInput for the weights, naming every missing, surplus and wrong-shaped
+/// array at once
+/// \throws ArgumentError for class scores of an encoder without them
+/// \throws Error for a device that is not available
 std::unique_ptr<ImageEncoder> make_encoder(const EncoderConfig& config);
 
 }  // namespace enfilade::neural

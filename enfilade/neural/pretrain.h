@@ -1,4 +1,4 @@
-/// \file  Pretraining of `home`, the small image encoder for model homes.
+/// \file  Pretraining of `home`, the small image encoder for synthetic homes.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace enfilade::neural {
 
-/// What to train on, and how long.
+/// Data and length of a pretraining.
 struct PretrainConfig {
   std::vector<std::string> training;  ///< scans to train on; their panoramas need depth and classes
   std::vector<std::string> unseen;    ///< scans to evaluate on in the end; may be none
@@ -29,8 +29,8 @@ struct PretrainConfig {
 /// Scores on pictures that the network was not trained on.
 struct HomeScore {
   std::size_t pictures = 0;
-  /// Average precision, 0 to 1, of "more than 2 % of this third of the picture are of the class",
-  /// by PretrainReport::classes; NaN for classes that occur fewer than 20 times.
+  /// Average precision, 0 to 1, by PretrainReport::classes, of the prediction that more than 2 % of
+  /// a third of the picture are of the class. NaN for classes that occur fewer than 20 times.
   std::vector<double> average_precision;
   double mean_average_precision = 0;  ///< over the classes that are not NaN
   double chance = 0;                  ///< that of random guesses
@@ -52,11 +52,12 @@ struct PretrainReport {
 /// Called after each step of pretraining.
 using PretrainProgress = std::function<void(std::size_t step, std::size_t steps, double loss)>;
 
-/// Renders pictures of the training scans at random headings and elevations, trains a network to
-/// predict classes and distances of their cells from colour alone, and writes it to `file` for
-/// make_encoder(). The same seed and numbers of threads give the same bytes. \throws LookupError
-/// for panoramas without depth or classes; ArgumentError for no training scan, 0 pictures or
-/// epochs; FileError, InvalidInput of the panoramas; as make_encoder() for the device
+/// Trains a network to predict classes and distances of pictures' cells from colour alone, and
+/// writes it to `file` for make_encoder(). Pictures are rendered in the training scans at random
+/// headings and elevations. The same seed and numbers of threads give the same bytes.
+/// \throws LookupError for panoramas without depth or classes
+/// \throws ArgumentError for no training scan, 0 pictures or epochs
+/// \throws FileError, InvalidInput of the panoramas; as make_encoder() for the device
 PretrainReport pretrain_home_encoder(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                                      const PretrainConfig& config,
                                      const std::filesystem::path& file,

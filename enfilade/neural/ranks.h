@@ -1,4 +1,4 @@
-/// \file  Processes that train or evaluate one model together, on one machine or on many.
+/// \file  Processes that train or evaluate one model together, on one computer or on many.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -17,30 +17,30 @@
 namespace enfilade::neural {
 
 /// Another process of the same work has ended or does not answer; what() names it. The work can be
-/// begun again, from its last checkpoint.
+/// retried, from its last checkpoint.
 class LostRank : public CutShort {
  public:
   using CutShort::CutShort;
 };
 
-/// Where this process stands among those that a launcher started together.
+/// Rank of this process among those that a launcher started together.
 struct RankPlace {
   int rank = 0, size = 1;
-  int local_rank = 0, local_size = 1;  ///< among those of this machine
-  std::string host;        ///< machine of rank 0, which opens a store to find each other by
+  int local_rank = 0, local_size = 1;  ///< among those of this computer
+  std::string host;        ///< computer of rank 0, which opens a store for the ranks to meet
   std::uint16_t port = 0;  ///< of the store
   std::string launcher;    ///< "torchrun", "srun" or "mpirun"
 };
 
 /// Reads a variable of the environment; null: it is not set.
 using Variables = std::function<const char*(const char*)>;
-/// What torchrun (and all that sets RANK and WORLD_SIZE), Open MPI, MPICH or a step of Slurm left
-/// in the environment. None: the process was started alone.
-/// \throws ArgumentError naming a variable that is missing or is no number
+/// The place that torchrun (and all that sets RANK and WORLD_SIZE), Open MPI, MPICH or a step of
+/// Slurm put into the environment. No value: the process was started alone.
+/// \throws ArgumentError naming a variable that is missing or is not a number
 std::optional<RankPlace> find_place(const Variables& variables);
 std::optional<RankPlace> find_place();  ///< of this process's environment
 
-/// The first machine of a list as Slurm writes it: "node[07-12,20],login" has "node07".
+/// The first computer of a list as Slurm writes it: "node[07-12,20],login" has "node07".
 std::string first_host(std::string_view nodes);
 
 /// Something that has to be the same for all processes.
@@ -68,12 +68,12 @@ class Ranks {
 
   /// Waits until all are here.
   void meet();
-  /// What each process gives, by rank.
+  /// The bytes of each process, by rank.
   std::vector<std::string> gather(std::string_view bytes);
-  /// Compares what has to be the same. \throws ArgumentError, in all processes, saying which rank
+  /// Compares values that must be equal. \throws ArgumentError, in all processes, saying which rank
   /// differs from rank 0 in what
   void agree(const RankFacts& facts);
-  /// Tells the others why this process ends; they say it when they miss it.
+  /// Sends the others the reason why this process ends, for their error.
   void tell_failure(std::string_view why) noexcept;
 
   struct Impl;
@@ -83,7 +83,7 @@ class Ranks {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Calls work(); where it throws, the others are told why before the exception is passed on.
+/// Calls work(); an exception is sent to the other ranks before it is passed on.
 template <class Work>
 void tell_failures(Ranks& ranks, const Work& work) {
   try {
@@ -96,11 +96,11 @@ void tell_failures(Ranks& ranks, const Work& work) {
   }
 }
 
-/// The parts of a batch (TrainConfig::parts) for so many processes, if nobody says: 8, so that 1,
-/// 2, 4 and 8 processes give the same weights; others where 8 cannot be shared.
+/// The default number of parts of a batch (TrainConfig::parts) for that number of processes. It is
+/// 8, so that 1, 2, 4 and 8 processes give the same weights; others if 8 cannot be shared.
 std::size_t usual_parts(int processes);
 
-/// Whether processes can be connected here: "Gloo, of libtorch 1.13.1", or what is missing.
+/// Whether processes can be connected here: "Gloo, of libtorch 1.13.1", or the missing part.
 struct RanksReport {
   bool works = false;
   std::string text;

@@ -138,7 +138,7 @@ AgentKind recognised(const TensorFile& file) {
 
 // --- what does not fit ---
 
-// Of each kind of fault the first few, and how many there are; a network of another family has
+// Reports the first few faults of each kind, and their number; a network of another family has
 // hundreds.
 [[noreturn]] void refuse_briefly(const InvalidInput& all, const fs::path& file,
                                  std::string_view family) {

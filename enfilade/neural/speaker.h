@@ -19,7 +19,7 @@ namespace enfilade::neural {
 /// How paths are described.
 struct SpeakOptions {
   std::size_t batch_size = 64;   ///< paths at once
-  std::size_t most_words = 120;  ///< of an instruction; EnvDrop's number
+  std::size_t most_words = 120;  ///< per instruction; EnvDrop's number
   /// Seed of words that are drawn by their probabilities. No value: the likeliest ones.
   std::optional<std::uint64_t> drawn = {};
   /// Share of the features' columns that are missing, the same all over a batch; [0, 1).
@@ -48,8 +48,9 @@ class Speaker {
                               const features::FeatureSet* features, std::size_t batch_size = 64,
                               const Progress& progress = {});
 
-  /// An instruction for each of EpisodeSet::paths, in their order; its episodes are of no account.
-  /// The same options give the same texts. \throws as score()
+  /// An instruction for each of EpisodeSet::paths, in their order; its episodes are ignored. The
+  /// same options give the same texts.
+  /// \throws as score()
   std::vector<std::string> describe(const tasks::EpisodeSet& paths,
                                     const features::FeatureSet* features,
                                     const SpeakOptions& options, const Progress& progress = {});

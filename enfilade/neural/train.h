@@ -21,7 +21,7 @@ struct GatheringProgress;  // continuous_agent.h
 TrainingData load_training_data(const dataset::Dataset& dataset, const models::TrainConfig& config,
                                 const std::optional<std::filesystem::path>& features);
 
-/// How far training is.
+/// Progress of training.
 struct TrainingProgress {
   std::uint64_t iteration = 0;  ///< done
   std::uint64_t iterations = 0;
@@ -36,28 +36,29 @@ struct TrainingListener {
   std::function<void(std::uint64_t iteration)> resumed;  ///< after a checkpoint was loaded
   std::function<void(const TrainingProgress&)> iteration;
   std::function<void(const models::EvaluationRecord&)> evaluation;
-  std::function<void(const models::SpeakerRecord&)> speaker;  ///< of speakers, in its place
-  std::function<void(const GatheringProgress&)> gathering;    ///< of agents that walk freely
+  std::function<void(const models::SpeakerRecord&)> speaker;  ///< instead, for speakers
+  std::function<void(const GatheringProgress&)> gathering;    ///< of continuous agents
 };
 
 /// Trains to config.iterations, from the checkpoint in `directory` if there is one, and leaves a
-/// model directory there. On the CPU the same config and data give the same weights to the
-/// bit, on a card but for the order of some sums; also if training was killed and continued any
-/// number of times. Returns false if there was nothing to do.
+/// model directory there. The same config and data give the same weights, on the CPU to the bit, on
+/// a card except for the order of some sums. That also holds if training was killed and continued
+/// any number of times. Returns false if there was nothing to do.
 ///
-/// Where several processes train together (Computing::ranks, with TrainConfig::parts), all call
-/// this with the same arguments and see the same `directory`. Rank 0 writes, and alone calls
-/// `listener`. With the same parts and threads a process any number of them gives the same bits,
-/// also where training is continued by another number. A process that ends or differs ends all:
-/// call this within tell_failures().
+/// If several processes train together (Computing::ranks, with TrainConfig::parts), all call this
+/// with the same arguments and share one `directory`. Only rank 0 writes and calls `listener`. With
+/// the same parts and threads per process, any number of processes gives the same bits, also if
+/// another number continues a training. A process that ends or differs ends all: call this within
+/// tell_failures().
 ///
 /// \param from the directory of another model of duet with the same sizes: training begins with its
-/// weights and reads its words. To be given again to go on.
-/// \throws ArgumentError for a config or computing that is not possible, or
-/// not that of the model in `directory`, or data that is not what it was trained on, or sizes that
-/// are not those of `from` (each says what differs); FileError if another process trains there, or
-/// a file cannot be written: then the last checkpoint is whole; InvalidInput for a broken
-/// checkpoint, naming the one before it; Error for a loss that is not finite; LostRank
+/// weights and words. Needed again to continue
+/// \throws ArgumentError for an impossible config or computing, or a difference (named) from the
+/// model in `directory`, its data, or the sizes of `from`
+/// \throws FileError if another process trains there, or a file cannot be written: then the last
+/// checkpoint is whole
+/// \throws InvalidInput for a broken checkpoint, naming the one before it
+/// \throws Error for a loss that is not finite; LostRank
 bool train(const models::TrainConfig& config, const TrainingData& data,
            const std::filesystem::path& directory, const Computing& computing = {},
            const TrainingListener& listener = {},

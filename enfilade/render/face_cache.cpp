@@ -211,7 +211,7 @@ struct FaceCache::Impl {
   std::unordered_map<FaceKey, std::unique_ptr<Entry>, detail::FaceKeyHash> entries;
   // Entries move between these as nodes, so that nothing is allocated.
   std::list<Entry*> held;
-  std::array<std::list<Entry*>, kPlaces> idle;  // nobody holds these; least recently used first
+  std::array<std::list<Entry*>, kPlaces> idle;  // without holders; least recently used first
   FaceCacheCounters counters;
   std::vector<FaceKey> wishes;  // of prefetch(), the next one last
   std::jthread helper;          // last: it ends before what it uses
@@ -231,7 +231,7 @@ void FaceCache::Impl::release(const Lock& lock, Entry& entry) noexcept {
   list.splice(list.end(), held, entry.place);
 }
 
-// \pre nobody holds it, but it is in `from` still
+// \pre it has no holder, but is in `from` still
 void FaceCache::Impl::forget(const Lock&, Entry& entry, std::list<Entry*>& from) noexcept {
   (entry.where == kShared ? counters.shared_bytes : counters.bytes) -= entry.bytes;
   from.erase(entry.place);

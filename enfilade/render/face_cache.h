@@ -95,7 +95,7 @@ class FaceCache {
 
   /// Decodes faces that are missing, in parallel, and keeps all until release() is called with the
   /// same keys. \pre keys are distinct
-  /// \throws what the sources throw; then nothing is held
+  /// \throws the sources' errors; then nothing is held
   void acquire(std::span<const FaceKey> keys, std::span<Face> faces);
   void release(std::span<const FaceKey> keys) noexcept;
 

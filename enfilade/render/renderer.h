@@ -71,12 +71,12 @@ enum class ClassFormat : std::uint8_t {
   kUint8,   ///< (n, h, w); classes above 255 become 255
   kUint16,  ///< (n, h, w)
 };
-/// Where classes (mpcat40) go.
+/// Memory for classes (mpcat40).
 struct ClassOutput {
   ClassFormat format = ClassFormat::kUint16;
   std::span<std::byte> pixels;
 };
-/// Where instance ids go; 0: no object.
+/// Memory for instance ids; 0: no object.
 struct InstanceOutput {
   std::span<std::uint32_t> pixels;  ///< (n, h, w)
 };
@@ -143,7 +143,7 @@ class Renderer {
 
 /// Implementation of a renderer.
 enum class Backend : std::uint8_t {
-  kCpu,        ///< SIMD, with the best instruction set of this machine
+  kCpu,        ///< SIMD, with the processor's best instruction set
   kCpuScalar,  ///< plain C++: slow; the reference for the others
   kGl,         ///< OpenGL through EGL, without a display
   kCuda,       ///< a card of NVIDIA; the pictures are those of the CPU to the bit

@@ -28,8 +28,8 @@ struct ReportConfig {
 };
 
 /// An HTML document of a few megabytes that needs no other file and no network. A part whose input
-/// is missing (no pictures, no model) says so in its place. The same input gives the same page, but
-/// for the random word that names its own scripts to the browser.
+/// is missing (no pictures, no model) says so in its place. The same input gives the same page,
+/// except the random word that names its own scripts to the browser.
 /// \throws as find_runs(), score_runs(), models::load_training_log() and
 /// models::load_attention(); Error if this build has no D3; errors of broken panoramas
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,

@@ -73,7 +73,7 @@ Means means_of(const Scores& scores, std::span<const TableColumn> columns) {
   return means;
 }
 
-// Of several runs: the mean of their means, with Student's interval.
+// Several runs: the mean of their means, with Student's interval.
 tasks::MeanInterval value_over(const std::vector<const Means*>& runs, std::size_t k,
                                const TableColumn& column) {
   if (runs.size() == 1) return runs.front()->values[k];

@@ -24,12 +24,14 @@ struct TableColumn {
       {};            ///< what Benchmark::table_scorer calls its mean; empty: Scores::ours has it
   double least = 0;  ///< the smallest value that is possible
 };
-/// What the published tables of a benchmark show, in their order: of R2R TL NE SR OSR SPL; of
-/// REVERIE SR OSR SPL RGS RGSPL; in continuous space TL NE SR OSR SPL nDTW SDTW; and so on
-/// (docs/report.md). All of them have "success".
+/// The columns of a benchmark's published tables, in their order. All of them have "success".
+/// docs/report.md lists them, for example:
+/// - R2R: TL NE SR OSR SPL
+/// - REVERIE: SR OSR SPL RGS RGSPL
+/// - continuous space: TL NE SR OSR SPL nDTW SDTW
 std::span<const TableColumn> table_columns(const tasks::Benchmark& benchmark) noexcept;
 
-/// A figure that somebody published for a split called "val unseen", as it stands in their text.
+/// A figure that was published for a split called "val unseen", as it stands in the source.
 struct PublishedResult {
   tasks::Task task;
   std::string_view agent;
@@ -51,7 +53,7 @@ struct PublishedRow {
   double oracle_success = 0;     ///< OSR, [0, 1]
 };
 
-/// The row of an agent by the name that it has here; "student-forcing" is "student", "-1" at the
+/// The row of an agent, by its name in Enfilade. "student-forcing" is "student", and "-1" at the
 /// end (a seed) is not part of the name. An ablation ("student-language") has no row.
 std::optional<PublishedRow> published_row(std::string_view agent, std::string_view split) noexcept;
 
@@ -69,12 +71,12 @@ struct TableRow {
   std::vector<std::string> runs;  ///< "student-1", "student-2"; at least one
   std::size_t episodes = 0;       ///< of the split, or of its language
   std::string language = {};      ///< of RxR's rows by language: "hi-IN"; empty: all
-  /// By column, in the metric's own unit (metres, shares). Of one run: its mean and the bootstrap
-  /// interval over paths. Of several: the mean of their means and Student's interval of it over
-  /// runs, clipped to the values that are possible. It shows how much runs differ by their seeds,
+  /// By column, in the metric's own unit (metres, shares). One run has its mean and the bootstrap
+  /// interval over paths. Several runs have the mean of their means and Student's interval over
+  /// runs, clipped to the possible values. That interval shows how much runs differ by their seeds,
   /// not by the choice of paths.
   std::vector<tasks::MeanInterval> values;
-  /// Of R2R, only where the episodes are those of the paper's split.
+  /// R2R: only if the episodes are those of the paper's split.
   std::optional<PublishedRow> published;
 };
 
@@ -82,7 +84,7 @@ struct TableRow {
 struct ResultsTable {
   const tasks::Benchmark* benchmark = &tasks::benchmark(tasks::Task::kR2r);
   std::span<const TableColumn> columns;
-  bool synthetic = false;      ///< of made-up buildings: nothing published belongs beside them
+  bool synthetic = false;      ///< synthetic buildings: no published results beside them
   std::vector<TableRow> rows;  ///< by split (train, val_seen, val_unseen, others), then agent
   std::vector<std::string> left_out;  ///< as ScoredRuns::left_out
 };
@@ -97,16 +99,21 @@ tasks::MeanInterval student_interval(std::span<const double> samples);
 
 /// For people, in columns.
 std::string to_text(const ResultsTable& table);
-/// {"task" (its benchmark), "scorer", "source", "synthetic", "columns": [{"metric", "label",
-/// "scale", "digits"}], "notes", "rows": [{"agent", "split", "language"?, "runs", "episodes",
-/// "interval", metric:
-/// {"mean", "low", "high", "published"?}}], "published": [{"agent", "source", metric: value}],
-/// "left_out"}; shares in [0, 1]. What isn't finite is null. Of R4R and RxR `ndtw` and
-/// `ndtw_collapsed` are both there.
+/// An object with these fields:
+/// - "task" (its benchmark), "scorer", "source", "synthetic"
+/// - "columns": [{"metric", "label", "scale", "digits"}]
+/// - "notes"
+/// - "rows": [{"agent", "split", "language"?, "runs", "episodes", "interval",
+///   metric: {"mean", "low", "high", "published"?}}]
+/// - "published": [{"agent", "source", metric: value}]
+/// - "left_out"
+///
+/// Shares are in [0, 1]. What isn't finite is null. R4R and RxR have both `ndtw` and
+/// `ndtw_collapsed`.
 std::string to_json(const ResultsTable& table);
-/// A line for each row, as RFC 4180 has it: agent, split, (of RxR language,) runs, episodes,
-/// synthetic, then mean, low, high and published of each metric (empty where there is none); shares
-/// in [0, 1].
+/// One line per row, as RFC 4180 has it. Columns: agent, split, language (RxR only), runs,
+/// episodes, synthetic, then mean, low, high and published of each metric. Missing values are
+/// empty, and shares are in [0, 1].
 std::string to_csv(const ResultsTable& table);
 /// A GitHub-flavoured table, for a README.
 std::string to_markdown(const ResultsTable& table);

@@ -44,13 +44,16 @@ bool is_oracle(std::string_view agent) noexcept;
 /// \throws FileError for what is not there or cannot be read
 const tasks::Benchmark* find_benchmark_of_runs(std::span<const std::filesystem::path> named);
 
-/// What is named: a results file "<agent>_<split>.json"; a model directory (a folder with
-/// config.json), whose results are "results/<split>.json"; or a folder with any of these, in
-/// itself, in results/ and in models/. A split is what `data` has annotations of, of that
-/// benchmark. A file of another name is passed over where a folder was named, and one of the other
-/// world. \throws FileError for
-/// what is not there; LookupError for a file whose name says no split of `data`, for one agent and
-/// split in two files, or where there is nothing at all
+/// Finds the results and models of the named paths. Each path is one of these:
+/// - a results file "<agent>_<split>.json"
+/// - a model directory (a folder with config.json), whose results are "results/<split>.json"
+/// - a folder with any of these, in itself, in results/ and in models/
+///
+/// A split is one that `data` has annotations of, for that benchmark. In a named folder, files with
+/// other names and results of the other world are skipped.
+/// \throws FileError for a missing path
+/// \throws LookupError for a named file whose name has no split of `data`, for one agent and split
+/// in two files, or if nothing was found
 RunDirectory find_runs(std::span<const std::filesystem::path> named, const dataset::Dataset& data,
                        const tasks::Benchmark& benchmark = tasks::benchmark(tasks::Task::kR2r));
 

@@ -22,7 +22,7 @@ struct CurvePoint {
 /// A curve, with its explanations.
 struct ScalingCurve {
   std::string title;
-  bool synthetic = false;  ///< model homes: said on the picture
+  bool synthetic = false;  ///< synthetic homes: noted on the picture
   std::vector<CurvePoint> points;
   std::optional<tasks::MeanInterval> random;  ///< success of the Random agent; a share
   /// Named facts below the curve, in order, such as {"iterations", "2000"}.

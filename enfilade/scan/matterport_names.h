@@ -14,7 +14,7 @@ std::string skybox_strip_name(std::string_view viewpoint, Layer layer);
 /// One colour face there. \param face 0 .. 5
 std::string skybox_face_name(std::string_view viewpoint, std::size_t face);
 
-/// Of camera 0 (up), 1 (level), 2 (down) at turn 0 .. 5: `<viewpoint>_i<cam>_<yaw>.jpg` in
+/// Names for camera 0 (up), 1 (level), 2 (down) at turn 0 .. 5: `<viewpoint>_i<cam>_<yaw>.jpg` in
 /// `undistorted_color_images`, ...
 std::string colour_image_name(std::string_view viewpoint, std::size_t camera, std::size_t yaw);
 /// ... `<viewpoint>_d<cam>_<yaw>.png` in `undistorted_depth_images`, ...

@@ -13,7 +13,7 @@
 
 namespace enfilade::scan {
 
-/// Where to look for panoramas.
+/// Folders of panoramas.
 struct PanoramaPlaces {
   /// Folders that may hold `<scan>.enfilade` (a store) or Matterport3D's files in any layout of
   /// matterport_images.h. The first that has the scan is used, a store before loose files.

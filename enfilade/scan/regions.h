@@ -38,8 +38,8 @@ struct ScanRegions {
   std::vector<std::vector<std::string>> viewpoints;  ///< ids, by region index
 };
 
-/// The content of a file that RegionMap reads, a line a scan. Regions without viewpoints are left
-/// out. \pre all ids are UTF-8, each scan is given once
+/// The content of a file that RegionMap reads, one line per scan. Regions without viewpoints are
+/// left out. \pre all ids are UTF-8, each scan is given once
 std::string to_json(const std::vector<ScanRegions>& scans);
 
 }  // namespace enfilade::scan

@@ -34,7 +34,7 @@ std::string shown(std::string_view value) {
   return fmt::format("{:?}...", value.substr(0, kLongest));
 }
 
-/// A file with so many faults is of another kind; more would only take memory.
+/// A file with this many faults is of another kind; more would only take memory.
 constexpr std::size_t kMostFaults = 100;
 
 class Parser {

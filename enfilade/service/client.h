@@ -13,18 +13,20 @@ namespace enfilade::service {
 struct SubmissionStatus {
   std::int64_t id = 0;
   std::string phase, method;
-  /// "queued", "scored", "failed", "withdrawn"; "received" where nothing more is told for now.
+  /// "queued", "scored", "failed", "withdrawn"; "received" if the server reports no more for now.
   std::string state;
-  std::map<std::string, double> means;  ///< by metric; empty until scored, and where withheld
+  std::map<std::string, double> means;  ///< by metric; empty until scored, and if withheld
   /// Why there are no means, if the phase withholds them: "until-end", "no-improvement",
   /// "not-best", "hidden".
   std::string withheld;
   std::vector<std::string> warnings;  ///< of the file; in the answer to submit() only
 };
 
-/// A team's connection to a server. Not thread-safe. Every function \throws InvalidInput with the
-/// faults that the server found in a file; Error, naming the server, if it refuses the request for
-/// another reason or can't be reached.
+/// A team's connection to a server. Not thread-safe.
+///
+/// Every function throws InvalidInput with the faults that the server found in a file. It throws
+/// Error, naming the server, if the server refuses the request for another reason or can't be
+/// reached.
 class Client {
  public:
   /// \param server "https://vln.example.org", "http://127.0.0.1:8080"; certificates are checked
@@ -34,7 +36,8 @@ class Client {
   Client& operator=(const Client&) = delete;
 
   /// Submits a results file. Submitting the same file again changes nothing. While the server has
-  /// no room for it (status 503), waits as long as that asks, and tries again, 12 times in all.
+  /// no room for it (status 503), waits for the time that the server asks for, and retries, 12
+  /// times in all.
   SubmissionStatus submit(const std::string& phase, const std::string& method,
                           std::string_view results);
   SubmissionStatus status(std::int64_t submission);

@@ -20,8 +20,8 @@ namespace {
 constexpr int kMostPerDay = 1000;
 constexpr int kMostInAll = 1'000'000;
 constexpr int kMostTeams = 10'000;
-// Of secret goals, unless the file says otherwise. Twenty submissions are enough for the runs of a
-// paper and its ablations; each more lets a team learn more of the goals.
+// Default for secret goals. Twenty submissions are enough for the runs of a paper and its
+// ablations; each more lets a team learn more of the goals.
 constexpr int kPerTeam = 20;
 // Teams that may share an address: a laboratory has one for all of its machines.
 constexpr int kTeamsOfAnAddress = 5;

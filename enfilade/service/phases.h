@@ -13,14 +13,14 @@
 
 namespace enfilade::service {
 
-/// What teams and visitors see of a phase's scores. Organisers see all of them, always. Every score
-/// on secret goals tells something of these goals, so kPublic is for open goals only; kAfterEnd and
-/// kLadder are for secret goals only, and evaluation/leakage.h has how much they tell.
+/// Which scores of a phase teams and visitors see. Organisers always see all of them. Every score
+/// on secret goals gives something of them away. So kPublic is for open goals only; kAfterEnd and
+/// kLadder are for secret goals only, and evaluation/leakage.h computes how much they give away.
 enum class Scores : std::uint8_t {
   kPublic,    ///< everything, at once
-  kAfterEnd,  ///< nothing until the phase has ended; then one row of rounded means for each team
-  /// A team's primary metric, rounded to Phase::step, whenever it beats the team's best shown one
-  /// by at least a step (the Ladder of Blum and Hardt, ICML 2015); after the end as kAfterEnd.
+  kAfterEnd,  ///< nothing until the phase's end; then one row of rounded means per team.
+  /// The Ladder (Blum and Hardt, ICML 2015): a team's primary metric, rounded to Phase::step,
+  /// whenever it beats its best shown one by at least a step. After the end as kAfterEnd.
   kLadder,
   kHidden,  ///< nothing, ever
 };
@@ -38,25 +38,25 @@ struct Phase {
   /// Which benchmark the split is of. Never null.
   const tasks::Benchmark* benchmark = &tasks::benchmark(tasks::Task::kR2r);
   const tasks::Scorer* scorer = &benchmark->scorers.front();  ///< one of the benchmark's
-  /// The name of the measure that decides which submission of a team is its best, and that rows are
-  /// sorted by: a column of the scorer, better where higher.
+  /// The name of the measure that decides which submission of a team is its best. Rows are sorted
+  /// by it. It is a column of the scorer, better where higher.
   std::string primary = "spl";
-  /// The task's annotations with goals, kept outside the data set, which everybody can download.
+  /// The task's annotations with goals, kept outside the data set, which everyone can download.
   /// Empty: the data set's own annotations, with open goals.
   std::filesystem::path annotations;
-  /// The experts' walks (`<split>_gt.json.gz`) of a continuous split with secret goals, with which
-  /// nDTW compares. Empty: it compares with the reference paths.
+  /// The experts' trajectories (`<split>_gt.json.gz`) of a continuous split with secret goals, as
+  /// references of nDTW. Empty: the reference paths.
   std::filesystem::path experts;
   Scores scores = Scores::kPublic;
-  int per_day = 10;                ///< of a team in 24 hours, 1 to 1000
-  int per_address_day = 50;        ///< of an address in 24 hours, by all its teams
-  std::optional<int> per_team;     ///< of a team in all; none: no limit
-  std::optional<int> per_address;  ///< of an address in all; none: no limit
-  /// Seconds since 1970, after which no submission is taken; none: not until the file says so.
+  int per_day = 10;                ///< per team in 24 hours, 1 to 1000
+  int per_address_day = 50;        ///< per address in 24 hours, by all its teams
+  std::optional<int> per_team;     ///< per team in all; no value: no limit
+  std::optional<int> per_address;  ///< per address in all; no value: no limit
+  /// Seconds since 1970, after which no submission is taken; no value: open until the file has one.
   std::optional<std::int64_t> ends;
-  /// Of secret goals: shares are shown as multiples of it, metres as multiples of ten times it.
+  /// Secret goals: shares are shown as multiples of it, metres as multiples of ten times it.
   double step = 0.01;
-  int teams = 20;  ///< of secret goals: how many teams may submit at all
+  int teams = 20;  ///< secret goals: number of teams that may submit
 
   bool goals_secret() const noexcept { return !annotations.empty(); }
   /// The columns of its leaderboard.
@@ -65,9 +65,9 @@ struct Phase {
   const tasks::Measure& primary_measure() const;
 };
 
-/// Whether two benchmarks have the same paths in splits of one name, so that goals of one tell
-/// those of the other: R2R and what was made from it (R2R-Last, R2R-Back, R4R, REVERIE); else each
-/// benchmark and itself.
+/// Whether two benchmarks have the same paths in splits of one name, so that goals of one reveal
+/// those of the other. R2R and the benchmarks made from it do (R2R-Last, R2R-Back, R4R, REVERIE,
+/// R2R-CE), and so do RxR and RxR-CE. Any other benchmark shares paths with itself only.
 inline bool share_paths(const tasks::Benchmark& one, const tasks::Benchmark& other) noexcept {
   return one.paths == other.paths;
 }

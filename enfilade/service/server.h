@@ -27,7 +27,7 @@ struct RequestRecord {
   std::string_view fault;  ///< error of the server itself (status 500)
 };
 
-/// What a server serves, where, and within which limits.
+/// Address, data and limits of a server.
 struct ServerConfig {
   /// A file, created if it is missing, or postgresql://USER\@HOST/NAME, a database of PostgreSQL:
   /// several servers of one data set may share it.
@@ -40,8 +40,8 @@ struct ServerConfig {
   double body_seconds = 30;  ///< longest time that a client may take to send a body
   /// Registrations, and requests with an unknown token, from one address in a minute.
   int most_attempts = 20;
-  /// Workers who join, and sessions of the arena that begin, from one address in a minute: a whole
-  /// lab may share one.
+  /// Joining workers and new sessions of the arena per address and minute: a whole lab may share an
+  /// address.
   int most_joins = 600;
   /// Trust X-Forwarded-For and X-Forwarded-Proto: only behind a proxy that sets them.
   bool behind_proxy = false;
@@ -49,13 +49,13 @@ struct ServerConfig {
   /// refused (421), and changes from pages of another one (403). Addresses and "localhost" need not
   /// be given, nor this machine's name if `host` is not its own address alone.
   std::vector<std::string> public_names;
-  /// With less room on the database's disk, /healthz tells of trouble: twice the largest
-  /// submission, which is in SQLite's log first and then in the file.
+  /// With less room on the database's disk, /healthz reports trouble. Twice the largest submission,
+  /// which is in SQLite's log first and then in the file.
   std::uint64_t least_free_bytes = 64U << 20U;
-  /// Runs of `enfilade ask`, `enfilade mcp` and Python's arena that everybody may look at: the
-  /// folder that holds theirs, or one of them. Empty: none.
+  /// Public runs of `enfilade ask`, `enfilade mcp` and Python's arena: the folder that holds
+  /// theirs, or one of them. Empty: none.
   std::filesystem::path runs = {};
-  bool open_registration = false;  ///< anybody may make a team; else organisers do
+  bool open_registration = false;  ///< anyone can make a team; else only organisers
   /// Called after each request and each failure of scoring, from many threads at once. Must not
   /// throw; may be empty.
   std::function<void(const RequestRecord&)> log;
@@ -63,13 +63,13 @@ struct ServerConfig {
   std::function<std::int64_t()> clock;
 };
 
-/// A running server, on threads of its own. \warning It speaks plain HTTP: docs/service.md shows
+/// A running server, on threads of its own. \warning It serves plain HTTP: docs/service.md shows
 /// nginx and Caddy in front of it.
 class Server {
  public:
   /// Opens the database, bringing its schema up to date, binds the port and starts serving.
-  /// \throws FileError for the database and for runs that are no folder; ArgumentError if the
-  /// address can't be bound, or for a value of `config` that is not allowed
+  /// \throws FileError for the database and for runs that are not a folder
+  /// \throws ArgumentError if the address can't be bound, or for an invalid value of `config`
   Server(const std::shared_ptr<const Site>& site, const ServerConfig& config);
   /// Calls stop(), waits until the submission that is being scored is stored, and closes the
   /// database. Other queued submissions are scored after the next start. The same threads may call
@@ -78,8 +78,8 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  int port() const noexcept;  ///< the port it is bound to; any thread
-  /// Accepts no new connections, and returns when the running requests are answered and the idle
+  int port() const noexcept;  ///< the bound port; any thread.
+  /// Accepts no new connections. Returns when the running requests are answered and the idle
   /// connections are closed (after 2 s at most). Scoring goes on until the destructor. A second
   /// call does nothing. Not safe to call from two threads at once, nor from ServerConfig::log,
   /// whose threads it waits for.
@@ -91,8 +91,8 @@ class Server {
 };
 
 /// For the whole process: memory of 1 MiB or more goes back to the system when it is freed. Without
-/// this, glibc keeps it once a large body was freed, up to 64 MiB for each of its arenas. For the
-/// begin of a program that serves. Does nothing with other C libraries.
+/// this, glibc keeps it once a large body was freed, up to 64 MiB for each of its arenas. To be
+/// called at the start of a server's program. Does nothing with other C libraries.
 void give_back_large_memory() noexcept;
 
 /// Whether this build contains the web client; without it only the API is served.
@@ -105,8 +105,7 @@ enum class TokenRole {
   kTeam,       ///< submits results
 };
 
-/// Whether a database's URL has a password in it: what is on a command line, everybody on the
-/// machine may read.
+/// Whether a database's URL has a password in it: other users can read command lines.
 bool has_password(const std::string& database);
 
 /// ServerConfig::database as messages may have it: of a URL without password and options.
@@ -114,14 +113,16 @@ std::string shown_database(const std::string& database);
 
 /// Creates a token in a database (created if it is missing), also while a server uses it.
 /// \returns the token; only its hash is stored
-/// \param label who gets it; for kTeam the name of an existing team
-/// \param days until it expires; none: never
-/// \throws FileError; ArgumentError for a bad label; LookupError if there is no such team
+/// \param label of the holder; for kTeam the name of an existing team
+/// \param days until it expires; no value: never
+/// \throws FileError; ArgumentError for a bad label; LookupError for an unknown team
 std::string create_token(const std::string& database, TokenRole role, const std::string& label,
                          std::optional<int> days);
 
 /// Revokes every token of that role and label, and the browser sessions that it began, at once and
-/// for good. \returns how many there were  \throws FileError
+/// for good.
+/// \returns the number of tokens
+/// \throws FileError
 int revoke_tokens(const std::string& database, TokenRole role, const std::string& label);
 
 /// Makes a team, as organisers do: it is approved. \returns its token, shown this once
@@ -135,13 +136,15 @@ enum class Approval { kGiven, kWithdrawn };
 /// \throws FileError; LookupError if there is no such team
 void set_approval(const std::string& database, const std::string& team, Approval approval);
 
-/// Copies a database's file, also while a server uses it; the copy is written to the side and
-/// renamed. \throws FileError; ArgumentError for PostgreSQL, which has pg_dump
+/// Copies a database's file, also while a server uses it; the copy is written beside its
+/// destination and renamed.
+/// \throws FileError; ArgumentError for PostgreSQL, which has pg_dump
 void back_up_database(const std::string& database, const std::filesystem::path& copy);
 
-/// Copies all that a file has into a database of PostgreSQL that no server has used: all of it, or
-/// nothing. No server may use the file meanwhile; it stays as it is, but for its schema.
-/// \returns how many rows there were \throws FileError; ArgumentError for other places than those
+/// Copies a whole file into an unused database of PostgreSQL: all of it, or nothing. No server may
+/// use the file meanwhile. It is not changed, except its schema.
+/// \returns the number of rows
+/// \throws FileError; ArgumentError for other places than those
 std::int64_t copy_to_postgres(const std::string& file, const std::string& url,
                               const Progress& progress);
 

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of one kind: a file that has one has thousands.
+// Faults of one kind: a file that has one has thousands.
 constexpr std::size_t kMostFaults = 20;
 
 bool has_hidden_goal(const tasks::Annotations& annotations) {

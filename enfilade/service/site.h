@@ -19,14 +19,14 @@
 
 namespace enfilade::service {
 
-/// A split of a benchmark as everybody may see it: if its goals are secret, each path has only its
-/// start, and no goal of any kind.
+/// The public form of a split: if its goals are secret, each path has only its start, and no goal
+/// of any kind.
 struct PublicSplit {
   tasks::Annotations annotations;
   bool goals_hidden = false;
 };
 
-/// What walks in continuous space are scored with.
+/// Goals of continuous episodes, for scoring.
 struct ContinuousGoals {
   tasks::ContinuousEpisodes episodes;
   tasks::ExpertWalks experts;  ///< may be empty
@@ -43,15 +43,18 @@ std::size_t count_episodes(const SecretEpisodes& episodes) noexcept;
 /// uses.
 class Site {
  public:
-  /// Opens a data set in a layout of dataset::Dataset: graphs and the splits train, val_seen,
-  /// val_unseen and test of each benchmark that it has, and those of the phases. Without
-  /// phases, each split of R2R but train whose goals are in the data set is a phase. A phase of
-  /// REVERIE takes the boxes of objects from the data set, one in continuous space the navigation
-  /// meshes (and, of open goals, the experts' walks).
-  /// \throws FileError; InvalidInput for files that can't be used, and for secret goals in a folder
-  /// of the data set, links followed: people copy data sets to others; for secret goals of REVERIE
-  /// whose ids name the objects; for goals off the floor. LookupError for a continuous episode in a
-  /// building without a graph or a navigation mesh
+  /// Opens a data set in a layout of dataset::Dataset: graphs, the splits train, val_seen,
+  /// val_unseen and test of each benchmark, and those of the phases. Without phases, each split of
+  /// R2R except train whose goals are in the data set is a phase. A phase of REVERIE takes the
+  /// boxes of objects from the data set. A continuous one takes the navigation meshes (and, for
+  /// open goals, the experts' trajectories).
+  /// \throws FileError
+  /// \throws InvalidInput for files that can't be used, goals off the floor, and secret goals of
+  /// REVERIE whose ids name the objects
+  /// \throws InvalidInput for secret goals in a folder of the data set, links followed, as people
+  /// copy data sets to others
+  /// \throws LookupError for a continuous episode in a building without a graph or a navigation
+  /// mesh
   static std::shared_ptr<const Site> open(const std::filesystem::path& data,
                                           std::vector<Phase> phases = {});
 
@@ -59,25 +62,26 @@ class Site {
   const std::shared_ptr<const graph::GraphSet>& shared_graphs() const noexcept { return graphs_; }
   const scan::PanoramaSet& panoramas() const noexcept { return *panoramas_; }
   const std::vector<PublicSplit>& splits() const noexcept { return splits_; }
-  /// Null if there is none.
+  /// Null for an unknown split.
   const PublicSplit* find_split(std::string_view name,
                                 tasks::Task task = tasks::Task::kR2r) const noexcept;
   const std::vector<Phase>& phases() const noexcept { return phases_; }
-  const Phase* find_phase(std::string_view name) const noexcept;  ///< null if there is none
+  const Phase* find_phase(std::string_view name) const noexcept;  ///< null for an unknown phase
   /// With goals. Never to be shown. \pre phase is one of phases()
   const SecretEpisodes& secret_episodes(const Phase& phase) const;
-  /// How many rooms of a scan have viewpoints; none if the data set does not say which those are.
+  /// How many rooms of a scan have viewpoints; no value if the data set has no regions.
   std::optional<std::size_t> rooms(ScanIndex scan) const;
-  /// Which objects are seen from where, read at the first call; null if the data set does not say.
+  /// Objects by the viewpoints that see them, read at the first call; null if the data set has
+  /// none.
   /// \throws InvalidInput, again at each call, without reading the broken file again
   const tasks::ObjectBoxes* objects() const;
   const dataset::Dataset& data() const noexcept { return *data_; }
-  /// The data set's folder, and those in which its panoramas are looked for.
+  /// The data set's folder, and those that are searched for its panoramas.
   const std::filesystem::path& folder() const noexcept { return folder_; }
   const std::vector<std::filesystem::path>& image_folders() const noexcept {
     return image_folders_;
   }
-  /// Model homes: whatever shows them must say that they are synthetic.
+  /// Synthetic homes: every page that shows them must say that they are synthetic.
   bool synthetic() const noexcept { return synthetic_; }
 
  private:
@@ -91,7 +95,7 @@ class Site {
 
   std::optional<dataset::Dataset> data_;
   mutable std::mutex objects_mutex_;
-  mutable std::exception_ptr broken_objects_;  // what objects() throws
+  mutable std::exception_ptr broken_objects_;  // the error of objects()
   std::shared_ptr<const graph::GraphSet> graphs_;
   std::shared_ptr<const scan::PanoramaSet> panoramas_;
   std::vector<PublicSplit> splits_;

@@ -15,7 +15,7 @@
 
 namespace enfilade::sim {
 
-/// Where agents can look.
+/// Possible directions of agents.
 enum class Viewing {
   kContinuous,   ///< any heading; elevation within the limits
   kDiscretized,  ///< 12 headings x 3 elevations of 30 degrees: 36 views
@@ -29,7 +29,7 @@ enum class Navigation {
 
 /// Which angle Navigation::kRestricted tests against.
 enum class FieldOfView {
-  kPerspective,  ///< what the picture shows: 2 atan(tan(vfov/2) width/height)
+  kPerspective,  ///< the picture's: 2 atan(tan(vfov/2) width/height)
   kLinear,       ///< MatterSim's, on which R2R results rest: vfov width/height (80 degrees where
                  ///< the picture shows 75.2). Its cosine turns round past a half-angle of pi.
 };

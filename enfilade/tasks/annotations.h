@@ -57,7 +57,7 @@ struct InstructionDetails {
   std::vector<std::int32_t> tokens;   ///< `instr_encoding(s)`: ids of BERT's or XLM-R's vocabulary
   /// Parts by name, as SOON has them: obj_name, attribute, relation, region.
   std::vector<std::pair<std::string, std::string>> fields;
-  /// Of SOON as released, the `instr_id` of its entry, by which submissions answer it: an entry's
+  /// SOON as released: the `instr_id` of its entry, by which submissions answer it: an entry's
   /// alternatives and instructions share it. No value: the file names no entries.
   std::optional<std::string> entry = {};
   friend bool operator==(const InstructionDetails&, const InstructionDetails&) = default;
@@ -72,7 +72,7 @@ struct PathAnnotation {
   std::optional<double> distance;  ///< length in metres; none if the goal is hidden
   std::vector<std::string> instructions;
   // In other benchmarks than R2R.
-  std::string id = {};  ///< what instruction ids begin with: "1357_66"; empty: path_id
+  std::string id = {};  ///< prefix of instruction ids: "1357_66"; empty: path_id
   NamedGoal goal = {};
   /// One per instruction, or empty.
   std::vector<InstructionDetails> details = {};
@@ -125,7 +125,7 @@ struct ReferencePath {
 /// Whether the file hides the path's end, so that an agent can follow it, but not be scored.
 bool goal_hidden(const ReferencePath& path) noexcept;
 
-/// One instruction to follow: what an agent is given, and what it is scored on.
+/// One instruction to follow: an agent's input, and the unit of scores.
 struct Episode {
   std::string instruction_id;
   std::size_t path = 0;         ///< index into EpisodeSet::paths
@@ -136,7 +136,7 @@ struct Episode {
 
 /// Which instructions of a path become episodes.
 enum class Instructions {
-  kScored,  ///< of R2R the first kScoredInstructions, else all
+  kScored,  ///< R2R: the first kScoredInstructions; else all
   kAll,     ///< fourth ones too, for training
 };
 

@@ -1,6 +1,6 @@
-/// \file  Episodes in continuous space, as VLN-CE's files have them: a start pose in a building, an
-/// instruction, a goal that is a point, and the points that lead there. Files are in Habitat's
-/// frame; everything here is in our world frame (metres, z up).
+/// \file  Episodes in continuous space, as VLN-CE's files have them. An episode has a start pose in
+/// a building, an instruction, a goal that is a point, and the points of a path to it. Files are in
+/// Habitat's frame; everything here is in our world frame (metres, z up).
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -28,8 +28,8 @@ std::string text_of(const FileId& id);
 /// of the file: they are written back.
 using OtherFields = std::vector<std::pair<std::string, std::string>>;
 
-/// How a body stands at its start: a quaternion (x, y, z, w) of Habitat's frame about its vertical
-/// axis, as the file has it, since a heading would not give its last bits and its sign back.
+/// The orientation of a body at its start, as the file has it. It is a quaternion (x, y, z, w) of
+/// Habitat's frame about its vertical axis. A heading would lose its last bits and its sign.
 struct StartRotation {
   double x = 0, y = 0, z = 0, w = 1;
 
@@ -40,7 +40,7 @@ struct StartRotation {
   friend bool operator==(const StartRotation&, const StartRotation&) = default;
 };
 
-/// Where an episode should end.
+/// Goal of an episode.
 struct ContinuousGoal {
   Vec3d position;
   std::optional<double> radius;  ///< metres, 0 or more; 3 in all released files
@@ -93,7 +93,7 @@ struct ContinuousEpisode {
   friend bool operator==(const ContinuousEpisode&, const ContinuousEpisode&) = default;
 };
 
-/// `instruction_vocab`: what the tokens mean.
+/// `instruction_vocab`: the meaning of the tokens.
 struct InstructionVocabulary {
   std::vector<std::string> words;  ///< by token; may be empty
   std::optional<std::int64_t> size = {}, unknown = {},
@@ -120,28 +120,37 @@ enum class ContinuousForm : std::uint8_t {
   kR2rBert,  ///< its variant with BERT's word pieces
   kRxr,      ///< RxR-CE: languages, and text features in other files
 };
-/// By what the file holds: kRxr if an instruction has a language or a role; kR2rBert if the
-/// vocabulary has BERT's size or token for unknown words, or if instructions have 80 tokens.
+/// The form, by the file's content:
+/// - kRxr if an instruction has a language or a role
+/// - kR2rBert if the vocabulary has BERT's size or token for unknown words, or if instructions have
+///   80 tokens
+/// - else kR2r
 ContinuousForm form_of(const ContinuousEpisodes& episodes) noexcept;
 
 /// Reads `<split>.json.gz` of R2R-CE, `<split>_<role>.json.gz` of RxR-CE, packed or not. Fields
 /// that the model does not have are kept; null is read as no value where a field may be absent. One
 /// episode is parsed at a time, of at most 4 MiB.
-/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON,
-/// missing, repeated or wrongly typed fields, an id that is neither a whole number nor a text, that
-/// is empty or that another episode has, a scene without a name, points of other than three
-/// numbers, a rotation that is not one about the vertical axis, an empty list of goals or path, a
-/// negative distance or radius, a negative token, a role that RxR does not have
+/// \throws FileError
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
+///   - not JSON; missing, repeated or wrongly typed fields
+///   - an id that is empty, that another episode has, or that is neither a whole number nor a text
+///   - a scene without a name
+///   - points of other than three numbers
+///   - a rotation that is not one about the vertical axis
+///   - an empty list of goals or path
+///   - a negative distance, radius or token
+///   - a role that RxR does not have
 ContinuousEpisodes load_continuous_episodes(const std::filesystem::path& file, std::string split);
 /// The same of a text. \param file  for messages
 ContinuousEpisodes parse_continuous_episodes(std::string_view json, const std::string& file,
                                              std::string split);
 
-/// The text of such a file, an episode a line: equal to the one that was read as JSON values, but
-/// for fields that were null and for other fields of timed words than their three.
-/// parse_continuous_episodes() reads it back equal. \throws ArgumentError for what JSON cannot say:
-/// an infinite number, text that is not UTF-8, a field among `others` that is no JSON or has a name
-/// of the model's
+/// The text of such a file, one episode per line. Its JSON values equal those of the file that was
+/// read. Fields that were null are missing, and so are fields of timed words other than their
+/// three.
+/// parse_continuous_episodes() reads it back equal.
+/// \throws ArgumentError for an infinite number, text that is not UTF-8, or a field among `others`
+/// that is not JSON or has a name of the model's
 std::string to_json(const ContinuousEpisodes& episodes);
 
 /// What an expert did in an episode (`<split>_gt.json.gz`).
@@ -157,9 +166,10 @@ struct ExpertWalk {
 using ExpertWalks = std::map<std::string, ExpertWalk, std::less<>>;
 
 /// Reads a file of experts' walks, packed or not.
-/// \throws FileError; InvalidInput listing its faults with their JSON paths: as above, an action
-/// beyond 5, no location, a negative number of steps, an episode that is there twice. Whether
-/// actions, steps and locations agree is not looked at
+/// Whether actions, steps and locations agree is not checked.
+/// \throws FileError
+/// \throws InvalidInput listing its faults with their JSON paths: as load_continuous_episodes(), an
+/// action beyond 5, no location, a negative number of steps, a repeated episode
 ExpertWalks load_expert_walks(const std::filesystem::path& file);
 /// The same of a text. \param file  for messages
 ExpertWalks parse_expert_walks(std::string_view json, const std::string& file);

@@ -52,9 +52,11 @@ inline ContinuousScore score_continuous(const ContinuousWalk& walk,
 /// The values of the scorer "vlnce", in the order of its metrics. NaN: collisions are not known.
 std::array<double, 10> vlnce_values(const ContinuousScore& score) noexcept;
 
-/// ETPNav's numbers of the same walk, which differ: success is an end within 3 m (inclusive), stop
-/// or not; collisions are divided by the number of different poses; time warping is
-/// FastDtw::kPlain; lengths are summed in single precision. Collisions that are not known are NaN.
+/// ETPNav's measures of the same trajectory, which differ:
+/// - success is an end within 3 m (inclusive), with or without a stop
+/// - collisions are divided by the number of different poses; unknown ones are NaN
+/// - time warping is FastDtw::kPlain
+/// - lengths are summed in single precision
 struct EtpNavScore {
   double steps_taken = 0, distance_to_goal = 0, success = 0, oracle_success = 0, path_length = 0,
          collisions = 0, spl = 0, ndtw = 0, sdtw = 0;

@@ -31,7 +31,7 @@ class EpisodeFloor {
   EpisodeFloor& operator=(const EpisodeFloor&) = delete;
   virtual ~EpisodeFloor() = default;
 
-  /// Where a body stands for a viewpoint, in our world frame. No value where it cannot stand.
+  /// Position of a body for a viewpoint, in our world frame. No value if there is no floor.
   /// \pre viewpoint < graph.size()
   virtual std::optional<Vec3d> node_of(const graph::NavGraph& graph,
                                        ViewpointIndex viewpoint) const = 0;

@@ -1,5 +1,5 @@
-/// \file  Whole dialogues of CVDN: a navigator who searches an object in a building, an oracle who
-/// sees the shortest path. CVDN's task from dialogue history (Task::kCvdn) was cut from them.
+/// \file  Whole dialogues of CVDN: a navigator who searches for an object in a building, an oracle
+/// who sees the shortest path. CVDN's task from dialogue history (Task::kCvdn) was cut from them.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace enfilade::tasks {
 struct DialoguePerson {
   std::optional<std::int64_t> id;         ///< `navigator`, `oracle`: the same in all dialogues
   std::string worker;                     ///< `navigator_mturk`, `oracle_mturk`
-  std::optional<double> quality;          ///< what the other one gave in this dialogue, 1 to 5
+  std::optional<double> quality;          ///< given by the other one in this dialogue, 1 to 5
   std::optional<double> average_quality;  ///< over all of the person's dialogues
   friend bool operator==(const DialoguePerson&, const DialoguePerson&) = default;
 };

@@ -77,7 +77,7 @@ class LookUp {
     const auto turn = viewpoint(goal.viewpoint, Path(path, "midstop"));
     return TurningPoint{turn.value_or(ViewpointIndex())};
   }
-  // Viewpoints that the graph leaves out see objects, too; nobody can stand there.
+  // Viewpoints that the graph leaves out see objects, too; no agent can be there.
   Goal find(const NamedObject& goal, const Path& path, const ObjectBoxes* objects) {
     SeenObject seen{goal.id, {}};
     if (!goal.seen_from.empty()) {

@@ -21,27 +21,32 @@ std::optional<Task> find_task(std::string_view text);
 /// could be of several: R2R's form is RxR's and R4R's, too.
 std::optional<Task> find_task_of_results(std::string_view text);
 
-/// Reads a file of a benchmark in any form that its public code reads: lists and lines, with token
-/// ids, fine-grained, HAMT's and DUET's forms. formats/ has a header for each.
+/// Reads a file of a benchmark in any form that its public code reads. These are lists and lines,
+/// with token ids, fine-grained, HAMT's and DUET's forms. formats/ has a header for each.
 /// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths
 Annotations load_annotations(const std::filesystem::path& file, std::string split, Task task);
 Annotations parse_annotations(std::string_view text, const std::string& file, std::string split,
                               Task task);
 
-/// The text of a file in the benchmark's own form, which parse_annotations() reads back equal: of
-/// R2R and what has grown out of it a list, with token ids and sub-instructions where there are
-/// any; of RxR a guide's lines; of SOON DUET's lines; of REVERIE a list; of CVDN a list, in HAMT's
-/// form where there are token ids and no texts. Empty for no paths in lines. \throws ArgumentError
-/// for what the form cannot say
+/// The text of a file in the benchmark's own form, which parse_annotations() reads back equal. It
+/// is empty for no paths in lines. The forms:
+/// - R2R and the benchmarks made from it: a list, with token ids and sub-instructions if there are
+///   any
+/// - RxR: a guide's lines
+/// - SOON: DUET's lines
+/// - REVERIE: a list
+/// - CVDN: a list, in HAMT's form if there are token ids and no texts
+/// \throws ArgumentError for annotations that the form cannot express
 std::string to_text(const Annotations& annotations);
-/// SOON's annotations in the form in which they were released, which parse_annotations() reads back
-/// equal if their ids are those that the reader gives: alternatives are neighbouring paths of one
-/// group. Token ids are left out. \throws ArgumentError for other annotations; for instructions
-/// without the four texts beside the whole
+/// SOON's annotations in their released form, where alternatives are neighbouring paths of one
+/// group. Token ids are left out. If the ids are those that the reader gives, parse_annotations()
+/// reads the text back equal.
+/// \throws ArgumentError for other annotations; for instructions without the four texts beside the
+/// whole
 std::string to_released_soon(const Annotations& annotations);
 
-/// Whether only boxes of objects can say who sees a goal: those of REVERIE need them, HM3DAutoVLN's
-/// lines name the viewpoints themselves, and hidden goals say nothing.
+/// Whether boxes of objects are needed to find the viewpoints that see a goal. REVERIE's need them.
+/// HM3DAutoVLN's lines name the viewpoints, and hidden goals need no boxes.
 bool needs_boxes(const Annotations& annotations);
 /// Where REVERIE's boxes may be in that folder: a file, or a folder.
 std::vector<std::filesystem::path> object_places();

@@ -12,7 +12,7 @@
 
 namespace enfilade::tasks {
 
-/// The benchmarks. Each has a row in benchmarks() (benchmark.h).
+/// The benchmarks. Their names: name_of() (files.h).
 enum class Task : std::uint8_t { kR2r, kR2rLast, kR2rBack, kR4r, kRxr, kReverie, kCvdn, kSoon };
 
 /// The goal is not in the file: test splits.

@@ -15,8 +15,8 @@ struct MetricOptions {
   double success_distance = 3.0;  ///< metres; success is strictly nearer (the paper, section 4.4)
 };
 
-/// Of one trajectory against one reference path; lengths in metres along the graph. d(a, b) is the
-/// shortest distance in the graph, P the trajectory, R the reference.
+/// The metrics of one trajectory against one reference path. Lengths are in metres along the graph.
+/// d(a, b) is the shortest distance in the graph, P the trajectory, R the reference.
 struct EpisodeMetrics {
   double steps = 0;              ///< entries of P less one: actions, turns included
   double moves = 0;              ///< changes of viewpoint
@@ -56,9 +56,10 @@ EpisodeMetrics compute_metrics(const graph::NavGraph& graph,
                                std::span<const ViewpointIndex> trajectory,
                                std::span<const ViewpointIndex> reference,
                                const MetricOptions& options = {});
-/// The same of a trajectory by its episode's goal. Where that is not to end near the path's last
-/// viewpoint, `success`, `nav_error`, `oracle_success`, `oracle_error`, `shortest` and `spl` are
-/// those of judge() (goal_distance.h). \pre the goal is not hidden; as above
+/// The same for a trajectory by its episode's goal. For goals other than NearEnd, `success`,
+/// `nav_error`, `oracle_success`, `oracle_error`, `shortest` and `spl` are those of judge()
+/// (goal_distance.h).
+/// \pre the goal is not hidden; as above
 EpisodeMetrics compute_metrics(const graph::NavGraph& graph, const ReferencePath& path,
                                const Trajectory& trajectory, const MetricOptions& options = {});
 

@@ -224,7 +224,8 @@ std::vector<fs::path> viewpoint_files(const fs::path& folder) {
   return files;
 }
 
-// Of a file. Threads keep what they find, so that the first fault in order is told, not in time.
+// Content of a file. Threads keep their results, so that the first fault in order is reported, not
+// in time.
 struct Content {
   std::string scan, viewpoint;
   std::vector<ViewedObject> objects;

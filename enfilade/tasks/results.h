@@ -45,7 +45,7 @@ struct Trajectory {
 
 /// A results file, checked against its split.
 struct Results {
-  std::vector<Trajectory> trajectories;  ///< one an episode, in the order of the episodes
+  std::vector<Trajectory> trajectories;  ///< one per episode, in the order of the episodes
   std::vector<Diagnostic> warnings;      ///< e.g. an unscored fourth instruction was left out
 };
 
@@ -56,16 +56,21 @@ enum class Coverage : std::uint8_t {
 };
 
 /// Reads [{"instr_id": "1_0", "trajectory": [...]}, ...] and checks all of it. A trajectory's
-/// entries may be [viewpoint, heading, elevation] triples, [viewpoint]
-/// singles, plain viewpoint ids, or lists of those (sub-paths, as of DUET), in any mixture. Entries
-/// are read one by one: beside the text it takes 24 bytes a trajectory point, and up to 14 times
-/// the largest entry, of at most 1 MiB.
-/// \throws FileError; InvalidInput with *every* problem and its JSON path: not JSON, wrong types,
-/// unknown, missing or repeated instr_id, an empty trajectory, a wrong start, unknown or excluded
-/// viewpoints, a jump between viewpoints that are not adjacent, an entry that is too large. After
-/// kMostFaultsKept errors the rest of the file is not read, and the last diagnostic says so.
-/// With Coverage::kPart those instructions that the file leaves out have no trajectory, and the
-/// others are in the order of the episodes; part_of() makes a set of what is there
+/// entries may be [viewpoint, heading, elevation] triples, [viewpoint] singles, plain viewpoint
+/// ids, or lists of those (sub-paths, as of DUET), in any mixture.
+///
+/// With Coverage::kPart, instructions that the file leaves out have no trajectory. The others are
+/// in the order of the episodes, and part_of() makes a set of them.
+///
+/// Entries are read one by one. Memory beside the text is 24 bytes per trajectory point, and up to
+/// 14 times the largest entry, of at most 1 MiB.
+/// \throws FileError
+/// \throws InvalidInput with *every* problem and its JSON path. After kMostFaultsKept errors the
+/// rest of the file is not read, and the last diagnostic says so. The problems:
+///   - not JSON, wrong types, an entry that is too large
+///   - an unknown, missing or repeated instr_id
+///   - an empty trajectory, a wrong start, unknown or excluded viewpoints
+///   - a jump between viewpoints that are not adjacent
 Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes,
                      Coverage coverage = Coverage::kAll);
 Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes,
@@ -76,12 +81,17 @@ Results parse_results(std::string_view json, const std::string& file, const Epis
 /// `episodes`, and no two the same
 EpisodeSet part_of(const EpisodeSet& episodes, std::vector<Trajectory>& trajectories);
 
-/// Results as the public code of the benchmark has them, one episode a line, the trajectory as
-/// [viewpoint, heading, elevation] triples, which parse_results() reads back equal but for
-/// `actions`: `instr_id` and `trajectory`; R2R-Back with `midstop`, REVERIE with `predObjId`, each
-/// null where there is no answer; RxR with `instruction_id`; CVDN with `inst_idx` for `instr_id`,
-/// where the id is a number; SOON with `path`, `obj_heading` and `obj_elevation` in `trajectory`.
-/// Linear in the points (bench/ has its time). \throws ArgumentError for what JSON cannot say
+/// Results as the public code of the benchmark has them, one episode per line. Trajectories are
+/// [viewpoint, heading, elevation] triples. parse_results() reads them back equal, except
+/// `actions`. The fields are `instr_id` and `trajectory`, with these exceptions:
+/// - R2R-Back: also `midstop`, null without an answer
+/// - REVERIE: also `predObjId`, null without an answer
+/// - RxR: also `instruction_id`
+/// - CVDN: `inst_idx` for `instr_id`, where the id is a number
+/// - SOON: `path`, `obj_heading` and `obj_elevation` in `trajectory`
+///
+/// Linear in the points (bench/ has its time).
+/// \throws ArgumentError for values that JSON cannot express
 std::string to_json(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes);
 
 /// \throws ArgumentError if a trajectory names no episode, is empty or leaves its graph, or if the

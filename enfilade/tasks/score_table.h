@@ -68,8 +68,8 @@ std::vector<EpisodeMetrics> score_trajectories(const std::vector<Trajectory>& tr
 /// Scores one trajectory per episode; rows are in the order of the episodes. The bootstrap draws
 /// groups (ReferencePath::group), such as a path with its three instructions, because those are no
 /// independent samples (docs/design/bootstrap.md).
-/// \throws ArgumentError if the scorer is of another task, if there is not exactly one trajectory
-/// per episode; as score_trajectories()
+/// \throws ArgumentError if the scorer is of another task, or unless each episode has exactly one
+/// trajectory; as score_trajectories()
 ScoreTable compute_score(const std::vector<Trajectory>& trajectories, const EpisodeSet& episodes,
                          const Scorer& scorer, const ScoreOptions& options = {});
 /// By the benchmark's default scorer.
@@ -83,7 +83,7 @@ inline ScoreTable compute_score(const Results& results, const EpisodeSet& episod
 /// The table of walks in continuous space; rows are in their order. The bootstrap draws
 /// trajectories. agents::compute_score() computes the values too.
 /// \param values  of the scorer's metrics, (walks, metrics), row-major
-/// \throws ArgumentError for no walk, or for other than so many values
+/// \throws ArgumentError for no walk, or for another number of values
 ScoreTable make_score_table(const Benchmark& benchmark, const Scorer& scorer,
                             std::span<const ContinuousResult> walks,
                             const ContinuousEpisodes& episodes, std::vector<double> values,
@@ -104,8 +104,8 @@ std::string to_json(const ScoreTable& table, bool per_episode = false);
 /// One line for a database: as to_json(), always with "task" and "scorer".
 std::string to_record(const ScoreTable& table);
 /// Reads any of these back. Without "scorer": own_scorer() on R2R, "vlnce" on R2R-CE if there are
-/// "trajectories". null becomes NaN. \throws LookupError for a benchmark or scorer that is
-/// unknown; InvalidInput for other JSON
+/// "trajectories". null becomes NaN.
+/// \throws LookupError for an unknown benchmark or scorer; InvalidInput for other JSON
 ScoreTable from_json(std::string_view json);
 /// @}
 
@@ -114,9 +114,11 @@ enum class SplLength {
   kShortest,   ///< of the shortest path to the goal (Anderson et al. 2018b)
   kReference,  ///< of the reference path, as DUET evaluates
 };
-/// A table to read. own_scorer(): TL NE SR OSR SPL nDTW sDTW CLS steps, shares in per cent; nDTW
-/// and sDTW are the collapsed ones (docs/design/dtw-of-turns.md). Public scorers: their names for
-/// the means, with the source; by language too where there are any.
+/// A table to read.
+/// - own_scorer(): TL NE SR OSR SPL nDTW sDTW CLS steps, shares in per cent. nDTW and sDTW are the
+///   collapsed ones (docs/design/dtw-of-turns.md).
+/// - Public scorers: their names for the means, with the source; by language too where there are
+///   any.
 std::string to_table(const ScoreTable& table, SplLength spl = SplLength::kShortest);
 
 }  // namespace enfilade::tasks

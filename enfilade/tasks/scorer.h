@@ -54,8 +54,10 @@ struct Scorer {
   /// one that no leaderboard has.
   std::span<const Measure> columns = {};
   /// \name The metrics of one episode, in their order: one of the two is set
-  /// NaN where the code divides by zero, fails, or has no value: a move without an edge where it
-  /// insists on edges, no box at the last viewpoint. \pre out.size() == metrics.size()
+  ///
+  /// A metric is NaN where the code divides by zero, fails, or has no value. It has none for a move
+  /// without an edge where it requires edges, or without a box at the last viewpoint.
+  /// \pre out.size() == metrics.size()
   /// @{
   void (*on_graph)(const ScoredTrajectory& scored, std::span<double> out) = nullptr;
   void (*on_floor)(const ContinuousWalk& walk, std::span<const Point3> reference,

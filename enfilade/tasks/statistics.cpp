@@ -156,7 +156,7 @@ GraphStatistics graph_statistics(const graph::GraphSet& graphs) {
     directed += graph.edge_count();
     for (std::size_t v = 0; v < graph.size(); ++v) {
       for (const graph::Edge& edge : graph.edges(ViewpointIndex(v))) {
-        // Of an edge and its reverse, only the one from the lower index counts.
+        // An edge and its reverse count once, from the lower index.
         const bool second = edge.target < ViewpointIndex(v) &&
                             graph.edge(edge.target, ViewpointIndex(v)) != nullptr;
         if (!second) lengths.push_back(edge.length);

@@ -39,7 +39,7 @@ struct TaskFacts {
   std::size_t targets = 0;                       ///< different names of searched objects
   std::size_t boxes = 0;                         ///< of SOON's goals
   Summary goal_viewpoints;  ///< how many satisfy a goal: see the object, are of the region, ...
-  Summary turns;            ///< of a dialogue, both people's; instructions without one count 0
+  Summary turns;            ///< per dialogue, both people's; instructions without one count 0
   Summary timed_words;      ///< of instructions that have some
   Summary parts;            ///< sub-instructions, likewise
   Summary tokens;           ///< token ids, likewise
@@ -50,7 +50,7 @@ struct SplitStatistics {
   std::string split;
   std::size_t scans = 0, paths = 0;
   std::size_t instructions = 0;         ///< all
-  std::size_t scored_instructions = 0;  ///< of R2R the first three of each path, else all
+  std::size_t scored_instructions = 0;  ///< R2R: the first three of each path; else all
   Summary path_length;                  ///< metres along the graph; paths with a known goal only
   std::map<std::size_t, std::size_t> path_edges;  ///< number of edges -> paths
   Summary instruction_length;                     ///< tokens

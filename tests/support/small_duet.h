@@ -104,7 +104,7 @@ struct DuetBatch {
     return network.navigate(text, seen(network, dropout), dropout);
   }
 
-  /// `navigation` with what is seen.
+  /// `navigation` with the encoded views.
   NavigationInput seen(const DuetNetwork& network, Dropout* dropout = nullptr) const {
     const Tokens seen = network.encode_panorama(panorama, dropout);
     NavigationInput input = navigation;

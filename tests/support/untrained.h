@@ -7,8 +7,8 @@
 namespace enfilade::tests {
 
 /// Writes config.json and weights.safetensors of a panoramic agent or of DUET, with random weights
-/// by the training's seed; the vocabulary is the caller's. \throws FileError; ArgumentError for
-/// other agents and for sizes that are not possible
+/// by the training's seed. The vocabulary is the caller's.
+/// \throws FileError; ArgumentError for other agents and for impossible sizes
 void write_untrained(const models::ModelConfig& config, const std::filesystem::path& folder);
 
 }  // namespace enfilade::tests

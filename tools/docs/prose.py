@@ -140,7 +140,7 @@ def markdown(path: Path) -> list[Text]:
 
 
 def header(path: Path) -> list[Text]:
-    """Comments of a C++ header; a comment goes on over lines of one kind."""
+    """Comments of a C++ header; one behind code ends with its line."""
     texts: list[Text] = []
     held: list[str] = []
     first = 0
@@ -174,6 +174,8 @@ def header(path: Path) -> list[Text]:
         if not held:
             first = number
         held.append(said.lstrip("-* "))
+        if trailing:
+            flush()
     flush()
     return texts
 

@@ -13,8 +13,8 @@ namespace enfilade::apps {
 /// The words of a command, without the program.
 using Words = std::vector<std::string>;
 
-/// A job. Shares may run in any order and on any machine that sees the same files; what they leave
-/// is what one machine would have made.
+/// A job. Shards may run in any order and on any computer with the same files; their output
+/// equals that of one computer.
 struct ClusterJob {
   std::vector<Words> shares;
   Words collect = {};  ///< once all shares are done; empty: nothing is left to do
@@ -23,22 +23,23 @@ struct ClusterJob {
   std::string to_json() const;
 };
 
-/// What a verb is cut into. \param words  "features", "--data", ...: a verb that has --shard
-/// \throws UsageError for another verb, or one that is cut already
+/// The shards of a verb. \param words  "features", "--data", ...: a verb that has --shard
+/// \throws UsageError for another verb, or one that has a shard already
 ClusterJob job_of_verb(const Words& words, std::size_t shards);
-/// A job of a file's lines, a command each, as one writes them behind `enfilade`; blank lines and
-/// those with # are left out. \throws FileError; InvalidInput for none, or for quotes without end
+/// A job of a file's lines, one command each, without the word `enfilade`. Blank lines and those
+/// with # are skipped.
+/// \throws FileError; InvalidInput for no command, or for an open quote
 ClusterJob job_of_commands(const std::filesystem::path& file);
 
-/// What the verbs of all engines ask for.
+/// Options of the verbs of all engines.
 struct JobOptions {
   std::size_t shards = 16, cpus = 1;
   std::string folder = "job", commands;
 };
-/// Adds them to a verb, whose other words are those of the verb that is cut.
+/// Adds them to a verb, whose other words are those of the sharded verb.
 void add_job_options(CLI::App& verb, JobOptions& options);
-/// A job in its folder: FOLDER/plan.json says what it is, and FOLDER/done has a file for each share
-/// that is done, so that a job which is begun again does the others only.
+/// A job in its folder. FOLDER/plan.json describes it, and FOLDER/done has a file for each finished
+/// shard, so that a restarted job does only the others.
 struct ClaimedJob {
   ClusterJob job;
   std::filesystem::path folder;  ///< absolute
@@ -48,8 +49,7 @@ struct ClaimedJob {
 /// job_of_verb(), job_of_commands()
 ClaimedJob claim_job(const CLI::App& verb, const JobOptions& options);
 
-/// Where one share of a file's content goes: "features.safetensors" ->
-/// "features.3-of-16.safetensors".
+/// Output file of one shard: "features.safetensors" -> "features.3-of-16.safetensors".
 std::filesystem::path shard_file(const std::filesystem::path& file, const Shard& shard);
 
 }  // namespace enfilade::apps

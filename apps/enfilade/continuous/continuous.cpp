@@ -1,4 +1,4 @@
-// enfilade continuous: navigation meshes and episodes to walk freely.
+// enfilade continuous: navigation meshes and continuous episodes.
 #include <fmt/format.h>
 
 #include <filesystem>

@@ -17,7 +17,7 @@ struct MeshSource {
   std::string up = "format";  ///< as of `scan-mesh`
 };
 
-/// A mesh file, and which axis of it points up unless the user says.
+/// A mesh file, and its default up axis.
 struct MeshFile {
   std::filesystem::path file;
   std::string up;
@@ -26,15 +26,15 @@ struct MeshFile {
 std::optional<MeshFile> find_mesh_file(const std::filesystem::path& data, const MeshSource& source,
                                        const std::string& scan);
 
-/// What happened to the buildings of a data set.
+/// Counts of a data set's buildings.
 struct FloorsReport {
   std::size_t made = 0, kept = 0;
   std::vector<std::string> without_mesh;  ///< scans
   std::vector<Diagnostic> faults;         ///< of meshes, a scan each
 };
 
-/// Makes the navigation mesh of each scan that has a mesh: a model home's own, which is made again
-/// from its seed, or a file. What is there for the same body is kept; a killed run goes on.
+/// Makes the navigation mesh of each scan that has a mesh: a synthetic home's own, made again from
+/// its seed, or a file. Existing ones for the same body are kept; a killed run can be continued.
 /// \throws FileError
 FloorsReport make_floors(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                          const MeshSource& source, int threads);

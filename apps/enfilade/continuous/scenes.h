@@ -1,4 +1,4 @@
-/// \file  What the buildings of a data set look like from any place.
+/// \file  Scenes of a data set's buildings, for rendering from any position.
 #pragma once
 #include <cstddef>
 #include <filesystem>
@@ -11,25 +11,26 @@
 
 namespace enfilade::apps {
 
-/// Where the light of a model home is kept once it is made: DATA/light/SCAN.light.
+/// Where the light of a synthetic home is kept once it is made: DATA/light/SCAN.light.
 std::filesystem::path home_light_file(const dataset::Dataset& data, const std::string& scan);
-/// What make_home_lights() did.
+/// Result of make_home_lights().
 struct LightsReport {
   std::size_t made = 0, kept = 0;
 };
-/// Computes the light of all model homes of a data set, and keeps it. What is there stays.
+/// Computes the light of all synthetic homes of a data set, and stores it. Existing light stays.
 /// \throws FileError
 LightsReport make_home_lights(const dataset::Dataset& data, int threads);
 
-/// Of a model home, made again with its textures, and with the light that is kept, or light that is
-/// made now; or of the scan's mesh file, as it was photographed or lit. \throws UsageError for a
-/// scan without a mesh; as Scene::open()
+/// The scene of a synthetic home or of the scan's mesh file. A home is made again with its
+/// textures, and with its stored light, or light that is made now. A mesh file is photographed or
+/// lit.
+/// \throws UsageError for a scan without a mesh; as Scene::open()
 std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& data,
                                                        const MeshSource& source,
                                                        const std::string& scan, int threads);
 
-/// The same with the scan's panoramas, where `appearance` asks for them. \throws UsageError if the
-/// scan has none; as scene_of_scan()
+/// The same with the scan's panoramas, if `appearance` requires them.
+/// \throws UsageError if the scan has none; as scene_of_scan()
 exports::BuildingLook look_of_scan(const dataset::Dataset& data, const MeshSource& source,
                                    const std::string& scan, continuous::Appearance appearance,
                                    int threads);

@@ -1,4 +1,4 @@
-/// \file  An episode of walking freely by its id, and walks of it.
+/// \file  A continuous episode by its id, and trajectories of it.
 #pragma once
 #include <memory>
 #include <string>
@@ -13,8 +13,8 @@ namespace enfilade::apps {
 /// Nothing if there is no such id. Valid as long as `episodes`.
 const tasks::ContinuousEpisode* find_episode(const tasks::ContinuousEpisodes& episodes,
                                              const std::string& id);
-/// The walk of one of `episodes` in a results file. \throws UsageError if it has none; as
-/// tasks::load_continuous_results()
+/// The trajectory of one of `episodes` in a results file.
+/// \throws UsageError if it has none; as tasks::load_continuous_results()
 tasks::ContinuousResult walk_of(const std::string& results,
                                 const tasks::ContinuousEpisodes& episodes,
                                 const tasks::ContinuousEpisode& episode);

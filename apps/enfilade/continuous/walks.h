@@ -1,4 +1,4 @@
-/// \file  The benchmarks of walking freely, behind the verbs `run` and `score`.
+/// \file  The continuous benchmarks in the verbs `run` and `score`.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace enfilade::apps {
 
-/// What `run` is asked for.
+/// Options of `run`.
 struct FreeWalk {
   std::string data, task, agent, split, features, output;
   std::string meshes = {};  ///< folder of them; empty: the data set's own
-  bool walk_graph = false;  ///< the agent decides in the graph, and its trajectories are walked
+  bool walk_graph = false;  ///< the agent decides in the graph; its trajectories are followed
   std::uint64_t seed = 1;
   std::size_t batch_size = 64;
   int threads = 0;  ///< of drawing for a trained agent, 0: all cores
@@ -20,7 +20,7 @@ struct FreeWalk {
 /// Runs an agent, writes its results and prints their scores.
 void run_free_walk(const FreeWalk& walk);
 
-/// What `score` is asked for.
+/// Options of `score`.
 struct FreeScore {
   std::string data, task, split, results, json;
   std::string scorer = {};  ///< empty: the default

@@ -103,7 +103,7 @@ void evaluate_speaker(const Options& options) {
   }
 }
 
-// An agent that walks freely.
+// Evaluates a continuous agent.
 void evaluate_continuous(const Options& options) {
   const std::string task = options.task.empty() ? "r2r-ce" : options.task;
   const tasks::Benchmark* named = tasks::find_benchmark(task);
@@ -130,7 +130,7 @@ void evaluate_continuous(const Options& options) {
   }
 }
 
-// No value: there is no model, which is told later.
+// No value: there is no model, which is reported later.
 std::optional<models::AgentKind> kind_of(const Options& options) {
   const models::ModelFiles files{options.model};
   if (!fs::exists(files.config())) return std::nullopt;

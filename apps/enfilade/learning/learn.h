@@ -13,7 +13,7 @@
 
 namespace enfilade::apps {
 
-// What the verbs are for, in the list of both programs.
+// One-line help of the verbs, for both programs.
 inline constexpr const char* kEvaluateHelp =
     "Run a trained agent on whole splits and write its results";
 inline constexpr const char* kFeaturesHelp = "Compute image features of each viewpoint's 36 views";
@@ -23,7 +23,7 @@ inline constexpr const char* kSpeakHelp =
     "Describe new paths with a trained speaker, for back-translation";
 inline constexpr const char* kTrainHelp = "Train an agent or a speaker; an interrupted run resumes";
 
-/// What to do where the second program is missing: wheels do not have it.
+/// Advice if the second program is missing: wheels do not have it.
 inline constexpr const char* kHowToLearn =
     "Build Enfilade with -DEN_WITH_TORCH=ON (libtorch-dev, libopenblas0-pthread, libhdf5-dev); or, "
     "in a Python environment that has PyTorch, in a clone of Enfilade or its unpacked source "
@@ -38,20 +38,22 @@ bool can_learn();
 /// `enfilade-learn`: returns. \throws UsageError if !can_learn(); FileError if it cannot be started
 void hand_over_to_learn();
 
-/// What libtorch does here; nothing in `enfilade`.
+/// State of libtorch here; no value in `enfilade`.
 std::optional<neural::TorchReport> torch_report();
 
-/// The agent of a model directory, for these episodes; prints what differs between their data and
-/// that which it was trained on. In `enfilade`: hand_over_to_learn(). \param features file; empty:
-/// none \throws ArgumentError if the model sees and has no features, or of another size; errors of
-/// the files
+/// The agent of a model directory, for these episodes. Prints the differences between their data
+/// and that of its training. In `enfilade`: hand_over_to_learn().
+/// \param features file; empty: none
+/// \throws ArgumentError if the model uses vision and has no features, or of another size; errors
+/// of the files
 std::unique_ptr<agents::Agent> load_trained_agent(const std::string& folder,
                                                   const std::string& features,
                                                   const tasks::EpisodeSet& episodes);
 
-/// The same of an agent that walks freely. \param meshes as scene_of_scan() takes them \param
-/// threads of drawing, 0: all cores \throws ArgumentError for a model that walks in the graph;
-/// errors of the files
+/// The same for a continuous agent.
+/// \param meshes as in scene_of_scan()
+/// \param threads of rendering, 0: all cores
+/// \throws ArgumentError for a model of a graph agent; errors of the files
 std::unique_ptr<agents::ContinuousAgent> load_continuous_agent(
     const std::string& folder, const dataset::Dataset& data, const MeshSource& meshes,
     const tasks::ContinuousEpisodes& episodes, int threads);

@@ -9,7 +9,7 @@
 
 namespace enfilade::apps {
 
-/// What a user says of the processes beside this one.
+/// A user's options for the processes beside this one.
 struct RankOptions {
   std::uint64_t timeout = 1800;  ///< seconds
 };
@@ -17,13 +17,14 @@ struct RankOptions {
 void add_rank_options(CLI::App& verb, RankOptions& options);
 
 /// Sets the number of threads, connects the processes that the launcher started, and compares
-/// program, libtorch, kind of processor and threads. \param threads 0: this process's share of the
-/// machine's cores \throws as Ranks, and Ranks::agree()
+/// program, libtorch, kind of processor and threads.
+/// \param threads 0: this process's share of the computer's cores
+/// \throws as Ranks, and Ranks::agree()
 neural::Ranks join_ranks(const std::optional<neural::RankPlace>& place, const RankOptions& options,
                          int threads);
 
-/// "cuda" is a card of its own for each process of a machine; a launcher may show a process no
-/// other than its own. What names a card, or none, stays.
+/// "cuda" becomes a card of its own for each process of a computer; a launcher may show a process
+/// only its own card. The name of a card, and "cpu", do not change.
 std::string device_of(const std::string& device, const std::optional<neural::RankPlace>& place);
 
 }  // namespace enfilade::apps

@@ -5,8 +5,10 @@
 
 namespace enfilade::apps {
 
-/// Prints the command and runs it in a process of its own (libtorch is another program's); prints
-/// the seconds that it took. \returns its exit code \throws FileError if it cannot be started
+/// Prints the command and runs it in a process of its own (libtorch is another program's). Prints
+/// the seconds that it took.
+/// \returns its exit code
+/// \throws FileError if it cannot be started
 int run_verb(const std::vector<std::string>& words);
 
 }  // namespace enfilade::apps

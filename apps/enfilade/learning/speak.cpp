@@ -1,4 +1,4 @@
-// enfilade speak: instructions by a trained speaker, for paths that nobody has described.
+// enfilade speak: instructions by a trained speaker, for paths without any.
 #include <fmt/format.h>
 #include <algorithm>
 #include <memory>

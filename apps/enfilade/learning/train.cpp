@@ -130,7 +130,7 @@ void keep_freed_memory() {
   mallopt(M_TOP_PAD, 64 << 20);
 }
 
-// What an agent that walks freely learns from.
+// Training data of a continuous agent.
 neural::TrainingData load_continuous_training(const Options& options,
                                               const models::TrainConfig& config,
                                               const dataset::Dataset& data) {
@@ -181,7 +181,7 @@ neural::TrainingData load_data(const Options& options, const models::TrainConfig
   return neural::load_training_data(root, config, features);
 }
 
-// The parts of a batch, where nobody has said how many.
+// The default parts of a batch.
 std::optional<std::size_t> parts_of(const Options& options, const neural::Ranks& ranks,
                                     bool launched) {
   if (options.all_reduce) return 0;

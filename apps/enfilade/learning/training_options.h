@@ -1,4 +1,4 @@
-/// \file  The options that say how an agent is trained, for train and study.
+/// \file  The options of a training, for train and study.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace enfilade::apps {
 
-/// Options that change a recipe. What is not given is as models::recipe() has it.
+/// Options that change a recipe. Others are as in models::recipe().
 class TrainingOptions {
  public:
   /// Adds --agent, --task, --recipe, --stage and all that changes it. *this outlives the verb.
@@ -22,7 +22,7 @@ class TrainingOptions {
   /// The recipe of the agent with the changes. \throws UsageError for an option that another kind
   /// of agent has; ArgumentError as validate()
   models::TrainConfig config() const;
-  /// "r2r-ce" if the agent walks freely; else "r2r".
+  /// "r2r-ce" for a continuous agent; else "r2r".
   const std::string& task() const noexcept { return task_; }
   /// The words on a command line that give the same options again.
   std::vector<std::string> words() const;

@@ -1,5 +1,5 @@
-/// \file  The text of a session's transcript: a line of JSON for the episode, one a call, one for
-/// the end. Nothing in it depends on time or machine.
+/// \file  The text of a session's transcript: a line of JSON for the episode, one per call, one for
+/// the end. It does not depend on time or computer.
 #pragma once
 #include <cstddef>
 #include <filesystem>

@@ -1,4 +1,4 @@
-/// \file  What can be seen along the floor from a point of it, as if rims were walls: triangular
+/// \file  The part of the floor in view from a point of it, as if rims were walls. Triangular
 /// expansion (Bungiu et al., "Efficient computation of visibility polygons", 2014) over the convex
 /// polygons of a navigation mesh.
 #pragma once

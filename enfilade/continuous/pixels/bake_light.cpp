@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMostValues = 24e6;  // of all surfaces; the spacing grows with larger ones
 constexpr std::uint32_t kMostCells = 1023;
-constexpr float kOutside = 4;  // times the spacing, where nobody walks
+constexpr float kOutside = 4;  // times the spacing, off the floor
 constexpr std::size_t kSamples = 256;
 
 // The grid of one triangle's light.

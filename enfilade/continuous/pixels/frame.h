@@ -13,13 +13,13 @@ namespace enfilade::continuous::pixels {
 /// Pixels are kept in tiles of 8 x 8, tiles in blocks of 4 x 4.
 inline constexpr std::uint32_t kTile = 8, kTilePixels = kTile * kTile;
 inline constexpr std::uint32_t kBlock = 4, kBlockTiles = kBlock * kBlock;
-/// Of a pixel that sees nothing.
+/// Triangle of a pixel that sees nothing.
 inline constexpr std::int32_t kNothing = -1;
 /// The nearness (1 / distance) of nothing: a distance beyond all others.
 inline constexpr float kLeastNearness = 1e-30F;
 
-/// Of pinhole pictures: the point of the plane z = 1 that each column and each row of pixels lies
-/// on, for whole tiles, the last one's surplus included.
+/// Pinhole pictures: the point of the plane z = 1 of each column and each row of pixels, for whole
+/// tiles, the last one's surplus included.
 struct Lattice {
   std::uint32_t width = 0, height = 0;  ///< pixels
   std::uint32_t tiles_across = 0, tiles_down = 0;
@@ -35,7 +35,7 @@ struct Lattice {
   explicit Lattice(const Camera& camera);
 };
 
-/// Where the eye is and looks.
+/// Position and direction of the eye.
 struct Eye {
   Vec3d position;
   /// The position in two parts, so that differences to points near it keep their digits.
@@ -51,7 +51,8 @@ struct TileRows {
   std::uint32_t begin = 0, end = 0;
 };
 
-/// What the pixels of a picture see. Tiles lie by block, row-major both: tile_place().
+/// The triangles that the pixels of a picture see. Tiles lie by block, row-major both:
+/// tile_place().
 class Frame {
  public:
   std::vector<float> nearness;         ///< 1 / distance along the optical axis, by pixel

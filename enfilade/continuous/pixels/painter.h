@@ -1,4 +1,4 @@
-/// \file  What pixels show, once it is known which triangle they see.
+/// \file  Colours of pixels, by the triangles that they see.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -44,7 +44,7 @@ struct Pixels {
   }
 };
 
-/// What finds the colours of tiles.
+/// Functions that compute the colours of tiles.
 struct Colouring {
   Shader shader = nullptr;  ///< null: Painter::look() for each pixel
   Reprojector reprojector = reproject_plainly;

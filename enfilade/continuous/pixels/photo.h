@@ -1,4 +1,4 @@
-/// \file  A panorama as colours for what a picture sees.
+/// \file  A panorama as a source of colours.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -33,24 +33,24 @@ constexpr std::size_t bordered_texels(std::uint32_t size) {
   return (std::size_t{size} + 2) * (size + 2);
 }
 
-/// How much a panorama counts. All lengths in metres.
+/// Weights of panoramas. All lengths in metres.
 ///
-/// The angle between the lines from the eye and from the panorama counts most, as surfaces shine
-/// and meshes are not exact; then how much coarser the panorama sees the point.
+/// The angle between the lines from the eye and from the panorama has most weight, as surfaces
+/// shine and meshes are not exact. The panorama's coarseness at the point comes next.
 inline constexpr float kCoarseness = 0.05F;  ///< penalty for each time farther than the eye is
 inline constexpr float kLeastPenalty = 2e-3F;
 /// A panorama sees a point if its nearness there is the mesh's within this part, and this much.
 inline constexpr float kSamePart = 0.015F, kSameNearness = 2e-4F;
-/// Of points nearer to the panorama, metres, no direction is taken.
+/// Metres; points nearer to the panorama get no direction.
 inline constexpr float kLeastAlong = 1e-6F;
 /// Where the sky is taken to be.
 inline constexpr float kSkyDistance = 1e4F;
 
-/// Colours of a tile from panoramas, blended; alpha is not used. \returns the pixels that no
-/// panorama sees, or that show a mirror, as bits; their colours are not written
+/// Computes colours of a tile from panoramas, blended; alpha is not used. Returns the pixels that
+/// no panorama sees, or that show a mirror, as bits. Their colours are not written.
 using Reprojector = std::uint64_t (*)(const TileColours& tile, std::span<const Photo* const> photos,
                                       std::uint32_t* rgba);
-/// With the best vector instructions of this machine.
+/// With the processor's best vector instructions.
 Reprojector best_reprojector();
 /// By the names and in the order of rasteriser_variants().
 const std::vector<Reprojector>& reprojector_variants();

@@ -1,5 +1,5 @@
-/// \file  Which triangle each pixel of a pinhole picture sees: all triangles are drawn from front
-/// to back, and what is hidden is left out early.
+/// \file  The triangle that each pixel of a pinhole picture sees. All triangles are drawn from
+/// front to back, and hidden ones are left out early.
 ///
 /// A pixel sees the triangle of the largest nearness there, of equal ones the lowest number. That
 /// does not depend on the order of drawing, so that all versions below, in any number of bands,
@@ -14,7 +14,7 @@
 
 namespace enfilade::continuous::pixels {
 
-/// What is drawn, from where.
+/// Scene and eye of a picture.
 struct Sight {
   const Tree& tree;
   const Surfaces& surfaces;
@@ -25,7 +25,7 @@ struct Sight {
 /// Draws these rows of tiles, whole rows of blocks. \pre frame.clear()
 using Rasteriser = void (*)(const Sight& sight, TileRows rows, Frame& frame);
 
-/// With the best vector instructions of this machine.
+/// With the processor's best vector instructions.
 Rasteriser best_rasteriser();
 /// One triangle and one pixel after another: the reference for the others.
 void rasterise_plainly(const Sight& sight, TileRows rows, Frame& frame);
@@ -34,7 +34,7 @@ struct RasteriserVariant {
   std::string name;  ///< of the instruction set: "AVX2"
   Rasteriser draw;
 };
-/// All that this machine can run, the best first.
+/// All that the processor supports, the best first.
 const std::vector<RasteriserVariant>& rasteriser_variants();
 
 /// Whether a triangle's texture has no hole where a pixel sees it, at (x, y) of the lattice.

@@ -1,4 +1,4 @@
-/// \file  What a Scene consists of.
+/// \file  Parts of a Scene.
 #pragma once
 #include <memory>
 #include <vector>

@@ -58,7 +58,7 @@ Records records(const T* first) {
   const void* const at = first;
   return {static_cast<const float*>(at), static_cast<const std::int32_t*>(at), sizeof(T) / 4};
 }
-// Of one record for all lanes, or of one for each.
+// Reads from one record for all lanes, or from one for each.
 class Single {
  public:
   Single(const Records& of, std::size_t record) : of_(of), at_(record * of.stride) {}

@@ -1,5 +1,5 @@
-/// \file  Colours of a tile's pixels with vector instructions: Painter::look() to the bit, but for
-/// mirrors and the sky, which are left to it.
+/// \file  Colours of a tile's pixels with vector instructions. They equal Painter::look() to the
+/// bit; mirrors and the sky are left to it.
 #pragma once
 #include <cstdint>
 
@@ -25,7 +25,7 @@ struct TileColours {
 
 /// Writes kTilePixels colours, RGBA. \returns the pixels that are left out, as bits
 using Shader = std::uint64_t (*)(const TileColours& tile, std::uint32_t* rgba);
-/// With the best vector instructions of this machine.
+/// With the processor's best vector instructions.
 Shader best_shader();
 /// By the names and in the order of rasteriser_variants().
 const std::vector<Shader>& shader_variants();

@@ -1,5 +1,4 @@
-/// \file  What is known of each triangle when a picture of it is taken: where it is, its texture,
-/// its light.
+/// \file  Data of each triangle for rendering: its position, its texture, its light.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -12,12 +11,12 @@
 
 namespace enfilade::continuous::pixels {
 
-/// Least sine of the angle between a line of sight and a surface, for the size of what a pixel
-/// covers there.
+/// Least sine of the angle between a line of sight and a surface, for the size of a pixel's
+/// footprint there.
 inline constexpr float kLeastSlant = 0.05F;
 
-/// A triangle. Its corners are numbered from the one opposite the longest edge on, so that the two
-/// edges which meet there are the legs of a grid that wastes little.
+/// A triangle. Its corners are numbered from the one opposite the longest edge on. So the two edges
+/// that meet there are the legs of a grid that wastes little.
 struct alignas(64) Surface {
   Vec3f origin;            ///< corner 0
   Vec3f along_u, along_v;  ///< a point's weight of corner 1 is dot(along_u, point - origin)
@@ -36,7 +35,7 @@ struct alignas(64) Surface {
 struct Paint {
   static constexpr std::uint32_t kNoTexture = 0xFFFFFFFFU;
   Vec3f colour;     ///< without the share that is reflected as by a mirror
-  float gloss = 0;  ///< added for what is reflected so, where it is little
+  float gloss = 0;  ///< added for such a reflection, if it is small
   Vec3f emission;
   float mirror = 0;  ///< reflected so
   float cutout = 0;  ///< 0: none
@@ -47,7 +46,7 @@ struct Paint {
 struct Weights {
   float u, v;
 };
-/// In [0, 1]; 0 for what is not a number.
+/// In [0, 1]; 0 for NaN.
 inline float share(float weight) { return weight > 0 ? std::min(weight, 1.0F) : 0; }
 /// \param from from the surface's origin
 inline Weights weights_at(const Surface& surface, Vec3f from) {

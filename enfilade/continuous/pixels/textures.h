@@ -27,7 +27,7 @@ class Textures {
   std::size_t size() const noexcept { return first_level_.size(); }
   std::size_t bytes() const noexcept { return 4 * texels_.capacity(); }
 
-  /// Of the largest size, texels.
+  /// Width of the largest size, texels.
   float width(std::uint32_t texture) const {
     return static_cast<float>(levels_[first_level_[texture]].width);
   }

@@ -22,9 +22,9 @@ class LinearTable {
   std::array<float, 1024> values_;
 };
 
-/// sRGB bytes of linear light, with or without the tone curve of pictures of lit meshes. Values are
-/// told apart by their exponent and the first eight bits of their fraction, which is finer than a
-/// byte's step.
+/// sRGB bytes of linear light, with or without the tone curve of pictures of lit meshes. A value is
+/// looked up by its exponent and the first eight bits of its fraction, which is finer than a byte's
+/// step.
 class ToneTable {
  public:
   /// With image::shoulder(), or plain sRGB.

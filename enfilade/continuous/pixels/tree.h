@@ -8,14 +8,14 @@
 
 namespace enfilade::continuous::pixels {
 
-/// Up to 16 triangles, as vector instructions want them. Unused places have all corners at the
+/// Up to 16 triangles, in the layout of vector instructions. Unused ones have all corners at the
 /// origin, and so no area.
 struct alignas(64) Bundle {
   static constexpr std::size_t kSize = 16;
   /// x, y and z of the three corners, metres.
   std::array<std::array<std::array<float, kSize>, 3>, 3> corner;
   std::array<std::int32_t, kSize> triangle;
-  std::uint32_t holes = 0;  ///< bits: whose textures have holes
+  std::uint32_t holes = 0;  ///< bits: triangles whose textures have holes
 };
 
 /// A binary tree, the root first. Immutable.
@@ -24,13 +24,13 @@ class Tree {
   struct Node {
     Vec3f middle, half;  ///< of the box
     float split = 0;     ///< where children part, along `axis`
-    /// Of the child below the split, the other follows it; or, of a leaf, its bundle.
+    /// Index of the child below the split, the other follows it; for a leaf, its bundle.
     std::uint32_t next = 0;
     std::uint8_t axis = 0;
     bool leaf = false;
   };
 
-  /// Splits where the surface area heuristic says. \pre mesh passes check()
+  /// Splits by the surface area heuristic. \pre mesh passes check()
   explicit Tree(const mesh::Mesh& mesh);
 
   std::vector<Node> nodes;

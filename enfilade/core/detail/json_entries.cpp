@@ -121,7 +121,7 @@ bool Entries::next() {
 bool Entries::take_plain_object(std::size_t begin) {
   if (!plain_ || begin == text_.size() || text_[begin] != '{') return false;
   const std::size_t brace = text_.find('}', begin);
-  // Tried until it fails once: the search and the parse may have been for nothing.
+  // Tried until it fails once: the search and the parse may have been in vain.
   plain_ = brace != std::string_view::npos && brace - begin < most_bytes_ &&
            parse(begin, brace + 1) == simdjson::SUCCESS;
   if (!plain_) return false;

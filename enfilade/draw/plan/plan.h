@@ -21,9 +21,9 @@ struct Plan {
   const graph::NavGraph& graph;
   std::vector<Storey> storeys;         ///< their viewpoints: included ones
   std::vector<std::size_t> storey_of;  ///< by viewpoint; kNowhere: not drawn
-  std::vector<PlanEdge> edges;         ///< each pair once, whichever way it may be walked
+  std::vector<PlanEdge> edges;         ///< each pair once, for both directions
 
-  /// Whether what goes from a to b is drawn on this storey.
+  /// Whether a line from a to b is drawn on this storey.
   bool touches(std::size_t storey, ViewpointIndex a, ViewpointIndex b) const {
     return storey_of[a.at()] == storey || storey_of[b.at()] == storey;
   }
@@ -55,7 +55,7 @@ struct Layout {
 inline constexpr double kCaption = 26;       ///< height of a panel's caption, pixels
 inline constexpr double kFloorRadius = 0.9;  ///< metres around viewpoints that are shaded
 
-/// "Storey 1" and what is known of it.
+/// "Storey 1" and its facts.
 struct Caption {
   std::string name, facts;
 };

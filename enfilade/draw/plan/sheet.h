@@ -14,7 +14,7 @@ struct LegendItem {
   std::string label;
 };
 
-/// What is written around the panels.
+/// Texts around the panels.
 struct Sheet {
   std::string title, subtitle;
   std::vector<std::string> notes;  ///< paragraphs below them

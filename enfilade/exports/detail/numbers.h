@@ -28,9 +28,9 @@ class StoredNumbers {
 };
 
 /// The mean of the readings in each cell of square pictures, in units of `unit`; a reading beyond
-/// one unit counts as one. 0 is no reading, and the value of a cell without any. \param depths
-/// (pictures, cells * cell, cells * cell), metres; cell: pixels across \param out (pictures, cells,
-/// cells)
+/// one unit counts as one. 0 is no reading, and the value of a cell without any.
+/// \param depths (pictures, cells * cell, cells * cell), metres; cell: pixels across
+/// \param out (pictures, cells, cells)
 void pool_depth(std::span<const float> depths, std::size_t pictures, std::size_t cells,
                 std::size_t cell, float unit, std::span<float> out);
 

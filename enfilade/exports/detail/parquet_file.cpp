@@ -186,7 +186,7 @@ class File {
     chunk(Type::kFloat, {name}, values.size(), data);
   }
   void add(const std::string& name, const FloatLists& lists) {
-    // Of repetition, 0 begins a list.
+    // A repetition of 0 begins a list.
     std::vector<std::pair<std::size_t, char>> repetition;
     for (std::size_t row = 0; row < rows_; ++row) {
       repetition.insert(repetition.end(), {{1, '\0'}, {lists.columns - 1, '\1'}});

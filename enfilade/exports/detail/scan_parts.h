@@ -11,16 +11,16 @@
 
 namespace enfilade::exports::detail {
 
-/// Writes what a viewpoint has into the part of its scan.
+/// Writes a viewpoint's data into the part of its scan.
 using WriteViewpoint = std::function<void(features::Hdf5Writer& part, ScanIndex scan,
                                           ViewpointIndex viewpoint, const std::string& name)>;
 
 /// Calls `write` for every included viewpoint, in the order of the graphs, in the calling thread;
 /// `name` is "<scan>_<viewpoint>". Parts lie in the folder "<file>.parts" until all are done and
-/// become `file`; scans whose part an earlier run of the same `job` has finished are left out.
-/// \param job  a text that is another one whenever the file would be, of the same viewpoints.
-/// \param options progress counts viewpoints; those of kept parts, too \throws what `write` throws,
-/// FileError
+/// become `file`. Scans whose part an earlier run of the same `job` has finished are skipped.
+/// \param job  a text that differs whenever the file would, for the same viewpoints
+/// \param options progress counts viewpoints; those of kept parts, too
+/// \throws FileError; the errors of `write`
 void write_by_scan(const graph::GraphSet& graphs, const std::filesystem::path& file,
                    const std::string& job, const ExportOptions& options,
                    const WriteViewpoint& write);

@@ -1,4 +1,5 @@
-/// \file  What all forms of experts' walks share: walking, the folder's claim, and drawing.
+/// \file  Shared parts of all forms of experts' trajectories: rollouts, the folder's claim,
+/// rendering.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -12,12 +13,12 @@
 
 namespace enfilade::exports::detail {
 
-/// Means and ranges of a walk's pictures before JPEG, of each channel, 0 to 1.
+/// Means and ranges of a trajectory's pictures before JPEG, of each channel, 0 to 1.
 struct PixelStatistics {
   std::array<double, 3> least{}, most{}, mean{}, deviation{};
 };
 
-/// One walk and its pictures.
+/// One trajectory and its pictures.
 struct DrawnWalk {
   const tasks::ContinuousResult& walk;
   const tasks::ContinuousEpisode& episode;
@@ -25,24 +26,25 @@ struct DrawnWalk {
   PixelStatistics pixels;
 };
 
-/// The walks of a form, in the order of the episodes; those that are too long are left out.
+/// The trajectories of a form, in the order of the episodes; too long ones are left out.
 struct Walked {
   std::vector<tasks::ContinuousResult> walks;
   std::size_t too_long = 0;
 };
 
-/// Checks the options, walks, and claims the folder for `form`. \throws as write_streamvln()
+/// Checks the options, runs the expert, and claims the folder for `form`.
+/// \throws as write_streamvln()
 Walked walk_as_expert(std::string_view form, const ExpertWalks& walks,
                       const std::filesystem::path& folder, const WalkPictures& pictures);
 
-/// How a form keeps a walk.
+/// How a form stores a trajectory.
 struct WalkStore {
-  /// Whether an earlier run has written it. By its place in Walked::walks.
+  /// Whether an earlier run has written it. By its index in Walked::walks.
   std::function<bool(std::size_t)> has;
   /// Writes it, whole or not at all. Called from several threads.
   std::function<void(std::size_t, const DrawnWalk&)> write;
 };
-/// Draws what the store does not have, in parallel, one building after the other.
+/// Renders trajectories that the store does not have, in parallel, one building after the other.
 WalkReport draw_walks(const Walked& walked, const ExpertWalks& walks, const WalkPictures& pictures,
                       const ExportOptions& options, const WalkStore& store);
 

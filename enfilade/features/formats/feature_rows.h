@@ -80,7 +80,7 @@ std::string in_quotes(std::string_view name);
 std::map<std::string, std::string> metadata_of(const FeatureInfo& info);
 /// The layout of a safetensors file of these features.
 SafetensorsLayout lay_out_features(const FeatureInfo& info, const std::vector<FeatureKey>& keys);
-/// Sets `info` from metadata; what is missing there stays as it is. \throws InvalidInput
+/// Sets `info` from metadata; missing fields do not change. \throws InvalidInput
 void read_metadata(const std::map<std::string, std::string>& metadata, const std::string& file,
                    FeatureInfo& info);
 /// A number as in a TSV or metadata. \throws InvalidInput naming `where`

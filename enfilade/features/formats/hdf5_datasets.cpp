@@ -12,7 +12,7 @@
 namespace enfilade::features::formats {
 namespace {
 
-// No viewpoint has so many numbers; a small file must not make us allocate more.
+// More numbers than any viewpoint has; a small file must not make us allocate more.
 constexpr std::uint64_t kMostElements = std::uint64_t{1} << 24;
 
 Hdf5Handle open_file(const std::filesystem::path& path, const std::string& name) {

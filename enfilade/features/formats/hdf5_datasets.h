@@ -13,8 +13,8 @@
 
 namespace enfilade::features::formats {
 
-/// Only these types are read: the library converts from any bit layout that a file describes, even
-/// from an impossible one, and then reads outside of its memory.
+/// Only these types are read. The library converts from any bit layout in a file, even from an
+/// impossible one, and then reads outside of its memory.
 bool is_plain_float(hid_t type);
 bool is_plain_number(hid_t type);  ///< or an integer of 16, 32 or 64 bits
 
@@ -48,7 +48,7 @@ class Hdf5Source {
   Hdf5Handle file_;
 };
 
-/// What `copy` makes of a file, in a forked copy of the process: damaged files crash the library.
+/// Runs `copy` on a file in a forked copy of the process: damaged files crash the library.
 /// \throws FileError; InvalidInput
 std::shared_ptr<const MappedFile> read_isolated(const std::filesystem::path& file,
                                                 const std::function<void(SharedMemory&)>& copy);

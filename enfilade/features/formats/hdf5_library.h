@@ -1,5 +1,5 @@
-/// \file  What readers and writers of HDF5 share: the library's lock and its handles. Internal, as
-/// it includes hdf5.h.
+/// \file  The HDF5 library's lock and handles, for readers and writers. Internal, as it includes
+/// hdf5.h.
 #pragma once
 #include <hdf5.h>
 
@@ -14,7 +14,7 @@ namespace enfilade::features::formats {
 class Hdf5Library {
  public:
   Hdf5Library() : lock_(mutex()) {
-    // A file that could not be closed, as the disk was full, stays open in the library, which would
+    // A file that could not be closed, as the disk was full, stays open in the library. It would
     // try again when the program ends, and crash. All others are closed by Hdf5Handle.
     [[maybe_unused]] static const herr_t kNothingAtExit = H5dont_atexit();
     H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);

@@ -26,10 +26,11 @@ class SharedMemory {
 };
 
 /// Runs `work` in a forked copy of this process. The copy has the calling thread only, so `work`
-/// must not wait for another. Only what it writes to SharedMemory is kept; its other changes of
-/// memory and its output are lost. \param file that it reads, for messages \throws the InvalidInput
-/// or FileError that `work` throws; InvalidInput with `code` if the copy crashes, is killed, or
-/// throws something else
+/// must not wait for another. Only its output to SharedMemory is kept; its other changes of memory
+/// and its output are lost.
+/// \param file that it reads, for messages
+/// \throws the InvalidInput or FileError that `work` throws
+/// \throws InvalidInput with `code` if the copy crashes, is killed, or throws another error
 void run_isolated(const std::string& file, const std::string& code,
                   const std::function<void()>& work);
 

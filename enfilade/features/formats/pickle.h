@@ -25,7 +25,7 @@ enum class Callable : std::uint8_t {
   kRebuildTensor,  ///< (storage, offset, shape, strides, ...)
   kParameter,      ///< (tensor, ...)
   kStorageType,    ///< torch.FloatStorage and the like; may be named, not called
-  kModule,         ///< a class of TorchScript's code, which is not run: what is set on it is kept
+  kModule,         ///< a class of TorchScript's code, which is not run; its attributes are kept
   kDropped,        ///< makes something that no tensor is in
 };
 /// A class or function that a pickle names.

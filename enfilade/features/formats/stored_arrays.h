@@ -37,8 +37,9 @@ struct SafetensorsLayout {
   std::vector<std::uint64_t> offsets;  ///< of each array, from the start of the file
   std::uint64_t file_bytes = 0;
 };
-/// Uses names, types and shapes of the arrays only. \throws ArgumentError for equal names, a name
-/// or metadata that is not UTF-8, or too many arrays for a header of 100 MB
+/// Uses names, types and shapes of the arrays only.
+/// \throws ArgumentError for equal names, a name or metadata that is not UTF-8, or too many arrays
+/// for a header of 100 MB
 SafetensorsLayout lay_out_safetensors(std::span<const NamedArray> arrays,
                                       const std::map<std::string, std::string>& metadata);
 
@@ -48,10 +49,11 @@ bool looks_like_zip(std::span<const std::byte> file) noexcept;
 bool looks_like_pickle(std::span<const std::byte> file) noexcept;
 /// A zip archive, the format since PyTorch 1.6. \throws FileError, InvalidInput
 StoredArrays read_torch_zip(const std::filesystem::path& file);
-/// NumPy's `.npz`, a zip archive with a `.npy` for each array; names are the paths in the archive
-/// without ".npy". \throws FileError; InvalidInput naming each array that cannot be read
+/// NumPy's `.npz`, a zip archive with a `.npy` per array; names are the paths in the archive
+/// without ".npy".
+/// \throws FileError; InvalidInput naming each array that cannot be read
 StoredArrays read_npz(const std::filesystem::path& file);
-/// Whether a zip archive has `.npy` files alone, as `.npz` do. \throws FileError, InvalidInput
+/// Whether a zip archive has only `.npy` files, as `.npz` do. \throws FileError, InvalidInput
 bool is_npz(const std::filesystem::path& file);
 /// A pickle followed by storages, the format until PyTorch 1.5. Arrays that are contiguous and
 /// aligned point into `file`. \throws InvalidInput

@@ -20,7 +20,7 @@
 
 namespace enfilade::homes::benchmarks {
 
-/// Collects what is said in each home, then writes it by split.
+/// Collects the texts of each home, then writes them by split.
 class Benchmarks {
  public:
   /// \throws ArgumentError for a name in options.tasks that home_tasks() has not
@@ -30,7 +30,7 @@ class Benchmarks {
   void add_home(const BuiltHome& built, const graph::NavGraph& graph,
                 std::span<tasks::PathAnnotation> paths);
 
-  /// Writes `<task>/` of all tasks but R2R itself, and what is hidden below `hidden/<task>/`.
+  /// Writes `<task>/` of all tasks except R2R itself, and hidden goals below `hidden/<task>/`.
   /// \param splits  of Room-to-Room, as tasks::split_by_building() gives them, with instructions
   /// \throws FileError
   void write(sets::WrittenFiles& files, const std::map<std::string, tasks::Annotations>& splits,
@@ -40,7 +40,7 @@ class Benchmarks {
   std::size_t instructions() const noexcept { return instructions_; }
 
  private:
-  /// What is said of one path of Room-to-Room.
+  /// The texts of one path of Room-to-Room.
   struct Said {
     std::vector<std::vector<instructions::SpokenPart>> parts;  // of each instruction
     GuidedPath guided;

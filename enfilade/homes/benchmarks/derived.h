@@ -1,4 +1,4 @@
-/// \file  What is made of Room-to-Room's paths and instructions alone: R2R-Last, R2R-Back and
+/// \file  Benchmarks made only from Room-to-Room's paths and instructions: R2R-Last, R2R-Back and
 /// fine-grained R2R. Internal.
 #pragma once
 #include <vector>
@@ -10,8 +10,8 @@ namespace enfilade::homes::benchmarks {
 
 /// R2R-Last: the last sentence of each instruction.
 tasks::PathAnnotation last_sentences(tasks::PathAnnotation path);
-/// R2R-Back: the path and its way back, with a sentence that asks for it; the turning point is
-/// where the path ended.
+/// R2R-Back: the path and its way back, with a sentence that requests it. The turning point is the
+/// path's end.
 tasks::PathAnnotation there_and_back(tasks::PathAnnotation path);
 /// Fine-grained R2R: the pieces of each instruction and of the path.
 /// \param spoken  of each instruction \pre as many as instructions

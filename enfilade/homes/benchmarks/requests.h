@@ -7,9 +7,9 @@
 
 namespace enfilade::homes::benchmarks {
 
-/// For up to two things that the path's last viewpoint shows, the same path with three requests:
-/// room and thing are named so that no other thing of the home fits both. None if nothing there can
-/// be told apart.
+/// The same path with three requests, for up to two objects that its last viewpoint shows. Room and
+/// object are named so that no other object of the home fits both. Empty if no object there is
+/// distinguishable.
 std::vector<tasks::PathAnnotation> write_requests(const Site& site,
                                                   const tasks::PathAnnotation& path,
                                                   std::uint64_t seed);

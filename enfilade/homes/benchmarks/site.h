@@ -1,4 +1,4 @@
-/// \file  A home as the writers of benchmarks see it: what is in view, rooms and words for them.
+/// \file  A home for the writers of benchmarks: objects in view, rooms and words for them.
 /// Internal.
 #pragma once
 #include <cstddef>
@@ -22,7 +22,7 @@ struct RoomWords {
   std::vector<std::size_t> fits;  ///< ascending; with the room that was meant
 };
 
-/// A home with its graph. What it was made of has to outlive it.
+/// A home with its graph. Its inputs must outlive it.
 class Site {
  public:
   /// Looks for the objects around each viewpoint, on `threads`. \pre graph's viewpoints are in the
@@ -39,26 +39,26 @@ class Site {
   std::span<const capture::ObjectInView> around(ViewpointIndex v) const { return around_[v.at()]; }
   /// The same as REVERIE's file has them, of all included viewpoints. \throws as ObjectBoxes::add()
   void add_boxes(tasks::ObjectBoxes& boxes) const;
-  /// Things around a viewpoint that stand in its room, and that people would speak of.
+  /// Objects around a viewpoint that stand in its room, and that people would mention.
   std::vector<std::size_t> things_at(ViewpointIndex v) const;
-  /// What a viewpoint shows of a thing; nullptr if it is not around it.
+  /// A viewpoint's view of an object; nullptr if it is not around it.
   const capture::ObjectInView* view_of(std::size_t thing, ViewpointIndex v) const;
 
   /// Included viewpoints in a room, ascending.
   const std::vector<ViewpointIndex>& in_room(std::size_t room) const { return in_room_[room]; }
   std::optional<std::size_t> room(ViewpointIndex v) const { return spoken_.sights.room(v); }
-  /// Words for a room that say its storey, or a thing in it, where its name fits others.
+  /// Words for a room that give its storey, or an object in it, if its name fits others.
   RoomWords room_words(std::size_t room, Rng& rng) const;
-  /// Things in those rooms.
+  /// Objects in those rooms.
   std::vector<std::size_t> things_in(std::span<const std::size_t> rooms) const;
-  /// Words for a thing that fit no other in those rooms; no value if there are none.
+  /// Words for an object that fit no other in those rooms; no value if there are none.
   std::optional<std::string> thing_words(std::size_t thing, std::span<const std::size_t> rooms,
                                          Rng& rng) const;
 
   /// The viewpoints of a path. \pre they are in the graph
   std::vector<ViewpointIndex> look_up(const std::vector<std::string>& ids) const;
   std::vector<std::string> ids(std::span<const ViewpointIndex> path) const;
-  /// Of a step, radians, world.
+  /// Heading of a step, radians, world.
   double heading(ViewpointIndex from, ViewpointIndex to) const;
 
  private:
@@ -69,8 +69,7 @@ class Site {
   std::vector<std::optional<std::size_t>> thing_of_;        // by object
 };
 
-/// Random numbers for one path and one purpose, so that what is drawn for one does not change
-/// others.
+/// Random numbers for one path and one purpose, so that the draws for one do not change others.
 Rng rng_for(std::uint64_t seed, const tasks::PathAnnotation& path, const char* purpose);
 
 }  // namespace enfilade::homes::benchmarks

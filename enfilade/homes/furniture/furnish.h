@@ -8,15 +8,15 @@
 
 namespace enfilade::homes::furniture {
 
-/// Furnishes a room: what its type needs (bed against a wall, chairs around a table, sink below a
-/// mirror, desks with chairs, ...), then what fits of what it may have, clutter on surfaces,
-/// pictures and curtains on walls, a rug, lamps. At least 0.75 m stay free to walk from every door
-/// to every other. Draws from `rng` only.
+/// Furnishes a room: first the required pieces of its type (bed against a wall, chairs around a
+/// table, sink below a mirror, desks with chairs, ...). Then optional ones that fit, clutter on
+/// surfaces, pictures and curtains on walls, a rug, lamps. A way of at least 0.75 m stays free from
+/// every door to every other. Draws from `rng` only.
 void furnish(const looks::RoomSpace& space, const looks::RoomStyle& style, Rng& rng,
              looks::HomeParts parts);
 
-/// All names of things that furnish() may place, with their mpcat40 category and how many shapes
-/// each has: for tests and docs.
+/// All names of objects that furnish() may place, with their mpcat40 category and number of shapes:
+/// for tests and docs.
 struct CatalogueEntry {
   std::string noun;
   std::uint16_t category = 0;

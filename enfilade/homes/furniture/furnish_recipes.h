@@ -1,4 +1,4 @@
-/// \file  What furniture each kind of room gets.
+/// \file  Furniture by kind of room.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -23,10 +23,10 @@ void hang_pendant(FurnishedRoom& room, Vec3d above);
 /// Curtains where there is room for them, else blinds; some windows get neither.
 void dress_windows(FurnishedRoom& room, bool curtains);
 void hang_pictures(FurnishedRoom& room, unsigned at_most);
-/// A plant, a lamp or the like into a free corner.
+/// Puts a plant, a lamp or the like into a free corner.
 bool put_in_corner(FurnishedRoom& room, const Shape& shape);
 void plants(FurnishedRoom& room, unsigned at_most);
-/// The last things in a room, in this order.
+/// The last objects in a room, in this order.
 struct Finish {
   unsigned plants = 0;    ///< at most
   bool curtains = false;  ///< for dress_windows()
@@ -34,9 +34,9 @@ struct Finish {
   Light light = Light::kHome;
 };
 void finish(FurnishedRoom& room, const Finish& what);
-/// A table or cabinet at a wall with things on it and a picture or mirror above.
+/// A table or cabinet at a wall with objects on it and a picture or mirror above.
 void dressed_console(FurnishedRoom& room, const Shape& shape, bool mirror);
-/// Small things along the top of a piece.
+/// Small objects along the top of a piece.
 void clutter(FurnishedRoom& room, const Frame& frame, const Item& below, std::string_view kind);
 /// Armchair, lamp, small table.
 void reading_corner(FurnishedRoom& room);

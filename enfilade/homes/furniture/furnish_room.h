@@ -1,4 +1,4 @@
-/// \file  A room that is being furnished: what stands where, what is free, where people can walk.
+/// \file  A room during furnishing: its furniture, its free floor, its passages.
 #pragma once
 #include <algorithm>
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace enfilade::homes::furniture {
 
-/// A piece of a group, in the group's frame: x along the wall, y from the wall (or the group's back
-/// edge) into the room, z from the floor; `turned` 0: it faces the room.
+/// A piece of a group, in the group's frame. Its x is along the wall, y from the wall (or the
+/// group's back edge) into the room, z from the floor. With `turned` 0 it faces the room.
 struct Item {
   Item(const Shape& what, Size of, double at_x, double at_y, double at_z = 0, double turn = 0)
       : shape(&what), size(of), x(at_x), y(at_y), z(at_z), turned(turn) {}
@@ -27,8 +27,8 @@ struct Item {
   double power = 1;  ///< of its lamps
 };
 
-/// Pieces that belong together: `w` along the wall, `d` into the room. The `front` metres before
-/// it stay free for the people who use it.
+/// Pieces that belong together: `w` along the wall, `d` into the room. The `front` metres before it
+/// stay free for their users.
 struct Group {
   double w = 0, d = 0, front = 0;
   std::vector<Item> items;
@@ -42,7 +42,7 @@ struct Frame {
   double angle() const;
 };
 
-/// A place at a wall, and what a score may depend on.
+/// A place at a wall, with the inputs of its score.
 struct Spot {
   Frame frame;
   Side wall = Side::kPlusX;
@@ -83,12 +83,12 @@ class FurnishedRoom {
   /// Exactly there, if it is free.
   bool place(const Group& group, const Frame& frame);
 
-  /// Builds it there without looking for free space: things on things, lamps at ceilings.
+  /// Builds it there without checking for free space: objects on objects, lamps at ceilings.
   void put(const Item& item, const Frame& frame);
   /// As put(), unless it would meet something. Returns whether it was built.
   bool put_if_clear(const Item& item, const Frame& frame);
-  /// On a wall, above what stands there: `low` metres above the floor, at most `slide`
-  /// from `along`, `apart` from doors, windows and what else hangs there.
+  /// Puts it on a wall, above the furniture there: `low` metres above the floor, at most `slide`
+  /// from `along`. It is `apart` from doors, windows and other hanging objects.
   bool hang(const Shape& shape, Size size, Side wall, double along, double low, double slide = 0,
             double apart = 0.06);
   /// In its usual size, above a place.
@@ -132,8 +132,8 @@ class FurnishedRoom {
   std::vector<Solid> built_, hung_;  // everything but rugs; of it, what hangs on walls
 };
 
-/// Whether ways 0.75 m wide lead from each door to each other and to near the room's middle around
-/// what is `standing`, and no more than half a square metre of floor is cut off.
+/// Whether passages 0.75 m wide lead around `standing` from each door to each other and to near the
+/// room's middle. At most half a square metre of floor may be cut off.
 bool ways_are_open(const looks::RoomSpace& space, const std::vector<Rect>& standing);
 
 }  // namespace enfilade::homes::furniture

@@ -1,4 +1,4 @@
-/// \file  The furniture of model homes: how each piece is built, and how large it is.
+/// \file  The furniture of synthetic homes: how each piece is built, and how large it is.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -28,8 +28,8 @@ struct Block {
 
 struct Shape;
 
-/// What a shape is built with. Local frame: x from -w/2 to w/2, y from -d/2 (its back) to d/2 (its
-/// front), z from 0 to h, also for what hangs on walls or from ceilings.
+/// Builder of a shape. Local frame: x from -w/2 to w/2, y from -d/2 (back) to d/2 (front), z from 0
+/// to h. The same for shapes that hang on walls or from ceilings.
 class Kit {
  public:
   Kit(mesh::MeshBuilder& builder, const Style& room_style, Rng& random, const Shape& shape,
@@ -110,9 +110,9 @@ struct Shape {
   std::string_view noun;
   std::uint16_t category;
   void (*build)(Kit& kit, double x, double y);  ///< x, y: half of its width and depth
-  int variant;                                  ///< what `build` tells its forms apart by
+  int variant;                                  ///< number of the form that `build` makes
   Size size;
-  NamedMaterial Style::*main;  ///< what it is mostly made of and named by; null: neither
+  NamedMaterial Style::*main;  ///< its main material, which names it; null: none
   std::string_view raw{};      ///< label in category_mapping.tsv where it is not the noun
 };
 
@@ -132,7 +132,7 @@ std::vector<const Shape*> shapes_of(std::string_view noun);
 /// The shape of that name at place `which` of shapes_of().
 const Shape& shape_of(std::string_view noun, std::size_t which = 0);
 
-/// Builds one and adds its obstacles (if a body could touch it), its thing and its lamps.
+/// Builds one and adds its obstacles (if a body could touch it), its object and its lamps.
 void build_shape(const Shape& shape, Size size, const mesh::Placement& at, std::size_t room,
                  const Style& style, Rng& rng, looks::HomeParts& parts, double power = 1);
 

@@ -1,4 +1,4 @@
-/// \file  Habits of the three speakers: how often they say or leave out something. Internal.
+/// \file  Habits of the three speakers: how often they mention or omit a fact. Internal.
 #pragma once
 #include <cstddef>
 
@@ -11,15 +11,15 @@ namespace enfilade::homes::instructions {
 struct Habits {
   double brevity = 0;          ///< a clause gets the fewest words
   double bend = 0;             ///< a slight bend that cannot mislead is left out
-  double start = 0;            ///< the start is described by a thing nearby
-  double towards = 0;          ///< a thing straight ahead is named
-  double things = 0;           ///< a thing that is passed is named
-  std::size_t all_things = 0;  ///< most such things in an instruction
+  double start = 0;            ///< the start is described by an object nearby
+  double towards = 0;          ///< an object straight ahead is named
+  double things = 0;           ///< a passed object is named
+  std::size_t all_things = 0;  ///< most such objects in an instruction
   double distance = 0;         ///< how far, or along what, is said
   double merge = 0;            ///< two rooms in a row share a clause
   double skip = 0;             ///< entering a hall is not mentioned
   double openings = 0;         ///< a sentence begins with "then" and the like
-  double goal = 0;             ///< the place to stop is given by a thing
+  double goal = 0;             ///< the place to stop is given by an object
   double elide = 0;            ///< two turns in a row share a verb
   std::size_t clauses = 1;     ///< most clauses in a sentence
   Links links = Links::kAny;
@@ -29,8 +29,7 @@ struct Habits {
 };
 
 Habits habits_of(Speaker speaker);
-/// The same habits for a shorter instruction. \param leaner 0: unchanged; 1: says only what is
-/// needed
+/// The same habits for a shorter instruction. \param leaner 0: unchanged; 1: only necessary facts
 Habits leaner_habits(Habits habits, double leaner);
 
 }  // namespace enfilade::homes::instructions

@@ -1,4 +1,4 @@
-/// \file  Names for the things and rooms of a home that cannot be mistaken for others. Internal.
+/// \file  Unambiguous names for the objects and rooms of a home. Internal.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -13,32 +13,32 @@
 
 namespace enfilade::homes::instructions {
 
-/// How much a speaker says of a thing beyond what distinguishes it from others.
+/// How much a speaker tells about an object beyond its distinction from others.
 enum class Detail : std::uint8_t { kPlain, kColour };
 
-/// The things that a thing must not be mistaken for.
+/// The objects that a name must not fit.
 enum class Rivals : std::uint8_t {
-  kHere,    ///< things in the same room or behind open doors: where a path ends
+  kHere,    ///< objects in the same room or behind open doors: where a path ends
   kNearby,  ///< also things out of view a few doors away: along a path
 };
 
-/// Names for the things and rooms of one home.
+/// Names for the objects and rooms of one home.
 class Naming {
  public:
   explicit Naming(const SpokenHome& home) : home_(home) {}
 
-  /// Words such as "green sofa" that fit this thing and none of its rivals, seen from the
+  /// Words such as "green sofa" that fit this object and none of its rivals, seen from the
   /// viewpoint; no value if there are none.
   std::optional<std::string> thing(std::size_t thing, ViewpointIndex from, Detail detail,
                                    Rivals rivals, Rng& rng) const;
-  /// Words that fit this thing and none of `others`, wherever one stands; no value if there are
+  /// Words that fit this object and none of `others`, from any viewpoint; no value if there are
   /// none.
   std::optional<std::string> thing_among(std::size_t thing, std::span<const std::size_t> others,
                                          Detail detail, Rng& rng) const;
   /// "living room", "lounge": never a name of another kind of room in the home.
   std::string room(std::size_t room, Rng& rng) const;
-  /// A thing such as "red rug" that distinguishes a room from others of its name; no value if there
-  /// are no others, or no such thing.
+  /// An object such as "red rug" that distinguishes a room from others of its name. No value if
+  /// there are no others, or no such object.
   std::optional<std::string> mark_of(std::size_t room, Rng& rng) const;
   /// Whether the two rooms have the same name.
   bool same_room_name(std::size_t a, std::size_t b) const;
@@ -49,7 +49,7 @@ class Naming {
   bool is_way(std::size_t room) const;
 
  private:
-  /// \param rivals  things that `noun` fits, too
+  /// \param rivals  objects that `noun` fits, too
   std::optional<std::string> words_of(std::size_t thing, std::string_view noun,
                                       std::span<const std::size_t> rivals, Detail detail,
                                       Rng& rng) const;
@@ -61,11 +61,11 @@ class Naming {
   SpokenHome home_;
 };
 
-/// How much people care for things of its category, [0, 1]; 0 for walls, doors, stairs.
+/// Importance of objects of its category to people, [0, 1]; 0 for walls, doors, stairs.
 double weight_of(const Home& home, std::size_t thing);
 /// Whether a name is plural: "books", but not "chest of drawers".
 bool is_plural(std::string_view name);
-/// Whether the thing is a floor covering, which people walk over.
+/// Whether the object is a floor covering, which people step on.
 bool is_rug(const Thing& thing);
 
 }  // namespace enfilade::homes::instructions

@@ -205,7 +205,7 @@ class Teller {
     }
   }
 
-  // Things in view from a viewpoint, without rugs and things that nobody mentions.
+  // Objects in view from a viewpoint, without rugs and objects that people do not mention.
   std::vector<Neighbour> neighbours(std::size_t i, double facing, double least_share) const {
     std::vector<Neighbour> found;
     for (const Sight& sight : home_.sights.at(path_[i])) {

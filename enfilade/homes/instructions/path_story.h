@@ -1,4 +1,4 @@
-/// \file  The facts of a path through a model home, in order: turns, rooms, things. Internal.
+/// \file  The facts of a path through a synthetic home, in order: turns, rooms, objects. Internal.
 #pragma once
 #include <cstddef>
 #include <optional>
@@ -15,15 +15,15 @@ enum class Turn : std::uint8_t { kStraight, kSlight, kFull, kAround };
 inline constexpr double kStraightBelow = 20, kSlightBelow = 60, kFullBelow = 130;
 Turn turn_of(double degrees);
 
-/// Something that happens on the way: a room is entered, or a thing is passed.
+/// An event on the way: a room is entered, or an object is passed.
 struct Happening {
   enum class Kind : std::uint8_t {
     kCross,  ///< from one room into another
-    kPass,   ///< past a thing at one side
+    kPass,   ///< past an object at one side
     kOver,   ///< over a rug
   };
   Kind kind = Kind::kCross;
-  double metres = 0;                   ///< walked since the stretch began
+  double metres = 0;                   ///< from the beginning of the stretch
   std::optional<std::size_t> opening;  ///< kCross; no value where rooms meet without a wall
   std::size_t from = 0, to = 0;        ///< kCross: rooms
   std::size_t thing = 0;
@@ -41,13 +41,13 @@ struct Stretch {
   std::size_t first = 0, last = 0;              ///< viewpoints, places in the path
   std::size_t room = 0, room_after = 0;
   std::vector<Happening> happenings;  ///< in order
-  std::vector<std::size_t> ahead;     ///< things in its direction, the most salient first
+  std::vector<std::size_t> ahead;     ///< objects in its direction, the most salient first
   unsigned door = 0;    ///< number of its first door on the side of the turn, counted since the
                         ///< last stretch began; 0: cannot be counted
   bool to_end = false;  ///< it ends at the far end of a long room
 };
 
-/// A thing in view of somebody who faces some direction.
+/// An object in view, for a given direction.
 struct Neighbour {
   std::size_t thing = 0;
   double bearing = 0;  ///< degrees, right positive
@@ -77,8 +77,8 @@ struct PathStory {
   PathEnd end;
 };
 
-/// Finds the facts of a path that begins with that heading (radians). \pre at least two viewpoints,
-/// each adjacent to the next; all are in rooms
+/// Finds the facts of a path that begins with that heading (radians).
+/// \pre at least two viewpoints, each adjacent to the next; all are in rooms
 PathStory tell_path(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
                     double heading);
 

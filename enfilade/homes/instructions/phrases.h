@@ -13,9 +13,10 @@ namespace enfilade::homes::instructions {
 /// Names and the words that replace `$name` in a pattern.
 using Slots = std::vector<std::pair<std::string_view, std::string>>;
 
-/// Fills in a pattern such as "[walk|3*go] past the $thing|pass the $thing": draws one of the
+/// Fills in a pattern such as "[walk|3*go] past the $thing|pass the $thing". Draws one of the
 /// choices, one in each pair of brackets (which may nest), and replaces the slots. A choice after
-/// `3*` has the weight 3 (1 to 9). \pre brackets match; all slots are given
+/// `3*` has the weight 3 (1 to 9).
+/// \pre brackets match; all slots are given
 std::string expand(std::string_view pattern, const Slots& slots, Rng& rng);
 
 /// The name with its article: "a large sofa", "an armchair".

@@ -1,4 +1,4 @@
-/// \file  Things of a model home that are visible from each viewpoint. Internal.
+/// \file  Objects of a synthetic home that are visible from each viewpoint. Internal.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -12,10 +12,10 @@
 
 namespace enfilade::homes::instructions {
 
-/// A thing in view.
+/// An object in view.
 struct Sight {
-  std::size_t thing = 0;  ///< place in home.things
-  double heading = 0;     ///< radians, world, of the middle of what is seen of it
+  std::size_t thing = 0;  ///< index in home.things
+  double heading = 0;     ///< radians, world, of the middle of its visible part
   double elevation = 0;
   double distance = 0;  ///< metres, to the same
   double share = 0;     ///< of the whole sphere of directions, [0, 1]
@@ -24,8 +24,9 @@ struct Sight {
 /// Things in view from all viewpoints of a home. Immutable.
 class Sights {
  public:
-  /// Casts `rays` rays from each viewpoint, spread evenly over all directions; a thing is in view
-  /// if at least 3 rays hit it. \pre graph's viewpoints are in the home
+  /// Casts `rays` rays from each viewpoint, spread evenly over all directions. An object is in view
+  /// if at least 3 rays hit it.
+  /// \pre graph's viewpoints are in the home
   Sights(const Home& home, const mesh::RayTracer& tracer, const graph::NavGraph& graph,
          std::size_t rays = 8192, int threads = 0);
   /// Things in view, the largest share first.

@@ -115,7 +115,7 @@ class Describer {
     clauses_.push_back({std::move(text), after, room, reached_});
   }
 
-  // The first place of a stretch that is so many metres along it.
+  // The first viewpoint of a stretch that is `metres` along it.
   std::size_t place_at(const Stretch& s, double metres) const {
     std::size_t place = s.first;
     for (double walked = 0; place < s.last && walked < metres - 0.05; ++place) {

@@ -48,8 +48,8 @@ class Wording {
   std::string between(const std::string& a, const std::string& b);
   std::string over(const std::string& thing);
   std::string towards(const std::string& thing);
-  /// An introduction such as "with the bed behind you"; no value if the thing is not clearly at one
-  /// of the four sides.
+  /// An introduction such as "with the bed behind you"; no value if the object is not clearly at
+  /// one of the four sides.
   std::optional<std::string> at_start(const std::string& thing, double bearing);
   std::string stop(const std::string& where);
   // Places to stop, without the verb: "next to the sink".

@@ -7,12 +7,12 @@
 
 namespace enfilade::homes::looks {
 
-/// Builds the parts of a plan that are not furniture: walls with their openings, skirting, floors,
-/// ceilings, door frames and leaves, window frames, stairs with railings, and, outside, the ground
-/// and a plain facade. Windows have no glass, so that light comes in, but count as obstacles. Each
-/// wall, floor, ceiling, door, window and flight is an object of its own, with its room. Adds
-/// obstacles and things for doors, windows and stairs, and the openings that let light in to
-/// `portals`.
+/// Builds the parts of a plan that are not furniture. Inside: walls with their openings, skirting,
+/// floors, ceilings, door frames and leaves, window frames, stairs with railings. Outside: the
+/// ground and a plain facade. Windows have no glass, so that light comes in, but count as
+/// obstacles. Each wall, floor, ceiling, door, window and flight is an object of its own, with its
+/// room. Adds obstacles and objects for doors, windows and stairs; adds the openings that let light
+/// in to `portals`.
 void build_architecture(const Plan& plan, const std::vector<RoomStyle>& styles, HomeParts parts,
                         std::vector<mesh::Portal>& portals);
 

@@ -15,8 +15,8 @@ struct RoomSpace {
   char type = '-';
   Rect floor;                           ///< inner faces of its walls, world
   double floor_z = 0, ceiling_z = 2.6;  ///< world, metres
-  /// A piece of a wall with a door, an arch or a window. Nothing stands in front of doors and
-  /// arches; in front of windows only what is lower than the sill.
+  /// A piece of a wall with a door, an arch or a window. Doors and arches have no furniture in
+  /// front of them, windows only furniture lower than the sill.
   struct WallHole {
     Side wall = Side::kPlusX;
     double from = 0, to = 0;      ///< x or y along the wall; world, metres
@@ -25,14 +25,14 @@ struct RoomSpace {
     double middle() const { return (from + to) / 2; }
   };
   std::vector<WallHole> holes;
-  std::vector<Rect> no_way;      ///< flights and their holes, which nobody walks across
+  std::vector<Rect> no_way;      ///< flights and their holes: not walkable
   std::vector<Rect> keep_clear;  ///< where doors swing, stairs begin or people pass
 };
 
 /// The parts of a home that furniture is added to.
 struct HomeParts {
   mesh::MeshBuilder& builder;
-  std::vector<Obstacle>& obstacles;  ///< one or more boxes for each thing that a body could touch
+  std::vector<Obstacle>& obstacles;  ///< one or more boxes per object that a body could touch
   std::vector<Thing>& things;
   std::vector<mesh::Lamp>& lamps;
 };

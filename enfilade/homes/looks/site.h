@@ -40,14 +40,14 @@ void wall_box(Site& site, bool along_x, mesh::MaterialId material, const WallBox
 /// The same, and an obstacle.
 void solid_box(Site& site, bool along_x, mesh::MaterialId material, const WallBox& box);
 void add_obstacle(Site& site, bool along_x, const WallBox& box);
-/// An upright face that looks towards `facing`, at `n` of that axis.
+/// An upright face towards `facing`, at `n` of that axis.
 void upright(Site& site, mesh::MaterialId material, Side facing, double n, double u0, double u1,
              double z0, double z1);
-/// A level face that looks up or down.
+/// A level face, facing up or down.
 void level(Site& site, mesh::MaterialId material, const Rect& rect, double z, bool up);
-/// What is left of a rectangle around a hole in it (either may be empty).
+/// The rest of a rectangle around a hole in it (either may be empty).
 std::vector<Rect> around(const Rect& rect, const Rect* hole);
-/// A thing between two opposite corners, `margin` metres wider on all sides.
+/// An object between two opposite corners, `margin` metres wider on all sides.
 void add_thing(Site& site, std::uint32_t object, const char* noun, const NamedMaterial& material,
                std::size_t room, Vec3d a, Vec3d b, double margin = 0);
 

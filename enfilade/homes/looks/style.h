@@ -1,4 +1,4 @@
-/// \file  What rooms of model homes look like: materials with names that people would use.
+/// \file  Appearance of rooms in synthetic homes: materials with names that people would use.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -18,8 +18,8 @@ struct NamedMaterial {
   std::string material;  ///< "wooden"; may be empty
 };
 
-/// One room's choice. Rooms of one home share woods and metals; walls, fabrics and accents differ,
-/// so that no two rooms of a type look alike.
+/// One room's choice. Rooms of one home share woods and metals. Walls, fabrics and accents differ,
+/// so that no two rooms of a type have the same appearance.
 struct RoomStyle {
   NamedMaterial wall, feature_wall;    ///< the latter for one wall of some rooms (may be the same)
   NamedMaterial floor, ceiling, trim;  ///< trim: skirting, frames, doors

@@ -54,8 +54,8 @@ struct FrameNeeds {
   double run = 4.2;   // metres that a flight of stairs takes
 };
 
-/// One of several skeletons (hall through the middle, corridor across, L, U, comb), of drawn
-/// proportions; nothing if what was drawn does not fit the area.
+/// One of several skeletons: hall through the middle, corridor across, L, U, comb. Its proportions
+/// are drawn; no value if the draw does not fit the area.
 std::optional<Building> draw_building(const FrameNeeds& needs, Rng& rng);
 
 struct Layout {
@@ -63,14 +63,17 @@ struct Layout {
   double score = 0;         // higher is better
 };
 
-/// The best of `trials` random orders of the program's rooms in which each fits, has windows if it
-/// needs them and is reached without passing private rooms; nothing if there was none.
+/// The best of `trials` random orders of the program's rooms; no value if there is none. In it each
+/// room fits, has windows if it needs them and is reached without passing private rooms.
 std::optional<Layout> fill(const Building& building, unsigned storey,
                            const std::vector<Chain>& program, unsigned trials, Rng& rng);
 
-/// Faults of a plan, in words; none if it is sound: rooms within the outline, apart from each
-/// other, of fair size; openings in walls of both rooms, clear of corners, each other and flights;
-/// all rooms connected as make_plan() promises; windows where people stay; stairs with landings.
+/// Faults of a plan, in words; none if it is sound:
+/// - rooms within the outline, apart from each other, of fair size
+/// - openings in walls of both rooms, clear of corners, each other and flights
+/// - all rooms connected as make_plan() promises
+/// - windows where people stay
+/// - stairs with landings
 std::vector<std::string> plan_faults(const Plan& plan);
 
 inline constexpr double kLeastWithStairs = 85;  ///< m2 of each storey of a home with stairs

@@ -1,4 +1,4 @@
-/// \file  What plans are drawn with before they have doors: frames of corridors, strips, cells.
+/// \file  Parts of plans before they have doors: frames of corridors, strips, cells.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -89,8 +89,8 @@ inline Rect both_sides(bool along_x, double wall, double from, double to, double
   return laid_rect(along_x, from, to, wall - reach, wall + reach);
 }
 
-/// Can a door or arch be made between two cells at [from, to] of their wall: is there standing room
-/// before it, clear of the flight?
+/// Whether a door or arch can be made between two cells at [from, to] of their wall. It needs
+/// standing room before it, clear of the flight.
 inline constexpr double kStand = 0.75;  // metres
 inline bool clear_of_flight(const Rect& zone, const std::optional<Flight>& flight) {
   return !flight || !overlap(zone, flight->box);

@@ -254,7 +254,7 @@ class Reader {
     }
   }
 
-  std::optional<Element> object_;  // no value if it is none, which was reported
+  std::optional<Element> object_;  // no value if it is not an object, which was reported
   const Path& path_;
   Faults& faults_;
 };

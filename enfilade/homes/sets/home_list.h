@@ -1,4 +1,4 @@
-/// \file  `homes.json`: the list of a folder of model homes.
+/// \file  `homes.json`: the list of a folder of synthetic homes.
 #pragma once
 #include <string>
 #include <string_view>

@@ -1,4 +1,4 @@
-/// \file  The annotation files in a folder of homes, of which the next run removes what is old.
+/// \file  The annotation files in a folder of homes; the next run removes old ones.
 #pragma once
 #include <filesystem>
 #include <set>
@@ -8,10 +8,10 @@
 
 namespace enfilade::homes::sets {
 
-/// Writes annotation files and lists them in `annotations.txt`, one path a line. Files that the
-/// list of an earlier run names and this run does not write are removed at the end, with folders
-/// that become empty: other seeds and fewer tasks leave nothing behind. What people put into these
-/// folders themselves is in no list, and stays.
+/// Writes annotation files and lists them in `annotations.txt`, one path per line. At the end,
+/// files of an earlier run's list that this run does not write are removed, with folders that
+/// become empty. So other seeds and fewer tasks leave nothing behind. Files of users in these
+/// folders are in no list, and stay.
 class WrittenFiles {
  public:
   explicit WrittenFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}

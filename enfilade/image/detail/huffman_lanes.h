@@ -86,7 +86,7 @@ struct BitReader {
   void skip(std::uint32_t length);
   /// Whether less than a byte of the interval is left.
   bool is_at_end() const;
-  /// Whether it has not gone far beyond the interval. `next` may be ahead of what is used.
+  /// Whether it has not gone far beyond the interval. `next` may be ahead of the used bits.
   bool is_inside() const { return next <= end + sizeof(bits); }
 };
 

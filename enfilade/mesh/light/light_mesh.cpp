@@ -59,7 +59,7 @@ LightPoint LightMesh::point_at(Vec3f position, Vec3f normal) {
   std::array<std::int16_t, 3> key{static_cast<std::int16_t>(std::lround(kNormalSteps * normal.x)),
                                   static_cast<std::int16_t>(std::lround(kNormalSteps * normal.y)),
                                   static_cast<std::int16_t>(std::lround(kNormalSteps * normal.z))};
-  // Of the two sides, the even one's first part that is not 0 is positive.
+  // The even side's first part that is not 0 is positive.
   const int first = key[0] != 0 ? key[0] : key[1] != 0 ? key[1] : key[2];
   const LightPoint side = first < 0 ? 1 : 0;
   if (side == 1) {

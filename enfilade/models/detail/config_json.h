@@ -11,7 +11,7 @@ nlohmann::ordered_json network_to_json(const TrainConfig& config);  ///< of its 
 nlohmann::ordered_json to_json(const TrainConfig& config);          ///< without its network
 nlohmann::ordered_json to_json(const ModelConfig& config);          ///< the whole file
 
-/// Reads a whole file; what is missing or wrong is added to `faults`.
+/// Reads a whole file; missing or wrong fields are added to `faults`.
 ModelConfig read_config(json::Element root, json::Faults& faults);
 
 }  // namespace enfilade::models::detail

@@ -1,4 +1,4 @@
-/// \file  What the sizes of EnvDrop's two networks have in common.
+/// \file  Common sizes of EnvDrop's two networks.
 #pragma once
 #include <fmt/format.h>
 #include <initializer_list>

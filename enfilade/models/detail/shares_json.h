@@ -11,7 +11,7 @@ namespace enfilade::models::detail {
 double read_share(json::Element element, const json::Path& path, const char* code,
                   json::Faults& faults);
 
-/// A list of such numbers, one a word.
+/// A list of such numbers, one per word.
 std::vector<double> read_attention(json::Element element, std::size_t words, const json::Path& path,
                                    const char* code, json::Faults& faults);
 

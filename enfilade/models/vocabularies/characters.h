@@ -13,8 +13,8 @@ namespace enfilade::models::vocabularies {
 /// \pre text is not empty
 std::uint32_t take_character(std::string_view& text);
 
-/// The words of a text in BERT's sense: without control characters, split at blanks, each CJK
-/// character and each punctuation mark a word of its own; folded if that is asked for.
+/// The words of a text in BERT's sense: without control characters, split at blanks. Each CJK
+/// character and each punctuation mark is a word of its own. Folded if `letters` requires it.
 std::vector<std::u32string> words_of(std::string_view text, Letters letters);
 
 }  // namespace enfilade::models::vocabularies

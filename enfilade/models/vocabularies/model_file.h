@@ -23,7 +23,7 @@ struct ModelPiece {
   Kind kind = Kind::kNormal;
 };
 
-/// What counts of a model.
+/// The used parts of a model.
 struct ModelFile {
   std::vector<ModelPiece> pieces;
   std::string replacements;      ///< `precompiled_charsmap`: a trie and texts; empty: none

@@ -1,4 +1,4 @@
-/// \file  What a vocabulary of word pieces has, whatever it was read from.
+/// \file  Common parts of vocabularies of word pieces, from any file.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -15,7 +15,7 @@ std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-// Of a unit: where its children begin, relative to it, and what byte leads to it.
+// A unit's parts: where its children begin, relative to it, and which byte leads to it.
 std::uint32_t offset_of(std::uint32_t unit) { return (unit >> 10U) << ((unit & 0x200U) >> 6U); }
 std::uint32_t label_of(std::uint32_t unit) { return unit & 0x800000ffU; }
 bool has_value(std::uint32_t unit) { return (unit & 0x100U) != 0; }

@@ -8,8 +8,8 @@
 
 namespace enfilade::models::vocabularies {
 
-/// A `precompiled_charsmap`: the size of a double-array trie in bytes, the trie (Darts, units of 32
-/// bits), and the texts that its values point at, each with a zero byte behind it. Little-endian.
+/// A `precompiled_charsmap`. It has the size of a double-array trie in bytes, the trie (Darts,
+/// units of 32 bits), and the texts of its values. A zero byte follows each text. Little-endian.
 class Replacements {
  public:
   /// No replacement.
@@ -17,8 +17,9 @@ class Replacements {
   /// \throws InvalidInput for a size that does not fit
   Replacements(std::string_view table, const std::string& origin);
 
-  /// What stands for the longest beginning of `text` that the table has, and how many bytes that
-  /// beginning is; 0 bytes if it has none. \throws InvalidInput for a table that points outside
+  /// The replacement of the longest beginning of `text` that the table has, and that beginning's
+  /// bytes; 0 bytes if it has none.
+  /// \throws InvalidInput for a table that points outside
   std::pair<std::string_view, std::size_t> longest(std::string_view text) const;
 
  private:

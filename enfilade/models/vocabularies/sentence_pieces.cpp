@@ -128,7 +128,7 @@ class SentencePieces : public Subwords::Pieces {
     return pieces;
   }
 
-  // The pieces that begin at a place; if the character there is none by itself, it is unknown.
+  // The pieces that begin at a position; if the character there is not a piece, it is unknown.
   void offer_pieces(std::string_view text, std::size_t at, std::size_t one,
                     std::vector<Best>& best) const {
     const float before = best[at].score;

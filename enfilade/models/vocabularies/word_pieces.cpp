@@ -33,7 +33,7 @@ class WordPieces : public Subwords::Pieces {
     }
   }
 
-  // The longest piece from each place on. False if there is none at one.
+  // The longest piece from each position on. False if a position has none.
   bool pieces_of(const std::u32string& word, std::vector<std::int32_t>& out) const {
     for (std::size_t from = 0; from < word.size();) {
       std::string piece(from == 0 ? "" : kInside);

@@ -1,4 +1,4 @@
-/// \file  The order in which recorded walks are learnt from, and batches of them.
+/// \file  The order of recorded trajectories in training, and batches of them.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace enfilade::neural::continuous {
 
-/// Where an update stands in a training.
+/// Position of an update in a training.
 struct Place {
   std::size_t sets = 1;   ///< that there are then
   std::size_t epoch = 0;  ///< over these
@@ -22,9 +22,10 @@ struct Place {
 /// \pre update < models::updates_of(config, batch)
 Place place_of(const models::Seq2SeqCeConfig& config, std::size_t batch, std::uint64_t update);
 
-/// The batches of one pass over walks, each once; the last batch may be smaller. Walks of a batch
-/// are about as long as each other, and longer ones come first: of 16 batches' walks, which are
-/// drawn, those of like length go together. \param lengths steps by walk
+/// The batches of one pass over trajectories, each once; the last batch may be smaller.
+/// Trajectories of a batch are about as long as each other, and longer ones come first. Of 16
+/// batches' trajectories, which are drawn, those of like length go together.
+/// \param lengths steps by trajectory
 std::vector<std::vector<std::size_t>> pass_over(std::span<const std::size_t> lengths,
                                                 std::size_t batch, std::uint64_t seed,
                                                 std::uint64_t pass);
@@ -33,7 +34,7 @@ std::vector<std::vector<std::size_t>> pass_over(std::span<const std::size_t> len
 struct EpisodeBatch {
   Steps steps;
   at::Tensor teacher;                 ///< (rows) int64
-  std::vector<std::size_t> episodes;  ///< of each walk
+  std::vector<std::size_t> episodes;  ///< per trajectory
 };
 /// \pre one walk at least, longer ones first; each has a step
 EpisodeBatch side_by_side(std::span<const EpisodeView> walks, const Sizes& sizes);

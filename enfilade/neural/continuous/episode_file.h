@@ -1,4 +1,4 @@
-/// \file  Recorded walks, which the network learns from: what was seen, done and advised.
+/// \file  Recorded rollouts, which the network learns from: observations, actions and advice.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace enfilade::neural::continuous {
 /// One walk of n steps.
 struct RecordedEpisode {
   std::size_t episode = 0;             ///< of those trained on
-  Seen seen;                           ///< of n steps; empty if the agent does not see
+  Seen seen;                           ///< of n steps; empty without vision
   std::vector<std::uint8_t> previous;  ///< (n) kNoAction or 1 + the choice before
   std::vector<std::uint8_t> teacher;   ///< (n) the teacher's choices
 };
@@ -35,13 +35,13 @@ EpisodeView view_of(const RecordedEpisode& walk);
 /// Walks of a file, which is mapped into memory. Immutable: any thread.
 class EpisodeFile {
  public:
-  /// \param features numbers a picture; 0: the agent does not see \throws FileError; InvalidInput
+  /// \param features numbers per picture; 0: no vision \throws FileError; InvalidInput
   /// for another file, or one of other sizes
   EpisodeFile(const std::filesystem::path& file, std::size_t features);
 
   std::size_t size() const noexcept { return episodes_.size(); }
   EpisodeView walk(std::size_t i) const;  ///< \pre i < size()
-  /// Of which weights the walker was.
+  /// The hash of the weights of the agent that walked.
   const std::string& weights() const { return file_.metadata().at("weights"); }
 
  private:

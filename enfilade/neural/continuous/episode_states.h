@@ -37,7 +37,7 @@ class EpisodeStates {
   at::Tensor step(std::span<const std::size_t> slots, const Seen& seen);
   /// The likeliest choices instead of their probabilities.
   std::vector<std::int64_t> likeliest(std::span<const std::size_t> slots, const Seen& seen);
-  /// What was done in a slot. \pre it has begun
+  /// Sets the last action of a slot. \pre it has begun
   void tell(std::size_t slot, std::int64_t choice) { previous_[slot] = 1 + choice; }
   /// The input for the last action: kNoAction or 1 + choice.
   std::int64_t previous(std::size_t slot) const { return previous_[slot]; }

@@ -1,5 +1,5 @@
-/// \file  DAgger's walks: mixed of the teacher's actions and the network's own, with the teacher's
-/// advice at every step.
+/// \file  DAgger's rollouts: mixed of the teacher's actions and the network's own, with the
+/// teacher's advice at every step.
 #pragma once
 #include <cstddef>
 #include <memory>
@@ -14,13 +14,13 @@
 
 namespace enfilade::neural::continuous {
 
-/// Which action is carried out.
+/// Rule that chooses the performed action.
 struct Mixture {
-  /// Probability of the teacher's, at each step by itself.
+  /// Probability of the teacher's action, independently at each step.
   double teacher_share = 1;
   /// Else the network's: drawn by its probabilities, or the likeliest.
   bool drawn = true;
-  /// The network says stop as this action at the latest, counted from 1; 0: when it likes.
+  /// The network stops at the latest with this action, counted from 1; 0: no limit.
   std::size_t last_action = 0;
 };
 
@@ -32,7 +32,7 @@ struct GathererParts {
   Sight* sight = nullptr;  ///< null: it does not see
 };
 
-/// Walks, and records it. An oracle: it asks the teacher, who follows the reference path.
+/// Computes and records rollouts. An oracle: its teacher follows the reference path.
 class Gatherer : public agents::ContinuousAgent {
  public:
   /// \param episodes those that are walked through, which outlive *this

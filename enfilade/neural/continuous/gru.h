@@ -14,13 +14,14 @@ struct GruWeights {
 };
 
 /// Steps of several rows, packed: those of all rows' first steps, then of all second steps, and so
-/// on. Rows that end sooner stand behind those that go on longer, so that a step has the first
-/// `counts[t]` rows.
+/// on. Shorter rows come after longer ones, so that a step has the first `counts[t]` rows.
 ///
-/// As PyTorch's `GRU`; values and gradients are the same but for rounding. Gradients flow to `x`
-/// and the weights. \param x (sum of counts, in) float32 on the CPU \param counts from 1, never
-/// rising \param before (counts[0], hidden): the state before the first step \return (sum of
-/// counts, hidden): the state after each step
+/// As PyTorch's `GRU`; values and gradients are the same except for rounding. Gradients flow to `x`
+/// and the weights.
+/// \param x (sum of counts, in) float32 on the CPU
+/// \param counts from 1, never rising
+/// \param before (counts[0], hidden): the state before the first step
+/// \return (sum of counts, hidden): the state after each step
 at::Tensor read_gru(const at::Tensor& x, const std::vector<std::int64_t>& counts,
                     const at::Tensor& before, const GruWeights& weights);
 

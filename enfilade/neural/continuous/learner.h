@@ -1,4 +1,4 @@
-/// \file  The agent that walks freely, in training: DAgger (Ross, Gordon, Bagnell 2011).
+/// \file  The continuous agent in training: DAgger (Ross, Gordon, Bagnell 2011).
 #pragma once
 #include <c10/core/Device.h>
 #include <functional>

@@ -1,5 +1,5 @@
-/// \file  The network of the agent that walks freely: an LSTM over the instruction, a GRU over the
-/// steps of a walk (Krantz et al., ECCV 2020, section 4.1).
+/// \file  The network of the continuous agent: an LSTM over the instruction, a GRU over the steps
+/// of a rollout (Krantz et al., ECCV 2020, section 4.1).
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <c10/core/Device.h>
@@ -25,18 +25,18 @@ inline constexpr std::int64_t kDepthCells = 16, kDepthSize = kDepthCells * kDept
 /// The sizes of the network that follow from a training's config, with what follows from its data.
 struct Sizes {
   std::int64_t words = 0;     ///< ids, those for begin and end among them
-  std::int64_t features = 0;  ///< numbers a picture
+  std::int64_t features = 0;  ///< numbers per picture
   models::Seq2SeqCeConfig own;
 };
-/// Of a config with network.vocabulary and network.features.
+/// Sizes of a config with network.vocabulary and network.features.
 Sizes sizes_of(const models::TrainConfig& config);
 
-/// What is seen and done at steps of walks; rows as read_gru() has them.
+/// Observations and actions at steps of rollouts; rows as in read_gru().
 struct Steps {
   at::Tensor pictures;               ///< (rows, features)
   at::Tensor depth;                  ///< (rows, kDepthSize)
   at::Tensor previous;               ///< (rows) int64, kNoAction or 1 + choice
-  std::vector<std::int64_t> counts;  ///< rows of each step: walks that are not over
+  std::vector<std::int64_t> counts;  ///< rows of each step: rollouts that are not over
 };
 
 /// Parameters, and what they compute, on one device in float32; inputs may be on any. Autograd
@@ -57,7 +57,7 @@ class CeNetwork {
   /// The LSTM's state at each instruction's end. \param instructions ids, of each one at least
   /// \return (n, sentence) in their order
   at::Tensor read(std::span<const std::vector<std::int64_t>> instructions) const;
-  /// The GRU's states along walks. \param sentences (counts[0], sentence) of each walk
+  /// The GRU's states along rollouts. \param sentences (counts[0], sentence) per rollout
   /// \param before (counts[0], hidden) \return (rows, hidden)
   at::Tensor walk(const at::Tensor& sentences, const Steps& steps, const at::Tensor& before) const;
   /// The state before the first step: zeros.
@@ -73,9 +73,11 @@ class CeNetwork {
   c10::Device device_;
 };
 
-/// Cross-entropy to the teacher's choices: each step weighs `inflection` where the choice is
-/// another than at the step before, or the first, else 1; the mean by weight of each walk, and of
-/// these the mean. \param scores (rows, kChoices) \param teacher (rows) int64
+/// Cross-entropy to the teacher's choices. A step weighs `inflection` if its choice differs from
+/// the step before, or is the first, else 1. The mean by weight of each rollout, and the mean of
+/// these.
+/// \param scores (rows, kChoices)
+/// \param teacher (rows) int64
 /// \param counts rows of each step
 at::Tensor inflection_loss(const at::Tensor& scores, const at::Tensor& teacher,
                            const std::vector<std::int64_t>& counts, double inflection);

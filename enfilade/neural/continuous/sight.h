@@ -1,4 +1,4 @@
-/// \file  What the agent sees at a step: features of a picture, and a coarse depth picture.
+/// \file  The agent's observation at a step: features of a picture, and a coarse depth picture.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace enfilade::neural::continuous {
 
-/// What is seen at n steps, as files of walks keep it.
+/// Observations of n steps, as files of rollouts store them.
 struct Seen {
   std::vector<std::uint16_t> pictures;  ///< (n, features) halves
   std::vector<std::uint8_t> depth;      ///< (n, kDepthSize) 255: 10 m and more, or no surface
@@ -29,10 +29,11 @@ class Sight {
   /// \throws ArgumentError without a scene_of; as make_encoder()
   explicit Sight(const ContinuousSight& config);
 
-  /// What features of it are: the encoder, its weights, the camera.
+  /// Source of its features: the encoder, its weights, the camera.
   features::FeatureInfo info() const;
-  /// What the episodes `rows` of a batch see, one after another. \param eye_height metres above the
-  /// feet \throws as scene_of, Eyes::render()
+  /// The observations of the episodes `rows` of a batch, one after another.
+  /// \param eye_height metres above the feet
+  /// \throws as scene_of, Eyes::render()
   Seen look(std::span<const agents::ContinuousObservation> batch, std::span<const std::size_t> rows,
             double eye_height);
 
@@ -41,7 +42,7 @@ class Sight {
   void draw(const std::string& scan, std::span<const enfilade::continuous::MeshView> views,
             std::span<float> pictures, std::span<float> depth);
 
-  // Of the buildings of late, the last one first.
+  // The recent buildings, the last one first.
   struct Known {
     std::string scan;
     std::unique_ptr<enfilade::continuous::Eyes> eyes;

@@ -28,7 +28,8 @@ void for_each_batch(std::size_t total, std::size_t batch_size, const Body& body)
 }
 
 /// As for_each_batch(), where each process does every size()-th batch, beginning with that of its
-/// rank. \return what body() gave for each batch, as bytes, in their order, in all processes
+/// rank.
+/// \return the results of body() for all batches, as bytes, in their order, in all processes
 /// \throws LostRank
 template <class Body>
 std::vector<std::string> share_batches(Ranks& ranks, std::size_t total, std::size_t batch_size,

@@ -9,9 +9,9 @@
 namespace enfilade::neural::core {
 
 /// One card of each rank. All ranks call the same functions in the same order; each returns when
-/// the result is there. What the current stream has to do comes before. One thread at a time.
+/// the result is there. Earlier work of the current stream comes first. One thread at a time.
 ///
-/// All functions \throw std::exception of c10d's where a rank or its card fails, or none answers.
+/// All functions throw std::exception of c10d's if a rank or its card fails, or does not answer.
 class CardLink {
  public:
   virtual ~CardLink() = default;
@@ -23,7 +23,7 @@ class CardLink {
 
 /// "NCCL 2.28.9", or empty: this build has none.
 std::string nccl_version();
-/// Tells a card from all others, of this machine and of others; empty if this build has no NCCL.
+/// Identifies a card among those of all computers; empty if this build has no NCCL.
 std::string identity_of_card(c10::Device card);
 /// Connects the ranks' cards. \pre this build has NCCL \throws as CardLink; Error if the library is
 /// of another version than its headers

@@ -7,8 +7,8 @@
 
 namespace enfilade::neural::core {
 
-/// Consecutive batches from repeated passes over n episodes, each pass shuffled; a batch may
-/// contain the end of one pass and the beginning of the next. Pass p is shuffled by (seed, p), so a
+/// Consecutive batches from repeated passes over n episodes, each pass shuffled. A batch may
+/// contain the end of one pass and the beginning of the next. Pass p is shuffled by (seed, p). So a
 /// batch is a function of the iteration, and a checkpoint need not store an order.
 class EpisodeOrder {
  public:

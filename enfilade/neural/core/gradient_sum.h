@@ -27,29 +27,29 @@ struct BatchParts {
   bool in_order = true;              ///< sums do not depend on the number of processes
 };
 /// \param parts of TrainConfig: 0: as many as processes, whose sums are added as they come
-/// \throws ArgumentError saying which numbers of processes share these parts
+/// \throws ArgumentError naming the numbers of processes that can share these parts
 BatchParts share_parts(std::size_t parts, const Ranks& ranks);
 
 /// The episodes of part k of n: as many as of the others, or one less.
 std::span<const std::size_t> part_of(std::span<const std::size_t> batch, std::size_t k,
                                      std::size_t n);
 
-/// What one thread has queued on a card, for another thread's stream to come after. On the CPU
+/// Work that one thread has queued on a card, for another thread's stream to wait for. On the CPU
 /// there is nothing to wait for.
 class Handover {
  public:
-  void give(c10::Device device);  ///< all that this thread has queued in its stream
-  /// What this thread queues from now on comes after that.
+  void give(c10::Device device);  ///< all work that this thread has queued in its stream
+  /// Later work of this thread comes after that.
   void take(c10::Device device) const;
 
  private:
   std::optional<c10::Event> event_;
 };
 
-/// Adds the gradients of parts in a tree that does not depend on who computed them: parts that
-/// follow each other are added in pairs, these in pairs, and so on. A process adds its own; what
-/// the processes have is sent in buckets while the last own part is still followed back: each adds
-/// one stretch of each bucket, for all, and gives back the sum.
+/// Adds the gradients of parts in a tree that does not depend on which process computed them. Parts
+/// that follow each other are added in pairs, these in pairs, and so on. A process adds its own.
+/// The sums are sent in buckets during the backward pass of the last own part. Each process adds
+/// one stretch of each bucket, for all, and returns the sum.
 ///
 /// In a batch: begin_part() and end_part() for each own part, then finish(). One thread at a time.
 class GradientSum {
@@ -71,9 +71,9 @@ class GradientSum {
   /// The gradient of a weight is complete, before end_part(): it may be sent. Counts in the last
   /// own part alone.
   void ready(std::size_t weight, const at::Tensor& gradient);
-  /// All gradients of the part, by weight; undefined: there is none. And its loss.
+  /// All gradients of the part, by weight; undefined: none. And its loss.
   void end_part(std::span<const at::Tensor> gradients, double loss);
-  /// What all parts of all processes come to.
+  /// Sums of all parts of all processes.
   struct Sums {
     /// By weight, flat, on the device, valid until the next begin_part(); undefined where no part
     /// had a gradient.
@@ -108,9 +108,9 @@ class GradientSum {
   std::vector<std::size_t> bucket_of_;       // by weight
   std::vector<Bucket> buckets_;              // in the order in which they are sent
   at::Tensor own_, total_;                   // flat
-  std::vector<at::Tensor> earlier_, spare_;  // sums of own parts before: of falling powers of two
-  // Of a part: by weight, 1: it has a gradient; then the loss. Added up like another weight's, but
-  // written on the CPU.
+  std::vector<at::Tensor> earlier_, spare_;  // sums of earlier own parts, of falling powers of two
+  // A part's flags by weight (1: it has a gradient), then its loss. Added like another weight's,
+  // but written on the CPU.
   at::Tensor notes_;
   double share_ = 1;
   std::vector<std::uint8_t> is_ready_;   // by weight, in the last part
@@ -118,7 +118,7 @@ class GradientSum {
   bool order_known_ = false;
   std::size_t done_ = 0;  // own parts of this batch
 
-  // What the thread that sends shares with the others.
+  // Shared by the sending thread and the others.
   std::mutex mutex_;
   std::condition_variable changed_;
   std::size_t to_send_ = 0, sent_buckets_ = 0;  // of this batch, in order

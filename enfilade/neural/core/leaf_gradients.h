@@ -1,5 +1,5 @@
-/// \file  Gradients of leaves that are added in place while autograd follows a loss back. Many
-/// steps share the weights, and a product adds for nothing what costs a pass over memory otherwise.
+/// \file  Gradients of leaves that autograd adds in place in the backward pass. Many steps share
+/// the weights, and a product adds at no cost what takes a pass over memory otherwise.
 #pragma once
 #include <ATen/ATen.h>
 

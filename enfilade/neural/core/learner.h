@@ -1,4 +1,4 @@
-/// \file  What training needs of an agent: its updates, its walks, its state.
+/// \file  Interface of an agent in training: its updates, its rollouts, its state.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -17,7 +17,7 @@
 
 namespace enfilade::neural::core {
 
-/// What one update did.
+/// Result of one update.
 struct Update {
   double loss = 0;          ///< as the log has it
   double data_seconds = 0;  ///< in environment, features and instructions
@@ -26,26 +26,28 @@ struct Update {
 /// How an agent that walks does in a split.
 struct ValidationRollout {
   double loss = 0;
-  std::vector<tasks::Trajectory> trajectories;  ///< greedy, one an episode
+  std::vector<tasks::Trajectory> trajectories;  ///< greedy, one per episode
 };
-/// Of a speaker how well it describes the paths, of an agent that walks freely how it does; both
+/// Validation record of an agent on graphs, of a speaker or of a continuous agent; the last two
 /// without the iteration.
 using Evaluated = std::variant<ValidationRollout, models::SpeakerRecord, models::EvaluationRecord>;
 
-/// One kind of agent in training: train() owns directory, log, checkpoints and the order of things,
-/// a learner all else. Everything random is named by the config's seed and the iteration, so that
-/// the state is parameters and moments alone. One thread at a time.
+/// One kind of agent in training. train() owns directory, log, checkpoints and the order of work, a
+/// learner all else. All random numbers are named by the config's seed and the iteration, so that
+/// the state is only parameters and moments. One thread at a time.
 class Learner {
  public:
   virtual ~Learner() = default;
-  /// Encodes instructions and looks up features. Called once, before what follows it here, with
-  /// the weights in place. \param ranks those that train together; outlive *this
+  /// Encodes instructions and looks up features. Called once, before the functions below, with the
+  /// weights in place.
+  /// \param ranks the processes that train together; outlive *this
   /// \throws ArgumentError if they cannot share the parts of a batch
   virtual void prepare(const TrainingData& data, Ranks& ranks) = 0;
   /// One update of the weights. \param iteration updates before it
   virtual Update update(std::uint64_t iteration) = 0;
-  /// What the agent does with validation split `split` after so many iterations, written by rank 0
-  /// below `files`; no effect on the weights. \pre split < TrainingData::validation.size()
+  /// Validates the agent on split `split` after `iteration` iterations. Rank 0 writes the results
+  /// below `files`. No effect on the weights.
+  /// \pre split < TrainingData::validation.size()
   virtual Evaluated evaluate(std::size_t split, std::uint64_t iteration,
                              const models::ModelFiles& files) = 0;
 

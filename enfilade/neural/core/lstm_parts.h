@@ -1,4 +1,4 @@
-/// \file  What EnvDrop's listener and speaker are both made of.
+/// \file  Common parts of EnvDrop's listener and speaker.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
@@ -18,14 +18,15 @@ namespace enfilade::neural::core {
 void add_lstm(std::vector<core::ArraySpec>& specs, const std::string& prefix,
               const std::string& suffix, std::int64_t input, std::int64_t hidden);
 
-/// First values of an array by the seed and its name, uniform within +-`bound`; of a table of words
-/// normal, with zeros in the row of padding, as PyTorch's modules have them.
+/// Initial values of an array, drawn by the seed and the array's name, as PyTorch's modules have
+/// them. They are uniform within +-`bound`. A table of words is normal, with zeros in the row of
+/// padding.
 at::Tensor first_values(const core::ArraySpec& spec, bool words, double bound, std::uint64_t seed);
 
 /// The array of that name. \throws LookupError
 const at::Tensor& weight_of(const core::Weights& weights, std::string_view name);
 
-/// What an LSTM makes of rows of steps.
+/// Output of an LSTM for rows of steps.
 struct LstmOutput {
   at::Tensor outputs;        ///< (n, longest, directions * hidden); zeros behind a row's end
   at::Tensor hidden, cells;  ///< (directions, n, hidden) after the last step
@@ -36,7 +37,7 @@ struct LstmOutput {
 LstmOutput read_rows(const core::Weights& weights, const std::string& name, bool bidirectional,
                      const at::Tensor& x, const at::Tensor& lengths);
 
-/// Views whose pictures have lost numbers; directions stay.
+/// Views with dropped numbers of their pictures; directions stay.
 /// \param features (..., image + angle)
 at::Tensor drop_pictures(const at::Tensor& features, std::size_t image, double rate,
                          core::Dropout& dropout);
@@ -44,16 +45,17 @@ at::Tensor drop_pictures(const at::Tensor& features, std::size_t image, double r
 /// Finds sizes in the matrices of a file.
 class MatrixSides {
  public:
-  /// \param network whose arrays are wanted, for messages: "EnvDrop's speaker"
+  /// \param network the network of the arrays, for messages: "EnvDrop's speaker"
   MatrixSides(const features::TensorFile& file, std::string_view network)
       : file_(file), network_(network) {}
 
   /// A side of a matrix; 0 after a fault. \pre at < 2
   std::size_t side(std::string_view name, std::size_t at);
   /// The rest of `feature` numbers, which side() found in the array `name`, beside those of an
-  /// angle. \throws InvalidInput for faults so far, or if there are fewer than `angle`
+  /// angle.
+  /// \throws InvalidInput for faults so far, or if there are fewer than `angle`
   std::size_t image(std::string_view name, std::size_t feature, std::size_t angle);
-  /// \throws InvalidInput if the sizes are none that a network can have
+  /// \throws InvalidInput if a network cannot have the sizes
   template <class Config>
   void validate_all(const Config& config) const {
     try {

@@ -101,8 +101,8 @@ double Optimizer::update(const Weights& weights) {
   return norm;
 }
 
-// Over all weights at once: a card is told of a few operations in place of thousands. On the CPU
-// these are loops over the same operations, weight by weight.
+// Over all weights at once: a card gets a few operations in place of thousands. On the CPU these
+// are loops over the same operations, weight by weight.
 void Optimizer::step(const Weights& weights) {
   const models::AdamConfig& rates = config_.rates;
   const double rate = this->rate();

@@ -16,7 +16,7 @@ namespace enfilade::neural::core {
 /// Forgets the gradients of all weights.
 void clear_gradients(const Weights& weights);
 
-/// The norm of all gradients of weights whose names begin with `part`; 0 if there are none.
+/// The norm of all gradients of weights whose names begin with `part`; 0 without such weights.
 double gradient_norm(const Weights& weights, std::string_view part = "");
 
 /// Follows a loss back to the weights. \return its value
@@ -27,9 +27,9 @@ double follow_back(const at::Tensor& loss);
 struct OptimizerConfig {
   models::Optimizer kind = models::Optimizer::kAdamW;
   models::AdamConfig rates;  ///< RMSprop's share of the old mean is beta2
-  double clip = 40;          ///< largest norm; larger gradients are scaled down to it
-  /// Prefixes of names; the gradients below each are clipped by themselves, those of no part not at
-  /// all. "": all together.
+  double clip = 40;          ///< largest norm; larger gradients are scaled down to it.
+  /// Prefixes of names; the gradients below each are clipped separately, others not at all. "": all
+  /// together.
   std::vector<std::string> parts{""};
   std::uint64_t warm_up = 0;  ///< updates in which the rate rises to the one in `rates`
   std::uint64_t end = 0;      ///< updates at which the rate has fallen to 0; 0: it does not fall
@@ -53,7 +53,7 @@ class Optimizer {
   /// Weights, moments and number of updates, for a file; handles to their memory. Moments of
   /// weights that were never updated are zeros.
   Weights state(const Weights& weights) const;
-  /// Of state(), into the weights too.
+  /// Loads state(), into the weights too.
   /// \throws InvalidInput naming every array that is missing, surplus or does not fit
   void load(const Weights& weights, const features::TensorFile& file);
 

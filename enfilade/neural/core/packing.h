@@ -1,4 +1,4 @@
-/// \file  Values as bytes that go to other processes of the same program and kind of machine.
+/// \file  Values as bytes that go to other processes of the same program and kind of computer.
 #pragma once
 #include <cstddef>
 #include <cstring>

@@ -13,11 +13,11 @@
 
 namespace enfilade::neural::core {
 
-/// What a loss is of.
+/// The episodes of a loss.
 struct BatchPart {
   std::span<const std::size_t> episodes;
-  /// Names the random numbers: other than those of all other parts and iterations. Of a batch in
-  /// one part, the iteration.
+  /// Names the random numbers: no other part or iteration has the same. For a batch in one part,
+  /// the iteration.
   std::uint64_t stream = 0;
 };
 /// The mean over the episodes; undefined: there is nothing to learn.

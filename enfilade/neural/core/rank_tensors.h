@@ -10,10 +10,10 @@
 
 namespace enfilade::neural::core {
 
-/// Connects the cards of the ranks, where each has one of its own and all have been built with
-/// NCCL, and where the variable ENFILADE_NCCL is not "0". Connected once.
+/// Connects the cards of the ranks, if each has one of its own, all have been built with NCCL, and
+/// the variable ENFILADE_NCCL is not "0". Connected once.
 /// \param card of this rank; that of later tensors
-/// \throws Error saying how to do without NCCL, if it fails
+/// \throws Error with the way to do without NCCL, if it fails
 void connect_cards(Ranks& ranks, c10::Device card);
 
 /// Sends the k-th of size() equal parts of `given` to rank k. \return what all sent here, by rank

@@ -114,7 +114,7 @@ std::optional<RankPlace> place_of_torchrun(const Variables& variables) {
   return checked(std::move(place));
 }
 
-// A port for a run that nobody named one for: others of its machine have other numbers.
+// A default port for a run: other runs of its computer have other numbers.
 std::uint16_t port_for(const Variables& variables, std::uint64_t run) {
   const auto named = number_of<std::uint16_t>(variables, "MASTER_PORT");
   return named.value_or(some_port(run));
@@ -260,8 +260,8 @@ std::string first_line(const char* text) {
   return std::string(all.substr(0, all.find('\n')));
 }
 
-// Of the options of a store, which newer versions of libtorch want another event loop for than
-// Debian has built theirs with.
+// Sets the options of a store. Newer versions of libtorch need another event loop than Debian has
+// built theirs with.
 template <class Options>
 void plain_sockets(Options& options) {
   if constexpr (requires { options.useLibUV; }) options.useLibUV = false;

@@ -234,7 +234,7 @@ class Asked : public torch::autograd::Function<Asked> {
         simd_kernels().combine(
             {to_scores.data(), 0, 1, memory, rows_of(to_query, r), 1, size(width), length, false});
         if (!sum.defined()) continue;
-        // Of a value: what its score has of the query, and its share of the gradient.
+        // A value's gradient: its score's part of the query, and its share of the gradient.
         for (std::size_t i = 0; i < length; ++i) {
           both[2 * i] = to_scores[i];
           both[2 * i + 1] = share[i];
@@ -270,7 +270,8 @@ LstmRead read_lstm(const at::Tensor& x, const std::vector<std::int64_t>& lengths
 LstmRead read_lstm_by_parts(const at::Tensor& x, const std::vector<std::int64_t>& lengths,
                             const LstmWeights& weights, bool backwards) {
   const at::Tensor ends = at::tensor(lengths, at::kLong);
-  // Of each step the one that is read in its place: backwards from the row's end, behind it itself.
+  // For each step the one that is read in its place: backwards from the row's end, behind it
+  // itself.
   const at::Tensor step = at::arange(x.size(1), at::kLong).unsqueeze(0);
   const at::Tensor from = at::where(step.lt(ends.unsqueeze(1)), ends.unsqueeze(1) - 1 - step, step)
                               .to(x.device())

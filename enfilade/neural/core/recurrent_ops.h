@@ -1,6 +1,6 @@
-/// \file  What recurrent agents are made of, each as one operation: PyTorch follows an LSTM and an
-/// attention that is asked at every step back through copies of the whole sequence, a step each.
-/// Gradients flow through them; those of gradients do not.
+/// \file  Parts of recurrent agents, each as one operation. PyTorch's backward pass through an
+/// LSTM, and an attention at every step, copies the whole sequence once per step. Gradients flow
+/// through the operations; those of gradients do not.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
@@ -15,7 +15,7 @@ struct LstmWeights {
   at::Tensor hidden;                   ///< (4 hidden, hidden)
   at::Tensor input_bias, hidden_bias;  ///< (4 hidden)
 };
-/// What an LSTM makes of rows of steps.
+/// Output of an LSTM for rows of steps.
 struct LstmRead {
   at::Tensor outputs;       ///< (n, longest, hidden); zeros behind a row's end
   at::Tensor hidden, cell;  ///< (n, hidden) after the last step
@@ -38,7 +38,7 @@ std::pair<at::Tensor, at::Tensor> lstm_step(const at::Tensor& x, const at::Tenso
 class Memory {
  public:
   Memory() = default;
-  /// \param values (n, longest, width) \param lengths (n) int64, from 1: what is behind is not seen
+  /// \param values (n, longest, width) \param lengths (n) int64, from 1: later values are not used
   Memory(const at::Tensor& values, const at::Tensor& lengths);
 
   /// softmax(values query) values, over the own length. \param query (n, width)

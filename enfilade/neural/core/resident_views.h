@@ -14,8 +14,8 @@
 
 namespace enfilade::neural::core {
 
-/// A table on a device with a row for each view that has been asked for: each goes there once. One
-/// thread at a time.
+/// A table on a device with a row for each view that was used: each is sent there once. One thread
+/// at a time.
 class ResidentViews {
  public:
   static constexpr std::int64_t kViews = 36;   ///< rows of a viewpoint, by view
@@ -38,7 +38,7 @@ class ResidentViews {
   c10::Device device_;
   Source source_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::int64_t> rows_;  // by scan and viewpoint
-  std::int64_t used_ = 1;       // rows of the table that are there, or in what is to be sent
+  std::int64_t used_ = 1;       // rows of the table that are there, or queued for sending
   std::vector<float> to_send_;  // of the last rows
   at::Tensor table_;            // (at least used_, dimensions)
 };

@@ -40,7 +40,7 @@ struct Combination {
   Rows b;
   Rows out;
   std::size_t m = 0, n = 0, k = 0;
-  bool add = false;  ///< to what is in `out`
+  bool add = false;  ///< to the values in `out`
 };
 
 struct AdamStep {
@@ -107,7 +107,7 @@ struct SimdKernels {
   void (*sum_norm_backward)(const SumNormBackward&, std::size_t begin, std::size_t end);
 };
 
-/// The loops for this machine's best instruction set. NaN in an input gives NaN in its outputs.
+/// The loops for the processor's best instruction set. NaN in an input gives NaN in its outputs.
 const SimdKernels& simd_kernels() noexcept;
 
 }  // namespace enfilade::neural::core

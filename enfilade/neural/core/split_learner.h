@@ -1,4 +1,4 @@
-/// \file  What the learners of networks on libtorch's autograd share.
+/// \file  Shared part of the learners of networks on libtorch's autograd.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -17,8 +17,8 @@
 
 namespace enfilade::neural::core {
 
-/// Owns a network, its optimizer, and the splits. What is left to a kind: update(),
-/// validation_loss(), evaluate().
+/// Owns a network, its optimizer, and the splits. A kind of agent adds update(), validation_loss(),
+/// evaluate().
 /// \tparam Network has weights() by name
 /// \tparam Split is made of episodes, words, the config and features
 template <class Network, class Split>

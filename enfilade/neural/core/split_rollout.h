@@ -1,5 +1,4 @@
-/// \file  Walking a whole split with an agent that chooses among viewpoints, and what is written of
-/// it.
+/// \file  Trajectories of an agent that chooses among viewpoints on a whole split, and their files.
 #pragma once
 #include <algorithm>
 #include <optional>
@@ -27,10 +26,11 @@ void write_decisions(Ranks& ranks, const SplitRollout& options,
                      const models::DecisionRecorder& recorder, const tasks::EpisodeSet& episodes,
                      const std::vector<tasks::Trajectory>& trajectories);
 
-/// Walks all episodes of a split by the kind's rollout_episodes(), and writes the files that
-/// `options` names. \tparam Recording of how the kind chooses: made of a split, with observer() and
-/// recorder() \return a trajectory per episode, in order \throws FileError; ArgumentError for a
-/// batch size of 0
+/// Runs all episodes of a split by the kind's rollout_episodes(), and writes the files that
+/// `options` names.
+/// \tparam Recording  of how the kind chooses: made of a split, with observer() and recorder()
+/// \return a trajectory per episode, in order
+/// \throws FileError; ArgumentError for a batch size of 0
 template <class Recording, class Network, class Split>
 std::vector<tasks::Trajectory> rollout_and_write(Network& network, Split& split,
                                                  const SplitRollout& options,

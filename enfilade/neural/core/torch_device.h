@@ -11,7 +11,7 @@ namespace enfilade::neural::core {
 /// libtorch's reason, for a device that is not available
 c10::Device open_device(const std::string& name);
 /// The same for agents. On a card, from now on and in all of the process, cuDNN computes LSTMs (and
-/// convolutions) in float32, where libtorch would choose TF32, and attention is not cuDNN's.
+/// convolutions) in float32, where libtorch would choose TF32. Attention is not cuDNN's.
 /// \throws as open_device()
 c10::Device open_agents_device(const std::string& name);
 

@@ -13,8 +13,7 @@ namespace enfilade::neural::core {
 /// \return (n, a, heads * width)
 at::Tensor attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                   const at::Tensor& bias, const at::Tensor& kept, std::int64_t heads);
-/// The same of PyTorch's operations: on any device and of any type, and what the tests compare
-/// with.
+/// The same with PyTorch's operations: on any device and of any type. Reference of the tests.
 at::Tensor attend_by_parts(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
                            const at::Tensor& bias, const at::Tensor& kept, std::int64_t heads);
 
@@ -35,9 +34,9 @@ at::Tensor sum_norm_by_parts(const at::Tensor& y, const at::Tensor& x, const at:
 /// x Phi(x), Phi that of the normal distribution, to 2e-7 |x|.
 at::Tensor gelu(const at::Tensor& x);
 
-/// x weight^T + bias. Where both are leaves, their gradients are added in place as the loss is
-/// followed back: many steps share the weights, and a product adds for nothing what costs a pass
-/// over memory otherwise. Two threads may not follow losses back to the same leaves.
+/// x weight^T + bias. If both are leaves, their gradients are added in place in the backward pass.
+/// Many steps share the weights, and a product adds at no cost what takes a pass over memory
+/// otherwise. Two threads may not run backward passes to the same leaves.
 /// \param x (..., inner) \param weight (width, inner) \param bias (width); undefined: none
 at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias = {});
 

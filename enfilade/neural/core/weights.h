@@ -30,7 +30,7 @@ using Weights = std::map<std::string, at::Tensor, std::less<>>;  ///< float32, o
 Weights read_weights(const features::TensorFile& file, std::span<const ArraySpec> wanted,
                      bool (*ignored)(std::string_view name));
 
-/// Random or read weights as a network trains them: on this device, and gradients are asked for.
+/// Random or read weights for training: on this device, and requiring gradients.
 void make_trainable(Weights& weights, c10::Device device);
 /// Values without gradients; those on the CPU share their memory.
 Weights on_cpu(const Weights& weights);

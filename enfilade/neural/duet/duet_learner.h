@@ -26,10 +26,12 @@ RolloutLosses rollout_for_loss(const DuetNetwork& network, RolloutRunner& runner
                                std::span<const WeightedRollout> rollouts,
                                const StepWatcher& watcher = {});
 
-/// An iteration is a walk along the annotated path, one of the agent's own with a teacher that
-/// names a node of its map, or both, of the same episodes: as TrainConfig::feedback, teacher_weight
-/// and map_teacher say. The published one is an own walk and a fifth of the annotated one's loss.
-/// \param config outlives it \throws as DuetNetwork
+/// An iteration has one or both of two rollouts of the same episodes. One follows the annotated
+/// path. The other is the agent's own, with a teacher that names a node of its map.
+/// TrainConfig::feedback, teacher_weight and map_teacher choose. The published iteration is an own
+/// rollout and a fifth of the annotated one's loss.
+/// \param config outlives it
+/// \throws as DuetNetwork
 std::unique_ptr<core::Learner> make_duet_learner(const models::TrainConfig& config,
                                                  models::InstructionWords words,
                                                  c10::Device device);

@@ -26,7 +26,7 @@ struct PreparedText {
   at::Tensor mask;                       ///< as Tokens
   std::vector<Attended> map, viewpoint;  ///< by layer of each branch
 
-  /// Of some of the texts. \param which (m) int64
+  /// Rows of some of the texts. \param which (m) int64
   PreparedText rows(const at::Tensor& which) const;
 };
 
@@ -39,10 +39,10 @@ struct PanoramaInput {
   at::Tensor locations;      ///< (n, longest, 7)
   at::Tensor types;          ///< (n, longest) int64: 0 view, 1 candidate, 2 object
 
-  PanoramaInput on(c10::Device device) const;  ///< what is there already is not copied
+  PanoramaInput on(c10::Device device) const;  ///< tensors on the device already are not copied
 };
 
-/// What the two branches get. Row 0 of map and viewpoint is "stop".
+/// Input of the two branches. Row 0 of map and viewpoint is "stop".
 struct NavigationInput {
   at::Tensor nodes;            ///< (n, g, hidden) embeddings of the map's nodes; zeros for stop
   at::Tensor steps;            ///< (n, g) int64: 0, or 1 + the step that visited the node
@@ -58,10 +58,10 @@ struct NavigationInput {
   /// (n, v) int64: the map's row of a candidate, -1 for all else. Row 0 is no candidate's.
   at::Tensor node_of_token;
 
-  NavigationInput on(c10::Device device) const;  ///< what is there already is not copied
+  NavigationInput on(c10::Device device) const;  ///< tensors on the device already are not copied
 };
 
-/// What they say. Logits are minus infinity where nothing can be chosen.
+/// Output of the two branches. Logits of impossible choices are minus infinity.
 struct NavigationOutput {
   at::Tensor nodes, tokens;                ///< embeddings after the last layer
   at::Tensor fuse_weight;                  ///< (n, 1) the map's share
@@ -103,8 +103,8 @@ class DuetNetwork {
                             Dropout* dropout = nullptr) const {
     return navigate(prepare(text), input, dropout);
   }
-  /// What the first layer of a branch gets: nodes of the map, (n, g, hidden), or tokens of the
-  /// viewpoint, (n, v, hidden), each with its position. navigate() does this itself.
+  /// Input of a branch's first layer, each with its position: nodes of the map (n, g, hidden), or
+  /// tokens of the viewpoint (n, v, hidden). Called by navigate().
   at::Tensor embed_nodes(const NavigationInput& input) const;
   at::Tensor embed_tokens(const NavigationInput& input) const;  ///< likewise
 

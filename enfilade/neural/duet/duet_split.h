@@ -1,4 +1,4 @@
-/// \file  A split as DUET walks it.
+/// \file  A split for DUET.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -19,11 +19,12 @@
 
 namespace enfilade::neural::duet {
 
-/// Episodes with their instructions as ids, and what is seen in their buildings. One thread at a
+/// Episodes with their instructions as ids, and the features of their buildings. One thread at a
 /// time.
 class DuetSplit {
  public:
-  /// `episodes` and `words` have to outlive *this. \param features null if the agent does not see
+  /// `episodes` and `words` have to outlive *this.
+  /// \param features null if the agent does not use vision
   /// \param objects may be null for an agent that names none
   /// \throws as ViewFeatures; ArgumentError for objects that are missing or of another size
   DuetSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
@@ -48,8 +49,9 @@ class DuetSplit {
   std::unique_ptr<RolloutRunner> runner_;
 };
 
-/// Walks these episodes, each with the likeliest choices. \return their trajectories, in their
-/// order: an entry a viewpoint, with the direction in which it was come to
+/// Runs these episodes with the likeliest choices.
+/// \return their trajectories, in their order: one entry per viewpoint, with the direction of
+/// arrival
 std::vector<tasks::Trajectory> rollout_episodes(const DuetNetwork& network, DuetSplit& split,
                                                 std::span<const std::size_t> episodes,
                                                 const StepWatcher& watcher = {});

@@ -27,8 +27,7 @@ class EpisodeState {
   void go(TopologicalMap::Node node, RolloutRunner& runner, const DuetConfig& config);
   /// What the network says of a visited viewpoint. \param best_object empty: none is there
   void remember(ViewpointIndex viewpoint, double stop_probability, std::string best_object);
-  /// After a stop: the walk to the visited viewpoint with the highest probability of stopping, or
-  /// none.
+  /// After a stop: goes to the visited viewpoint with the highest probability of stopping, if any.
   void finish(agents::FinalStop rule);
   std::vector<ViewpointIndex> walked() const;  ///< all viewpoints so far
 
@@ -38,10 +37,10 @@ class EpisodeState {
   Pose pose;
   TopologicalMap map;
   const RolloutRunner::Place* place = nullptr;
-  /// Rows of the pool of which a node's embedding is the mean: of a visited one a row with a mean,
-  /// of an open one those of the tokens that have shown it.
+  /// Per node, rows of the pool; their mean is the node's embedding. A visited node has one row,
+  /// which is a mean itself. An open node has the rows of the tokens that have shown it.
   std::vector<std::vector<std::int64_t>> embeddings;
-  std::vector<std::string> objects;  ///< the best where it has been; empty: none
+  std::vector<std::string> objects;  ///< the best at each visited node; empty: none
   agents::StopMemory stops;
   EpisodeRollout walk;
   bool ended = false;

@@ -1,4 +1,4 @@
-/// \file  What a teacher would choose on a map of DUET.
+/// \file  A teacher's choices on a map of DUET.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -8,7 +8,7 @@
 namespace enfilade::neural::duet {
 namespace {
 
-constexpr double kTorchEpsilon = 1e-5;  // of torch.nn.LayerNorm, where nobody chose another
+constexpr double kTorchEpsilon = 1e-5;  // default of torch.nn.LayerNorm
 
 }  // namespace
 

@@ -29,13 +29,14 @@ class Dropout {
 
 inline constexpr double kBertEpsilon = 1e-12;  ///< of BERT's norms
 
-/// What is added to an attention's scores of padding.
+/// Summand of an attention's scores of padding.
 inline constexpr double kSoftMask = -10000;
-/// What is added to an attention's scores: 0 for tokens, `padding` elsewhere.
-/// \param mask (n, length) bool, true for a token \return (n, 1, 1, length)
+/// Summand of an attention's scores: 0 for tokens, `padding` elsewhere.
+/// \param mask (n, length) bool, true for a token
+/// \return (n, 1, 1, length)
 at::Tensor bias_of(const at::Tensor& mask, double padding);
 
-/// What an attention looks at, as its layer needs it.
+/// Keys and values of an attention, as its layer needs them.
 struct Attended {
   at::Tensor keys, values;  ///< (n, b, hidden)
 };
@@ -55,7 +56,7 @@ class Layers {
   /// \param bias added to the scores, as (n, 1, a or 1, b)
   at::Tensor attention(const at::Tensor& x, const at::Tensor& to, const at::Tensor& bias,
                        const std::string& inner, const std::string& output) const;
-  /// The same in two parts: what is attended to may be the same in many calls.
+  /// The same in two parts: keys and values may be the same in many calls.
   Attended attended(const at::Tensor& to, const std::string& inner) const;
   at::Tensor attention(const at::Tensor& x, const Attended& to, const at::Tensor& bias,
                        const std::string& inner, const std::string& output) const;

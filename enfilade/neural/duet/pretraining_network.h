@@ -9,9 +9,10 @@
 
 namespace enfilade::neural::duet {
 
-/// The arrays that pretraining adds to those of the network, by their published names: the language
-/// side of the cross-modal layers, and the heads for masked words ("mlm_head") and masked views
-/// ("image_classifier"). The last map of the words' head is the table of word embeddings.
+/// The arrays that pretraining adds to those of the network, by their published names:
+/// - the language side of the cross-modal layers
+/// - the head for masked words ("mlm_head"), whose last map is the table of word embeddings
+/// - the head for masked views ("image_classifier")
 std::vector<core::ArraySpec> pretraining_arrays_of(const DuetConfig& config);
 
 /// The network, and what guesses masked words and views with it (Chen et al. 2022, section 3.4).
@@ -20,12 +21,13 @@ class PretrainingNetwork {
  public:
   /// The network has the random weights of DuetNetwork(config, seed).
   PretrainingNetwork(const DuetConfig& config, std::uint64_t seed, c10::Device device = c10::kCPU);
-  /// The network has the weights of a file, and so have the heads if all of them are in it; else
-  /// they have random ones. \throws InvalidInput as DuetNetwork, for some of the heads' arrays too
+  /// The network has the weights of a file. So have the heads if all of them are in it; else they
+  /// have random ones.
+  /// \throws InvalidInput as DuetNetwork, for some of the heads' arrays too
   PretrainingNetwork(const DuetConfig& config, const features::TensorFile& file, std::uint64_t seed,
                      c10::Device device = c10::kCPU);
 
-  const DuetNetwork& agent() const noexcept { return agent_; }  ///< what walks
+  const DuetNetwork& agent() const noexcept { return agent_; }  ///< the agent's network
   const DuetConfig& config() const noexcept { return agent_.config(); }
   c10::Device device() const noexcept { return agent_.device(); }
   /// Of network and heads; handles to the same memory. The network of a file with all of them can

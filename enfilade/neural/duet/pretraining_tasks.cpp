@@ -285,7 +285,7 @@ at::Tensor labelled(const at::Tensor& logits, const at::Tensor& labels) {
                                 kNoLabel);
 }
 
-// Each guess is told from the directions of all masked views' features.
+// Compares each prediction with the directions of all masked views' features.
 at::Tensor contrast(const at::Tensor& guesses, const PretrainingBatch& batch) {
   const at::Tensor views = batch.views.to(guesses.device()), shown = batch.shown.to(views.device());
   const at::Tensor directions = views / views.norm(2, {1}, true).clamp_min(kLeastNorm);

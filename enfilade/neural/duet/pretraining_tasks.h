@@ -1,4 +1,4 @@
-/// \file  What DUET is pretrained with: masked words, masked views, the next step, the object.
+/// \file  DUET's pretraining tasks: masked words, masked views, the next step, the object.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstdint>
@@ -15,24 +15,24 @@ namespace enfilade::neural::duet {
 
 /// The tasks of Chen et al. 2022, section 3.4.
 enum class PretrainingTask : std::uint8_t {
-  kWords,   ///< the instruction has gaps; the whole path has been walked
+  kWords,   ///< the instruction has gaps; the whole path is given
   kViews,   ///< some views are missing where the agent stands, anywhere on the path
-  kAction,  ///< where to go on from anywhere on the path, or to stop at its end
-  kObject,  ///< which object is asked for; the whole path has been walked
+  kAction,  ///< the next viewpoint from any on the path, or stop at its end
+  kObject,  ///< the instruction's object; the whole path is given
 };
 std::string_view to_string(PretrainingTask task) noexcept;  ///< "words", "views", ...
 /// Those that this network has something to learn from.
 std::vector<PretrainingTask> pretraining_tasks(const DuetConfig& config,
                                                const models::Inputs& inputs);
 
-/// What pretraining is fed with: walks along the annotated paths, all their steps at once.
+/// Input of pretraining: the annotated paths, all their steps at once.
 struct PretrainingBatch {
   PretrainingTask task = PretrainingTask::kAction;
   at::Tensor ids, lengths;  ///< of n instructions, as DuetNetwork::encode_text() takes them
-  /// A row for each viewpoint of each walk, from the agent's view when it came there. Masked views
-  /// are zeros.
+  /// A row for each viewpoint of each path, from the agent's view at its arrival. Masked views are
+  /// zeros.
   PanoramaInput panoramas;
-  at::Tensor rows;    ///< (n * s) int64: the rows of each walk, padded with any
+  at::Tensor rows;    ///< (n * s) int64: the rows of each path, padded with any
   at::Tensor last;    ///< (n) int64: of them the row where the agent stands
   at::Tensor shares;  ///< (n, g, s * longest) of each token in the mean that is a node of the map
   NavigationInput navigation;  ///< without nodes, tokens and token_mask
@@ -50,7 +50,7 @@ struct PretrainingDraws {
   std::uint64_t seed = 1, stream = 0;
   double words = 0.15;      ///< share that is guessed: 8 of 10 masked, 1 another word, 1 as it was
   double views = 0.15;      ///< share that is masked
-  double whole_path = 0.2;  ///< of kAction's walks; the others end before the goal
+  double whole_path = 0.2;  ///< of kAction's paths; the others end before the goal
 };
 
 /// Walks the episodes for a task. The same draws give the same batch.
@@ -60,13 +60,13 @@ PretrainingBatch pretraining_batch(RolloutRunner& runner, const DuetConfig& conf
                                    std::span<const RolloutEpisode> episodes, PretrainingTask task,
                                    const PretrainingDraws& draws);
 
-/// The input of the branches: `batch.navigation` with what the network sees.
+/// The input of the branches: `batch.navigation` with the encoded views.
 NavigationInput navigation_of(const DuetNetwork& network, const PretrainingBatch& batch,
                               Dropout* dropout = nullptr);
 
-/// The mean loss over what is guessed: cross-entropy; of masked views that of telling the view from
-/// the others of the batch, by the products of guess and normed features; of kAction the sum of
-/// map, viewpoint and both together. Not defined if there is nothing to guess.
+/// The mean cross-entropy over the predictions. For masked views it tells the view from the others
+/// of the batch, by the products of prediction and normed features. For kAction it is the sum of
+/// map, viewpoint and both together. Not defined if there is nothing to predict.
 at::Tensor pretraining_loss(const PretrainingNetwork& network, const PretrainingBatch& batch,
                             Dropout* dropout = nullptr);
 

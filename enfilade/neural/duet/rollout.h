@@ -28,7 +28,7 @@ namespace enfilade::neural::duet {
 
 using agents::TopologicalMap;
 
-/// Where an agent stands, and which of the 36 views it has.
+/// Viewpoint of an agent, and its view of the 36.
 struct Pose {
   ViewpointIndex viewpoint;
   std::uint32_t view = 12;
@@ -37,7 +37,7 @@ struct Pose {
   Radians elevation() const { return agents::view_elevation(view); }
 };
 
-/// Features by viewpoint: of its 36 views, and of what is to be seen there.
+/// Features by viewpoint: of its 36 views, and of its objects.
 class Surroundings {
  public:
   virtual ~Surroundings() = default;
@@ -60,10 +60,10 @@ struct RolloutEpisode {
   std::uint32_t start_view = 12;          ///< 0..35
   std::vector<std::int64_t> words;        ///< ids, those at both ends included
   std::vector<ViewpointIndex> reference;  ///< the annotated path, start to goal; for labels only
-  std::string object;                     ///< the one that is asked for; empty: none
+  std::string object;                     ///< the instruction's object; empty: none
 };
 
-/// Who chooses, and when an episode ends.
+/// How actions are chosen, and when an episode ends.
 enum class RolloutFeedback : std::uint8_t {
   kTeacher,  ///< the labels lead; ends on the goal
   kSample,   ///< drawn from the probabilities; ends on the goal, or silently at a drawn stop
@@ -72,7 +72,7 @@ enum class RolloutFeedback : std::uint8_t {
 };
 /// Which node a label names.
 enum class Expert : std::uint8_t {
-  kReference,  ///< the annotated path's next viewpoint; the walk must follow that path
+  kReference,  ///< the annotated path's next viewpoint; the trajectory must follow it
   kSpl,        ///< agents::ExpertRule::kSpl
   kNdtw,       ///< agents::ExpertRule::kNdtw
 };
@@ -98,8 +98,8 @@ struct StepRow {
   std::vector<features::ObjectView> objects;
   std::int64_t choice = 0;  ///< row of the map; 0: stop
   std::int64_t label = kNoLabel, local_label = kNoLabel, object_label = kNoLabel;
-  std::optional<ViewpointIndex> goes_to;  ///< none: it moves no more
-  bool ends = false;                      ///< here; then it walks to where stopping was most likely
+  std::optional<ViewpointIndex> goes_to;  ///< no value: it moves no more
+  bool ends = false;                      ///< here; then it goes to where stopping was most likely
 };
 /// Rows are the episodes that have not ended.
 struct StepOfAll {
@@ -127,7 +127,7 @@ struct Rollout {
   double environment_seconds = 0;  ///< of looking, maps, labels and moving: all but the network
 };
 
-/// Walks episodes of networks whose features have the same sizes. Keeps what it knows of viewpoints
+/// Computes rollouts for networks whose features have the same sizes. Keeps its data of viewpoints
 /// between calls. One thread at a time.
 class RolloutRunner {
  public:

@@ -119,7 +119,7 @@ class Computation {
       render::Outputs outputs;
       outputs.colour = {render::ColourFormat::kPlanarFloat32, encoder_->normalisation(),
                         std::as_writable_bytes(pictures)};
-      // The encoder's own stream, so nobody waits in between.
+      // The encoder's own stream, so there is no wait in between.
       if (encoder_->on_card()) outputs.stream = render::CudaStream{};
       renderer_->render(camera_, std::span(views).subspan(first, n), outputs);
       const Clock::time_point drawn = Clock::now();

@@ -18,7 +18,7 @@ struct BatchNorm {
 };
 inline constexpr double kBatchNormEpsilon = 1e-5;  ///< PyTorch's default, also torchvision's
 
-/// Changes `convolution` (without bias) to compute what it followed by `norm` would. Computed in
+/// Changes `convolution` (without bias) to compute the same as if followed by `norm`. Computed in
 /// double, so the result differs from the two steps by their own rounding only.
 void fold(const BatchNorm& norm, Convolution& convolution);
 

@@ -15,7 +15,7 @@ void check_sizes(std::size_t numbers, std::size_t n, const Camera& camera, std::
 /// The pictures as (n, 3, height, width), a view of the caller's memory of the host.
 at::Tensor picture_tensor(std::span<const float> pictures, std::size_t n, const Camera& camera);
 
-/// What ImageEncoder::memory() hands out.
+/// The memory of ImageEncoder::memory().
 class PictureMemory {
  public:
   explicit PictureMemory(c10::Device device) : device_(device) {}

@@ -49,8 +49,8 @@ LabelledPictures draw_labelled(const std::shared_ptr<const scan::PanoramaSet>& p
                                std::uint64_t seed, int threads);
 
 /// The labels of the 36 discretized views of each place (render::discrete_views), one place after
-/// the other; `colours` is empty. \param vfov of the views, whose shape is that of kHomeWidth x
-/// kHomeHeight
+/// the other; `colours` is empty.
+/// \param vfov of the views, whose shape is that of kHomeWidth x kHomeHeight
 LabelledPictures label_views(const std::shared_ptr<const scan::PanoramaSet>& panoramas,
                              std::span<const LabelledPlace> places, Radians vfov, int threads);
 

@@ -25,7 +25,7 @@ class PictureResize {
   at::Tensor apply(std::span<const float> pictures, std::size_t n) const;
 
  private:
-  // What one row or column of the result is made of.
+  // The sources of one row or column of the result.
   struct Taps {
     std::size_t first = 0;
     std::vector<std::int32_t> weights;  // in units of 2^-22

@@ -24,7 +24,7 @@ using PlaceList = std::vector<LabelledPlace>;
 
 constexpr double kPresent = 0.02;     // share of the pixels from which a class is shown
 constexpr std::int64_t kFewest = 20;  // occurrences below which a precision is not meaningful
-constexpr std::size_t kFolds = 5;     // one of so many training scans chooses the penalties
+constexpr std::size_t kFolds = 5;     // one in this many training scans chooses the penalties
 constexpr std::int64_t kViewsAround = render::kDiscreteViews;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 

@@ -12,7 +12,7 @@
 
 namespace enfilade::neural::encoders {
 
-/// What happens to a picture ahead of the network.
+/// Preparation of a picture for the network.
 struct Preparation {
   std::string name;           ///< for the feature file
   std::uint32_t shorter = 0;  ///< pixels of the shorter side, before the middle is cut out
@@ -47,8 +47,8 @@ struct TransformerParts {
 /// An encoder of 640 x 480 pictures; it takes those of any other camera too.
 std::unique_ptr<ImageEncoder> make_transformer_encoder(TransformerParts parts, c10::Device device);
 
-/// Arrays of these names and shapes with random values: normal with a deviation of 0.02, as the
-/// networks begin their training; normalisations are the identity and biases 0.
+/// Arrays of these names and shapes with random values, as the networks begin their training. They
+/// are normal with a deviation of 0.02. Normalisations are the identity and biases 0.
 core::Weights random_transformer(std::span<const core::ArraySpec> arrays, std::uint64_t seed);
 
 }  // namespace enfilade::neural::encoders

@@ -6,7 +6,7 @@
 
 namespace enfilade::neural::encoders {
 
-/// What the hidden layer of a block passes through.
+/// Activation of a block's hidden layer.
 enum class Activation : std::uint8_t {
   kGelu,       ///< x times the normal distribution's share below x
   kQuickGelu,  ///< x times the logistic function of 1.702 x, as in CLIP

@@ -14,8 +14,8 @@ using models::Subout;
 /// The arrays of encoder, decoder and critic, by the names of the published code.
 std::vector<core::ArraySpec> array_specs(const PanoramicConfig& config);
 
-/// The sizes that a file of weights has, from the shapes of its arrays; dropout and
-/// `subout` are those of `defaults`, as no shape tells them.
+/// The sizes of a file of weights, from the shapes of its arrays. Dropout and `subout` are those of
+/// `defaults`, as no shape gives them.
 /// \throws InvalidInput naming each array that is missing or of another number of sides
 PanoramicConfig config_of(const features::TensorFile& file, const PanoramicConfig& defaults);
 

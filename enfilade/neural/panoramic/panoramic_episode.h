@@ -24,7 +24,7 @@ struct EpisodeStart {
 };
 
 /// One episode. A choice is a candidate's number, or their count: stop. A move turns up or down to
-/// the candidate's row, then right to its view, then goes there, and keeps that view: each is an
+/// the candidate's row, then right to its view, then goes there, and keeps that view. Each is an
 /// entry of the trajectory, as in EnvDrop.
 class PanoramicEpisode {
  public:
@@ -68,7 +68,7 @@ class PanoramicEpisode {
 using ImageSource =
     std::function<void(graph::Location location, std::uint32_t view, std::span<float> out)>;
 
-/// The features of views; no numbers are written where there are none.
+/// The features of views; nothing is written for missing ones.
 /// \param features null: there are none; else they outlive the result
 ImageSource pictures_of(const core::ViewFeatures* features);
 

@@ -20,7 +20,7 @@ struct WordBatch {
   std::vector<std::int64_t> lengths;  ///< (n) from 1, falling
 };
 
-/// What the encoder makes of them.
+/// Output of the encoder.
 struct Encoding {
   at::Tensor context;  ///< (n, longest, hidden): forward, then backward; zeros at padding
   at::Tensor mask;     ///< (n, longest) bool: true at padding
@@ -29,14 +29,14 @@ struct Encoding {
   at::Tensor cell;     ///< (n, hidden) its first cell state: backward, then forward
 };
 
-/// Who has taken away a part of the pictures' numbers.
+/// Which code drops a part of the pictures' numbers.
 enum class FeaturesDropped : std::uint8_t {
   kByNetwork,  ///< the network does, when dropout is on: each number for itself
   kBefore,     ///< they were when the pictures were read (EnvironmentalDropout): the network does
                ///< not
 };
 
-/// What the agents see before an action.
+/// Input of the agents before an action.
 struct StepInput {
   at::Tensor action;      ///< (n, angle) the agent's own heading and elevation
   at::Tensor views;       ///< (n, 36, feature)
@@ -52,21 +52,21 @@ struct DecoderState {
   at::Tensor cell;  ///< (n, hidden)
 };
 
-/// What a step gives.
+/// Output of a step.
 struct StepOutput {
   DecoderState next;
-  at::Tensor hidden;          ///< (n, hidden) of the LSTM: what the critic sees
+  at::Tensor hidden;          ///< (n, hidden) of the LSTM: the critic's input
   at::Tensor logits;          ///< (n, most); minus infinity where `closed`; exactly 0 for stop
   at::Tensor attended_view;   ///< (n, feature)
   at::Tensor view_attention;  ///< (n, 36), of sum 1
   at::Tensor word_attention;  ///< (n, longest), of sum 1, 0 at padding
 };
 
-/// Parameters, and what they compute. Autograd follows every call, unless a guard is set. In
-/// float32, on one device; inputs may be on any. One thread at a time.
+/// Parameters, and the functions of the network. Autograd follows every call, unless a guard is
+/// set. In float32, on one device; inputs may be on any. One thread at a time.
 ///
 /// The maximum of Subout::kMax runs over the padded length with zeros there, as in the published
-/// code: an episode's results depend on the longest sentence of its batch.
+/// code. So an episode's results depend on the longest sentence of its batch.
 class PanoramicNetwork {
  public:
   /// Random weights as PyTorch's modules begin with, from a seed. \throws ArgumentError as

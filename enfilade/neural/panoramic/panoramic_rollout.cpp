@@ -205,7 +205,7 @@ class Rollout {
     losses_.reinforcement = loss / std::max(actions, 1.0);
   }
 
-  // Of one more step, without a gradient.
+  // Values of one more step, without a gradient.
   at::Tensor last_values(const Encoding& encoding, const DecoderState& state) {
     const c10::NoGradGuard guard;
     const StepOutput out = network_.step(encoding, state, seen());

@@ -40,7 +40,7 @@ struct PanoramicRolloutOptions {
   core::ResidentViews* resident = nullptr;
 };
 
-/// One step, for an observer; valid during the call, before anybody moves.
+/// One step, for an observer; valid during the call, before the agents move.
 struct PanoramicStep {
   std::size_t step = 0;
   const StepInput& input;
@@ -51,8 +51,8 @@ struct PanoramicStep {
 /// Called at each step of a rollout.
 using PanoramicObserver = std::function<void(const PanoramicStep&)>;
 
-/// What a rollout gives for training. Arrays are [step][row]; where `active` is 0 they mean
-/// nothing.
+/// Tensors of a rollout for training. Arrays are [step][row]; where `active` is 0 their values have
+/// no meaning.
 struct RolloutLosses {
   at::Tensor imitation;      ///< cross-entropy of the teacher's choices, summed, divided by rows
   at::Tensor reinforcement;  ///< advantage actor-critic, divided by the actions taken
@@ -63,8 +63,9 @@ struct RolloutLosses {
   std::vector<double> last_values;                ///< of the states after the last step
 };
 
-/// Walks to the end or max_actions. Rewards: the sign of the fall in distance (0 for none), 2 or -2
-/// for a stop. A walk that goes on at the limit has the critic's value of its last state as return.
+/// Computes rollouts to the end or max_actions. Rewards: the sign of the fall in distance (0 for
+/// none), 2 or -2 for a stop. A rollout that reaches the limit has the critic's value of its last
+/// state as return.
 /// \pre rows of `words` and `walks` belong together
 /// \throws ArgumentError for other sizes, or a teacher or reward without goals
 RolloutLosses roll_out(PanoramicNetwork& network, const WordBatch& words,

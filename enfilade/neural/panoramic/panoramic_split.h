@@ -1,4 +1,4 @@
-/// \file  A split as the panoramic agent walks it.
+/// \file  A split for the panoramic agent.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,20 +19,20 @@
 
 namespace enfilade::neural::panoramic {
 
-/// Episodes with their instructions as ids, and what is seen in their buildings. One thread at a
+/// Episodes with their instructions as ids, and the features of their buildings. One thread at a
 /// time.
 class PanoramicSplit {
  public:
-  /// `episodes` and `words` have to outlive *this. \param features null if the agent does not see
+  /// `episodes` and `words` have to outlive *this. \param features null without vision
   /// \throws as ViewFeatures
   PanoramicSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
                  const models::TrainConfig& config, const features::FeatureSet* features);
   PanoramicSplit(const PanoramicSplit&) = delete;
   PanoramicSplit& operator=(const PanoramicSplit&) = delete;
 
-  /// Episodes at their starts. Rows are by falling number of words, as the encoder wants them.
+  /// Episodes at their starts. Rows are by falling number of words, as the encoder requires.
   struct Batch {
-    std::vector<std::size_t> places;  ///< of each row, among the episodes that were given
+    std::vector<std::size_t> places;  ///< per row, index into the given episodes
     WordBatch words;
     std::vector<PanoramicEpisode> walks;
   };

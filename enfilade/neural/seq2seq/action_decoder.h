@@ -13,14 +13,14 @@
 namespace enfilade::neural::seq2seq {
 
 /// Forward and backward pass of one rollout at a time. Each part of the forward pass takes a range
-/// of steps: what does not depend on an action is computed for all steps in one product.
+/// of steps. Values that do not depend on an action are computed for all steps in one product.
 class ActionDecoder {
  public:
   ActionDecoder(const models::NetworkConfig& config, const Parameters& parameters,
                 const Kernels& kernels);
 
-  /// Begins a rollout of n rows and at most `steps` steps. \param keep values of all steps, for
-  /// ranges and backward(), not of the last one only
+  /// Begins a rollout of n rows and at most `steps` steps.
+  /// \param keep values of all steps, for ranges and backward(), not only of the last
   void begin(std::int64_t n, std::int64_t steps, bool keep, const Dropout& dropout);
   at::Tensor start() const { return outputs_.select(0, 0); }  ///< (n, h), filled by the caller
   at::Tensor start_cells() const { return cells_.select(0, 0); }

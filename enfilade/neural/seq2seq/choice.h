@@ -20,8 +20,9 @@ struct Choices {
 /// \throws ArgumentError for a label out of range, or forward where that is closed
 void check_labels(const Choices& step);
 
-/// Sets logits to -inf where forward is closed; returns the cross-entropy averaged over the rows
-/// with a label (0 if there are none). \param gradient (n, 6) of the loss, or empty
+/// Sets logits to -inf where forward is closed. Returns the cross-entropy averaged over the rows
+/// with a label (0 without labels).
+/// \param gradient (n, 6) of the loss, or empty
 double loss(const Choices& step, std::span<double> gradient);
 
 /// Chooses actions, which are also the network's next inputs. With a teacher they are the labels,

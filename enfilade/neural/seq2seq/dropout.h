@@ -15,7 +15,7 @@ struct MaskRow {
   std::uint32_t row = 0;
 };
 
-/// Dropout of one rollout. A mask is a function of these numbers, its site, step and row, so the
+/// Dropout of one rollout. A mask is a function of these numbers, its site, step and row. So the
 /// backward pass computes it again, on any number of threads and any device.
 struct Dropout {
   std::uint64_t seed = 1;

@@ -25,7 +25,7 @@ struct PreparedSplit {
   /// Null if there are no features.
   const core::ViewFeatures* view_features() const { return features ? &*features : nullptr; }
 };
-/// Encodes instructions and looks up features. \param features null if the network does not see
+/// Encodes instructions and looks up features. \param features null without vision
 /// \throws as ViewFeatures
 PreparedSplit prepare(tasks::EpisodeSet episodes, const tasks::Vocabulary& vocabulary,
                       std::size_t max_words, const features::FeatureSet* features);
@@ -63,13 +63,14 @@ struct LossOptions {
   models::AfterEnd after_end = models::AfterEnd::kWalksOn;
   models::ForwardTo forward = models::ForwardTo::kNearest;
 };
-/// The loss as the released code logs it: summed over steps, divided by max_steps; here averaged
-/// over episodes. \pre options.rollout.feedback is not kArgmax; the split's goals are known
+/// The loss as the released code logs it: summed over steps, divided by max_steps. Here it is
+/// averaged over episodes.
+/// \pre options.rollout.feedback is not kArgmax; the split's goals are known
 double compute_loss(Network& network, const PreparedSplit& split, const LossOptions& options);
 
-/// Writes `results/<split>.json` and `results/<split>.attention.json` of a model directory.
-/// The latter, unless its name is empty, has the first `attention_episodes` episodes and, if the
-/// split can be scored, a third as many of the best by SPL and of the worst by navigation error.
+/// Writes `results/<split>.json` and `results/<split>.attention.json` of a model directory. The
+/// latter, unless its name is empty, has the first `attention_episodes` episodes. If the split can
+/// be scored, it also has a third as many of the best by SPL and of the worst by navigation error.
 /// \throws FileError
 void write_rollout(const std::filesystem::path& results, const std::filesystem::path& attention,
                    const GreedyRollout& walk, const PreparedSplit& split,

@@ -17,9 +17,12 @@ struct Model {
   std::uint64_t iteration = 0;  ///< of the weights
   Network network;
 };
-/// Loads a model of seq2seq. \throws FileError for a missing file; InvalidInput for damaged files,
-/// a vocabulary that has not the network's size, or weights that do not fit; ArgumentError for
-/// another agent's; Error for a device that is not available
+/// Loads a model of seq2seq.
+/// \throws FileError for a missing file
+/// \throws InvalidInput for damaged files, a vocabulary of another size than the network's, or
+/// weights that do not fit
+/// \throws ArgumentError for another agent's model
+/// \throws Error for a device that is not available
 Model load_model(const std::filesystem::path& folder, const std::string& device = "cpu");
 
 }  // namespace enfilade::neural::seq2seq

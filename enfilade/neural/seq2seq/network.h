@@ -19,8 +19,8 @@ namespace enfilade::neural::seq2seq {
 struct RolloutOptions {
   models::Feedback feedback = models::Feedback::kArgmax;
   std::size_t max_steps = 20;  ///< as in the released code
-  bool dropout = false;  ///< on in training and, as in the released code, in the validation loss
-  /// Seed and stream determine dropout and sampling: equal ones give equal rollouts, so a
+  bool dropout = false;  ///< in training and, as in the released code, in the validation loss.
+  /// Seed and stream determine dropout and sampling. Equal ones give equal rollouts, so a
   /// checkpoint has no state of a generator.
   std::uint64_t seed = 1;
   std::uint64_t stream = 0;  ///< e.g. the iteration
@@ -52,7 +52,7 @@ struct RolloutResult {
 
 /// The network's parameters, their gradients and moments, on one device. One thread at a time; it
 /// computes on the threads of set_threads(). The same calls give the same bits with the same number
-/// of threads; with another number results differ as the BLAS's do (OpenBLAS: by up to 1e-6 of the
+/// of threads. With another number results differ as the BLAS's do (OpenBLAS: by up to 1e-6 of the
 /// largest gradient).
 class Network {
  public:
@@ -66,8 +66,9 @@ class Network {
 
   const models::NetworkConfig& config() const noexcept;
 
-  /// Walks the batch to its end or max_steps, without gradients. With kTeacher and no observer the
-  /// whole walk is made before the network runs, as the labels do not depend on it.
+  /// Computes a rollout of the batch to its end or max_steps, without gradients. With kTeacher and
+  /// no observer the whole trajectory is made before the network runs, as the labels do not depend
+  /// on it.
   /// \throws ArgumentError for sizes that do not fit, kTeacher or a loss without a teacher
   RolloutResult rollout(const InstructionBatch& instructions, Environment& environment,
                         const RolloutOptions& options, const StepObserver& observer = {});
@@ -76,9 +77,9 @@ class Network {
   RolloutResult rollout_with_gradients(const InstructionBatch& instructions,
                                        Environment& environment, const RolloutOptions& options,
                                        const std::function<void()>& decoder_done = {});
-  /// Begins a greedy rollout whose agents the caller moves: n instructions, then at most max_steps
-  /// calls of act(), each of which gives the n most likely actions. No other rollout may come
-  /// between. \throws ArgumentError for sizes that do not fit
+  /// Begins a greedy rollout that the caller steps: n instructions, then at most max_steps calls of
+  /// act(). Each gives the n most likely actions. No other rollout may come between.
+  /// \throws ArgumentError for sizes that do not fit
   void begin(const InstructionBatch& instructions, std::size_t max_steps);
   /// One step of the rollout that begin() began.
   /// \param features (n, config().features) \param forward_open (n) \param actions (n), 0..5

@@ -47,7 +47,7 @@ class Parameters {
   Parameters(const models::NetworkConfig& config, const at::TensorOptions& options);
 
   /// Sets the weights to random numbers that follow from `seed`, the same on every device, with
-  /// PyTorch's distributions: embeddings are normal (row 0 of the words, PAD, is zero), LSTM
+  /// PyTorch's distributions. Embeddings are normal (row 0 of the words, PAD, is zero), LSTM
   /// weights uniform within 1/sqrt(hidden) of 0, linear weights within 1/sqrt(inputs). Gradients
   /// and moments become 0.
   void initialise(std::uint64_t seed);

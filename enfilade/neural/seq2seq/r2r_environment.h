@@ -1,4 +1,4 @@
-/// \file  Room-to-Room episodes in the native simulator, as the network walks through them.
+/// \file  Room-to-Room episodes in the native simulator, for the network.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -16,7 +16,7 @@ namespace enfilade::neural::seq2seq {
 /// How many episodes run at once, and where the released code differs from what one expects.
 struct R2rEnvironmentConfig {
   std::size_t batch_size = 100;
-  std::size_t max_steps = 20;  ///< that memory is kept for; longer walks allocate
+  std::size_t max_steps = 20;  ///< for which memory is kept; longer trajectories allocate
   models::AfterEnd after_end = models::AfterEnd::kWalksOn;
   models::ForwardTo forward = models::ForwardTo::kNearest;
 };
@@ -43,8 +43,8 @@ class R2rEnvironment : public Environment {
   bool step(std::span<const std::int32_t> actions) override;
   std::span<const std::uint8_t> ended() const override { return batch_.ended(); }
 
-  /// What each agent has walked since start(), as results files want it: the start, then an entry
-  /// an action until `end`, which adds none.
+  /// Each agent's trajectory since start(), as in results files: the start, then one entry per
+  /// action until `end`, which adds none.
   std::span<const tasks::Trajectory> trajectories() const noexcept { return batch_.trajectories(); }
 
  private:

@@ -35,7 +35,7 @@ class SentenceEncoder {
 
   const Parameters& parameters_;
   const Kernels& kernels_;
-  // Packed, but for last_, from_next_ and cell_gradient_: (n, h), the latter two sorted by length.
+  // Packed, except last_, from_next_ and cell_gradient_: (n, h), the latter two sorted by length.
   at::Tensor words_, gates_, outputs_, cells_, last_, zeros_;
   at::Tensor output_gradient_, from_next_, cell_gradient_;
   Buffer words_memory_, gates_memory_, outputs_memory_, cells_memory_, last_memory_;

@@ -30,9 +30,10 @@ struct Sentences {
   }
 };
 
-/// Packs a batch. Without language every instruction is just <EOS>, which tells the decoder
-/// nothing. \throws ArgumentError for sizes that do not fit, an id outside the vocabulary, an
-/// instruction without a word
+/// Packs a batch. Without language every instruction is just <EOS>, which gives the decoder no
+/// information.
+/// \throws ArgumentError for sizes that do not fit, an id outside the vocabulary, an instruction
+/// without a word
 Sentences lay_out(const InstructionBatch& batch, const models::NetworkConfig& config);
 
 }  // namespace enfilade::neural::seq2seq

@@ -93,7 +93,7 @@ class Seq2Seq {
   std::optional<Begun> begun_;
 };
 
-/// What is behind a network.
+/// Implementation of a network.
 Seq2Seq& implementation_of(Network& network);
 
 }  // namespace enfilade::neural::seq2seq

@@ -16,7 +16,7 @@ namespace enfilade::neural::seq2seq {
 /// Chooses the most likely action at each step, at most TrainConfig::max_steps (20).
 class Seq2SeqAgent : public TrainedAgent {
  public:
-  /// Of load_model(); it can walk after enter().
+  /// From load_model(); usable after enter().
   explicit Seq2SeqAgent(Model model) : model_(std::move(model)) {}
 
   const models::ModelConfig& config() const noexcept override { return model_.config; }

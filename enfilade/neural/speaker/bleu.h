@@ -13,11 +13,10 @@ struct Generated {
   std::vector<std::vector<std::string>> references;  ///< at least one
 };
 
-/// Of a whole corpus: the geometric mean of the shares of generated n-grams, 1 to 4, that a
-/// reference has (as often as it has them), times the brevity penalty; 0 to 1. As the code that
-/// EnvDrop scored its speaker with, a reference's length is that of the shortest, and nothing is
-/// smoothed: 0 where some order has no match. reference: Papineni, Roukos, Ward, Zhu 2002,
-/// section 2.
+/// BLEU-4 of a whole corpus, 0 to 1. It is the geometric mean of the shares of generated n-grams, 1
+/// to 4, that a reference has (clipped counts), times the brevity penalty. As in EnvDrop's scoring
+/// of its speaker, a reference's length is that of the shortest. Nothing is smoothed: 0 if some
+/// order has no match. Source: Papineni, Roukos, Ward, Zhu 2002, section 2.
 double bleu_4(std::span<const Generated> corpus);
 
 }  // namespace enfilade::neural::speaker

@@ -17,7 +17,7 @@ enum class SameEnvironment : std::uint8_t {
   kScan,   ///< in a building; others have their own
 };
 
-/// What is dropped.
+/// Rate and random numbers of the dropout.
 struct EnvironmentalDropoutOptions {
   double rate = 0.3;  ///< share of columns that become 0, [0, 1); the others are scaled up
   SameEnvironment same = SameEnvironment::kBatch;
@@ -33,7 +33,7 @@ std::vector<float> column_factors(const EnvironmentalDropoutOptions& options, st
 /// Pictures with columns missing, the same for all views and viewpoints of an environment, so also
 /// for candidates. For networks that then drop no numbers of their own: a speaker's
 /// FeaturesDropped::kBefore, a listener's StepInput::dropped. Keeps `images`, and the factors of
-/// each scan once it was asked for. One thread at a time.
+/// each scan after its first use. One thread at a time.
 /// \throws ArgumentError for a rate outside [0, 1)
 ImageSource drop_environment(ImageSource images, const EnvironmentalDropoutOptions& options);
 

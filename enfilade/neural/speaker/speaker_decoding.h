@@ -1,4 +1,4 @@
-/// \file  From paths to words: what the speaker sees, its loss, and the instructions that it gives.
+/// \file  From paths to words: the speaker's input, its loss, and its instructions.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <cstddef>
@@ -21,18 +21,17 @@ struct PathToDescribe {
   std::vector<ViewpointIndex> viewpoints;  ///< at least one; the last is the goal
 };
 
-/// What is seen along paths: the 36 views at each viewpoint and the candidate that is chosen there,
-/// from where the listener looks when it walks there (headings relative to its view). Zeros behind
-/// the end of each.
+/// The views along paths: the 36 views at each viewpoint and its chosen candidate, from the
+/// listener's direction on that path (headings relative to its view). Zeros after the end of each.
 /// \param graphs those of `panoramas`
-/// \throws ArgumentError for no paths, one without viewpoints, or a step that is none along an
-/// edge, naming the path by its place
+/// \throws ArgumentError for no paths, one without viewpoints, or a step without an edge, naming
+/// the path by its index
 PathBatch see_paths(std::span<const PathToDescribe> paths, const SpeakerConfig& config,
                     const ImageSource& images, agents::PanoramaCache& panoramas,
                     const graph::GraphSet& graphs);
 
 /// Sentences as rows of one length: (n, longest) int64, 0 behind their ends.
-/// \throws ArgumentError if there are none, or one has less than two words
+/// \throws ArgumentError for no sentences, or one with less than two words
 at::Tensor pad_sentences(std::span<const std::vector<std::int64_t>> sentences);
 
 /// How well the speaker predicts instructions, each word after the true ones before it.
@@ -40,10 +39,10 @@ struct InstructionLoss {
   at::Tensor mean;          ///< cross-entropy a word of the batch, natural logarithm; a scalar
   double sum = 0;           ///< over all words
   std::size_t words = 0;    ///< that were predicted: all but `<BOS>`
-  std::size_t correct = 0;  ///< of these the likeliest one
+  std::size_t correct = 0;  ///< of these, predictions that are the most likely word
 };
 /// \param sentences (n, length) of ids from `<BOS>` to `<EOS>`, then 0: pad_sentences()
-/// \throws as encode() and decode(); ArgumentError if no word is to be predicted
+/// \throws as encode() and decode(); ArgumentError without words to predict
 InstructionLoss instruction_loss(SpeakerNetwork& network, const PathBatch& paths,
                                  const at::Tensor& sentences);
 
@@ -59,19 +58,19 @@ struct DescribeOptions {
   WordChoice choice = WordChoice::kLikeliest;
   std::size_t most_words = 120;             ///< after which a sentence ends as it is
   std::uint64_t seed = 1;                   ///< of draws
-  std::vector<std::uint64_t> streams = {};  ///< of draws, one a path; empty: 0, 1, ...
+  std::vector<std::uint64_t> streams = {};  ///< of draws, one per path; empty: 0, 1, ...
 };
 
-/// Instructions, one a path: ids without `<BOS>` and `<EOS>`. Unknown words, padding and `<BOS>`
+/// Instructions, one per path: ids without `<BOS>` and `<EOS>`. Unknown words, padding and `<BOS>`
 /// are never chosen. Without gradients. The same batch, weights and options give the same words.
 /// \throws as encode(); ArgumentError for streams of another number, or `begin` beyond the
 /// vocabulary
 std::vector<std::vector<std::int64_t>> describe(SpeakerNetwork& network, const PathBatch& paths,
                                                 const DescribeOptions& options);
 
-/// Words as a text, which tasks::tokenize() takes apart into the same words again, unless full
-/// stops follow one another: blanks between them, but none between marks, nor before a full stop or
-/// comma.
+/// Words as a text with blanks between them, but none between marks, nor before a full stop or
+/// comma. The text gives the same words again in tasks::tokenize(), unless full stops follow one
+/// another.
 std::string join_words(std::span<const std::string> words);
 
 }  // namespace enfilade::neural::speaker

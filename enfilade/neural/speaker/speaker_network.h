@@ -22,8 +22,8 @@ using panoramic::FeaturesDropped;
 /// The arrays of the speaker's encoder and decoder, by the names of the published code.
 std::vector<core::ArraySpec> array_specs(const SpeakerConfig& config);
 
-/// The sizes that a file of weights has, from the shapes of its arrays. `angle` and dropout are
-/// those of `defaults`, as no shape tells them.
+/// The sizes of a file of weights, from the shapes of its arrays. `angle` and dropout are those of
+/// `defaults`, as no shape gives them.
 /// \throws InvalidInput naming each array that is missing or of another number of sides
 SpeakerConfig speaker_config_of(const features::TensorFile& file, const SpeakerConfig& defaults);
 
@@ -36,7 +36,7 @@ struct PathBatch {
   FeaturesDropped dropped = FeaturesDropped::kByNetwork;
 };
 
-/// What the encoder makes of them.
+/// Output of the encoder.
 struct PathEncoding {
   at::Tensor context;  ///< (n, longest, hidden); zeros behind a path's end
   at::Tensor mask;     ///< (n, longest) bool: true behind a path's end
@@ -47,11 +47,11 @@ struct SpeakerState {
   at::Tensor hidden, cell;  ///< (n, hidden)
 };
 
-/// Parameters, and what they compute. Autograd follows every call, unless a guard is set. In
-/// float32, on one device; inputs may be on any. One thread at a time.
+/// Parameters, and the functions of the network. Autograd follows every call, unless a guard is
+/// set. In float32, on one device; inputs may be on any. One thread at a time.
 ///
-/// Nothing is read behind the end of a path. The published code pads to the longest path of the
-/// batch and lets its backward LSTM begin there, so its results depend on the batch; with paths of
+/// Nothing is read after the end of a path. The published code pads to the longest path of the
+/// batch and lets its backward LSTM begin there, so its results depend on the batch. With paths of
 /// one length, or one at a time, both are the same.
 class SpeakerNetwork {
  public:

@@ -21,10 +21,10 @@
 
 namespace enfilade::neural::speaker {
 
-/// Paths with their instructions as ids, and what is seen in their buildings. One thread at a time.
+/// Paths with their instructions as ids, and the features of their buildings. One thread at a time.
 class SpeakerSplit {
  public:
-  /// `episodes` and `words` have to outlive *this. \param features null if the speaker does not see
+  /// `episodes` and `words` have to outlive *this. \param features null without vision
   /// \throws as ViewFeatures; ArgumentError for episodes whose goals are hidden
   SpeakerSplit(const tasks::EpisodeSet& episodes, const models::InstructionWords& words,
                const models::TrainConfig& config, const features::FeatureSet* features);
@@ -33,8 +33,8 @@ class SpeakerSplit {
 
   const tasks::EpisodeSet& episodes() const noexcept { return episodes_; }
   const models::InstructionWords& words() const noexcept { return words_; }
-  /// What is seen along paths. \param paths indices into EpisodeSet::paths
-  /// \param environment columns that are missing everywhere; none: all are there
+  /// The views along paths. \param paths indices into EpisodeSet::paths
+  /// \param environment columns that are missing everywhere; no value: none is missing
   PathBatch see(std::span<const std::size_t> paths,
                 const std::optional<EnvironmentalDropoutOptions>& environment = std::nullopt);
   /// The paths of episodes, and their instructions for instruction_loss().
@@ -55,8 +55,8 @@ class SpeakerSplit {
 struct DescribeSplitOptions {
   std::size_t batch_size = 64;
   WordChoice choice = WordChoice::kLikeliest;
-  std::size_t most_words = 120;  ///< of an instruction
-  std::uint64_t seed = 1;        ///< of draws, whose stream is a path's place
+  std::size_t most_words = 120;  ///< per instruction
+  std::uint64_t seed = 1;        ///< of draws, whose stream is a path's index
   /// Columns that are missing; `stream` is that of the batch.
   std::optional<EnvironmentalDropoutOptions> environment = {};
   Ranks* ranks = nullptr;  ///< as SplitRollout::ranks
@@ -69,9 +69,9 @@ std::vector<std::vector<std::string>> describe_split(SpeakerNetwork& network, Sp
                                                      const Progress& progress = {});
 
 /// Describes all paths of a split, each word the likeliest, and predicts the words of all its
-/// instructions. The iteration is left to the caller. Paths without an instruction count for
-/// nothing. \param ranks as SplitRollout::ranks \throws ArgumentError for a split without
-/// instructions
+/// instructions. The iteration is left to the caller. Paths without an instruction do not count.
+/// \param ranks as SplitRollout::ranks
+/// \throws ArgumentError for a split without instructions
 models::SpeakerRecord score_speaker(SpeakerNetwork& network, SpeakerSplit& split,
                                     std::size_t batch_size, Ranks* ranks = nullptr,
                                     const Progress& progress = {});

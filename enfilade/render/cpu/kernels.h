@@ -66,7 +66,7 @@ struct Piece {
 
 /// The colour face that a piece lies on.
 struct ColourFace {
-  const std::uint8_t* base;  ///< what offsets are from
+  const std::uint8_t* base;  ///< origin of the offsets
   std::int32_t first;        ///< bytes from there to its cells
   std::uint32_t size;
   bool clamped;  ///< filtered within the face only
@@ -74,7 +74,7 @@ struct ColourFace {
 
 /// The face of a layer of 16 or 32 bits that a piece lies on.
 struct NearestFace {
-  const std::uint8_t* base;  ///< what offsets are from
+  const std::uint8_t* base;  ///< origin of the offsets
   std::int32_t first;        ///< bytes from there to its cells
   std::uint32_t size;
 };
@@ -166,7 +166,7 @@ struct KernelVariant {
   std::string name;  ///< "AVX2", "AVX2 gathers", ...
   const Kernels* kernels;
 };
-/// All that this machine can run, the best instruction set first.
+/// All that the processor supports, the best instruction set first.
 const std::vector<KernelVariant>& kernel_variants();
 
 }  // namespace enfilade::render::cpu

@@ -45,7 +45,7 @@ struct Place {
   std::size_t view = 0;
   std::size_t first = 0;
   std::size_t count = 0;
-  std::size_t pixels = 0;      ///< of a view
+  std::size_t pixels = 0;      ///< per view
   Staging* staging = nullptr;  ///< if the batch is larger than the caches; null: straight to memory
 
   std::size_t pixel() const { return view * pixels + first; }  ///< place in the whole batch
@@ -56,7 +56,7 @@ struct Values {
   const std::uint32_t* rgba;
   const std::uint16_t *depth, *classes;
   const std::uint32_t* instances;
-  const float* depth_factor;  ///< turns a pixel's ray length into what the output's measure is
+  const float* depth_factor;  ///< turns a pixel's ray length into the output's measure
 };
 
 /// Converts values to the formats of some outputs. Must not outlive its arguments.

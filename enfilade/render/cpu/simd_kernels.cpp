@@ -249,7 +249,7 @@ double time_row(const Kernels& kernels) {
 
 const KernelVariant& choose() {
   const auto& variants = kernel_variants();
-  // Of the best target: some processors gather quickly, others load one by one as fast.
+  // Variants of the best target: some processors gather quickly, others load one by one as fast.
   const bool choice = variants.size() > 1 && variants[0].name.starts_with(variants[1].name);
   if (choice && time_row(*variants[1].kernels) < time_row(*variants[0].kernels)) {
     return variants[1];

@@ -43,7 +43,7 @@ constexpr const char* kHowToGet =
     "or name the file libnvrtc.so.* in ENFILADE_NVRTC";
 
 std::filesystem::path variable(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets them here
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): never set here
   return value == nullptr ? "" : value;
 }
 

@@ -1,4 +1,4 @@
-/// \file  From a call of Renderer::render() to what the kernels take; works without a card.
+/// \file  From a call of Renderer::render() to the kernels' input; works without a card.
 #pragma once
 #include <compare>
 #include <cstdint>

@@ -15,8 +15,8 @@ namespace enfilade::render::cuda {
 
 using namespace detail::pixels;  // NOLINT(google-build-using-namespace): one text, in two files
 
-inline constexpr u32 kLanes = 32;     ///< of a warp
-inline constexpr u32 kWarps = 8;      ///< of a block
+inline constexpr u32 kLanes = 32;     ///< per warp
+inline constexpr u32 kWarps = 8;      ///< per block
 inline constexpr u32 kBandRows = 32;  ///< rows of a view that a block draws
 inline constexpr u32 kLayers = 4;     ///< by index(Layer)
 
@@ -37,7 +37,7 @@ struct Job {
   u8* depth;
   u8* classes;
   u32* instances;
-  const float* depth_factors;  ///< one a pixel of a view
+  const float* depth_factors;  ///< one per pixel of a view
   float factor[3], offset[3];  ///< of planar colour
 };
 
@@ -113,7 +113,7 @@ EN_PIXELS u16 half_of(float value) {
   asm("cvt.rn.f16.f32 %0, %1;" : "=h"(bits) : "f"(value));
   return bits;
 }
-// Of memory that the kernel does not write.
+// Loads from memory that the kernel does not write.
 template <class T>
 EN_PIXELS T load(const T* value) {
   return __ldg(value);

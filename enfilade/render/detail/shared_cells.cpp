@@ -413,7 +413,7 @@ void SharedCells::finish(Pin& pin) noexcept {
   if (std::exchange(pin.unfinished_, false)) slot(pin.slot_).state.store(kReady);
 }
 
-// Without the lock: a slot that is pinned is changed by nobody else.
+// Without the lock: no other process changes a pinned slot.
 void SharedCells::give_back(const Pin& pin) noexcept {
   if (is_forked()) return;
   if (pin.unfinished_) {

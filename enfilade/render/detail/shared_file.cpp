@@ -110,7 +110,7 @@ bool SharedFile::open_existing() {
                             "it when no process uses it",
                             head.version, kVersion));
   }
-  // On a disk it outlives the machine's restart; then nobody can be using it.
+  // On a disk it outlives a restart; then no process can be using it.
   if (head.boot != boot()) {
     if (unlink(path_.c_str()) != 0 && errno != ENOENT) fail(path_, "cannot be removed", errno);
     return false;

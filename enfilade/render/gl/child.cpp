@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What posix_spawn() is told, freed with this object.
+/// Settings of posix_spawn(), freed with this object.
 class SpawnSettings {
  public:
   /// \param output  where the other process's standard output goes

@@ -59,7 +59,7 @@ struct Told {
   std::string error;
   bool is_argument_error = false;
 
-  bool take(std::string_view line);  ///< false if it is none of ours
+  bool take(std::string_view line);  ///< false for other lines
 };
 
 bool Told::take(std::string_view line) {

@@ -25,7 +25,7 @@ namespace {
 void write_all(std::string_view text) {
   while (!text.empty()) {
     const ssize_t count = write(STDOUT_FILENO, text.data(), text.size());
-    if (count <= 0) return;  // nobody listens any more
+    if (count <= 0) return;  // the reader has gone
     text.remove_prefix(static_cast<std::size_t>(count));
   }
 }

@@ -253,8 +253,8 @@ std::size_t recorded_count(const models::RecordedSplit& recorded) {
   return std::visit([](const auto& file) { return file.size(); }, recorded);
 }
 
-// Of other models, each of one seed: those on the same split of which something is recorded.
-// Models that choose among viewpoints come first.
+// Adds other models, one seed each, on the same split and with records. Models that choose among
+// viewpoints come first.
 void add_others(GalleryRun& gallery, std::vector<RunRecord>& records) {
   std::set<std::string_view> names{without_seed(gallery.run->agent)};
   std::ranges::stable_sort(records, std::ranges::greater{},

@@ -7,9 +7,10 @@
 
 namespace enfilade::report::parts {
 
-/// Maps from above of a split's episodes with all agents' walks, of each agent its first run: so
-/// many best, worst and median ones of the last agent that is no oracle. Of val_unseen, if there is
-/// a run on it.
+/// Maps from above of a split's episodes, with the trajectories of each agent's first run. The
+/// split is val_unseen if there is a run on it. Shown are the best, worst and median episodes of
+/// the last agent that is no oracle.
+/// \param of_a_kind  number of episodes of each kind
 nlohmann::ordered_json walks_part(const ScoredRuns& runs, std::size_t of_a_kind, bool synthetic);
 
 }  // namespace enfilade::report::parts

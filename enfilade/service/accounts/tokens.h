@@ -1,4 +1,4 @@
-/// \file  Who may do what: teams, tokens, and sessions of browsers.
+/// \file  Access: teams, tokens, and sessions of browsers.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -25,8 +25,8 @@ struct Principal {
   std::int64_t token = 0;  ///< id of the token
   std::int64_t team = 0;   ///< of teams, else 0
   std::int64_t visit = 0;  ///< of workers, else 0
-  std::string name;        ///< the team's, or the token's label
-  /// Known by a cookie, which browsers send with requests of other sites too: a request that
+  std::string name;        ///< the team's name, or the token's label.
+  /// Identified by a cookie, which browsers send with requests of other sites too: a request that
   /// changes something must prove more.
   bool by_cookie = false;
 
@@ -64,11 +64,15 @@ std::optional<std::int64_t> find_team_named(store::Database& db, const std::stri
 /// Whether an organiser lets the team submit to phases with secret goals. New teams are not
 /// approved. \returns false for a team that does not exist
 bool is_approved(store::Database& db, std::int64_t team);
-/// Approves a team, or takes the approval back, at once; its submissions stay, but without it they
-/// are not shown where goals are secret. \returns whether there is such a team
+/// Approves a team, or withdraws the approval, at once. Its submissions stay, but without approval
+/// they are not shown if goals are secret.
+/// \returns whether there is such a team
 bool set_approved(store::Database& db, std::int64_t team, bool approved);
-/// \returns the token, shown once  \param label of a team its name  \param expires seconds since
-/// 1970; none: never  \pre role is not kWorker  \throws LookupError if there is no such team
+/// \returns the token, shown once
+/// \param label for a team its name
+/// \param expires seconds since 1970; no value: never
+/// \pre role is not kWorker
+/// \throws LookupError for an unknown team
 std::string add_token(store::Database& db, Role role, const std::string& label,
                       std::optional<std::int64_t> expires);
 /// Revokes all with that label, and with them the sessions that they began. \returns how many

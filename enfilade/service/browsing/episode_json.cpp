@@ -99,7 +99,7 @@ std::filesystem::path trace_file(const PublicSplit& split, const std::string& in
   return {};
 }
 
-// A broken trace is told, and leaves the episode as it is.
+// A broken trace is reported, and does not change the episode.
 void add_trace(const PublicSplit& split, ordered_json& episode) {
   const auto file = trace_file(split, episode.at("instruction_id").get<std::string>());
   if (file.empty()) return;

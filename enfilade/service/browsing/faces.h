@@ -18,8 +18,8 @@ namespace enfilade::service::browsing {
 /// draw/colour_maps.h.
 using FaceFiles = std::array<std::shared_ptr<const std::string>, kCubeFaces>;
 
-/// A cache: browsers ask for all six faces of a viewpoint at once, and workers walk the same paths.
-/// All functions may be called from any thread.
+/// A cache: browsers request all six faces of a viewpoint at once, and workers follow the same
+/// paths. All functions may be called from any thread.
 class Faces {
  public:
   /// \param most_bytes of the cache; the least recently used panorama is dropped first
@@ -28,11 +28,12 @@ class Faces {
   /// Colour as the source's own JPEGs where it has them; else encoded.
   /// \throws as scan::PanoramaSource: LookupError if there is no such picture
   FaceFiles get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer);
-  /// distance_grid() and legends_json() of layers.h, kept as pictures are. \throws as they do
+  /// distance_grid() and legends_json() of layers.h, cached as pictures are. \throws as they do
   std::shared_ptr<const std::string> distances(ScanIndex scan, ViewpointIndex viewpoint);
   std::shared_ptr<const std::string> legends(ScanIndex scan, ViewpointIndex viewpoint);
-  /// Changes whenever the scan's pictures do; empty if the source does not say. Asked of the source
-  /// once. \throws as above
+  /// Changes whenever the scan's pictures do; empty if the source does not report it. The source is
+  /// asked once.
+  /// \throws FileError, InvalidInput
   std::string version(ScanIndex scan);
 
  private:
@@ -42,7 +43,7 @@ class Faces {
   FaceFiles make(const Key& key) const;
 
   const scan::PanoramaSet& panoramas_;
-  detail::Kept<Key, FaceFiles> kept_;  // what has one file only has it first
+  detail::Kept<Key, FaceFiles> kept_;  // a layer with one file has it first
   std::mutex mutex_;
   std::map<ScanIndex, std::string> versions_;
 };

@@ -6,8 +6,8 @@
 
 namespace enfilade::service::browsing {
 
-/// What is known of a scan's rooms, walls and furniture: of a model home from `homes.json`, of a
-/// scanned mesh from its `.house` file; else empty lists. World frame, metres.
+/// A scan's rooms, walls and furniture: of a synthetic home from `homes.json`, of a scanned mesh
+/// from its `.house` file; else empty lists. World frame, metres.
 /// \throws FileError, InvalidInput for a broken file
 nlohmann::ordered_json plan_json(const Site& site, ScanIndex scan);
 

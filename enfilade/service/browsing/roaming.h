@@ -1,4 +1,4 @@
-/// \file  What walking freely in a building takes: its mesh, its floor, continuous episodes.
+/// \file  Continuous navigation of a building: its mesh, its floor, continuous episodes.
 #pragma once
 #include <memory>
 #include <mutex>
@@ -12,7 +12,7 @@
 
 namespace enfilade::service::browsing {
 
-/// The scans that one can walk freely in: those with a mesh (model homes have theirs by their
+/// The scans with continuous navigation: those with a mesh (synthetic homes make theirs from their
 /// seeds) and with a navigation mesh in `navmesh/r2r-ce/`.
 std::set<std::string, std::less<>> scans_to_roam(const Site& site);
 
@@ -33,14 +33,14 @@ class Roaming {
     std::shared_ptr<const std::string> gzip;
     std::string digest;
   };
-  /// The building as GLB. Of a model home with its light in the colours of its corners
-  /// (mesh::with_vertex_light()), made by two threads at most, one building at a time: some
-  /// seconds. Of a mesh file with its textures as they are.
-  /// \throws Refusal kNotFound, saying what to do, if there is no mesh; as mesh::read_mesh()
+  /// The building as GLB. A synthetic home has its light in the colours of its corners
+  /// (mesh::with_vertex_light()). At most two threads make it, one building at a time, in some
+  /// seconds. A mesh file has its own textures.
+  /// \throws Refusal kNotFound, with the remedy, if there is no mesh; as mesh::read_mesh()
   Packed mesh(ScanIndex scan);
-  /// The floor that a body of R2R-CE walks on: {"scan", "body", "walker", "polygons"}.
-  /// World frame, metres.
-  /// \throws Refusal kNotFound, saying what to do, if there is none; as load_navigation_mesh()
+  /// The navigation mesh for R2R-CE's body: {"scan", "body", "walker", "polygons"}. World frame,
+  /// metres.
+  /// \throws Refusal kNotFound, with the remedy, if there is none; as load_navigation_mesh()
   nlohmann::ordered_json floor_json(ScanIndex scan) const;
   /// A page of a split's episodes of R2R-CE; without goals, paths and distances where the site
   /// hides those of R2R's split of that name.

@@ -15,7 +15,7 @@
 
 namespace enfilade::service::browsing {
 
-/// Where to stand and look to see much of a building.
+/// A viewpoint and direction that show much of a building.
 struct Outlook {
   ViewpointIndex viewpoint;  ///< of the scan's graph
   Radians heading, elevation;
@@ -33,9 +33,10 @@ class Stills {
  public:
   explicit Stills(std::shared_ptr<const Site> site) : site_(std::move(site)) {}
 
-  /// The direction that is most open, from one of the viewpoints with the most edges: of those with
-  /// depth by how far it is to what is seen, else towards the farthest neighbour. None if no
-  /// viewpoint of the graph has pictures. \throws as scan::PanoramaSource for broken files
+  /// The most open direction, from one of the viewpoints with the most edges. With depth, it is
+  /// chosen by the distance to surfaces, else towards the farthest neighbour. No value if no
+  /// viewpoint of the graph has pictures.
+  /// \throws as scan::PanoramaSource for broken files
   std::optional<Outlook> outlook(ScanIndex scan);
   /// That view as a JPEG file; null if there is no outlook. About 100 kB at 640 pixels.
   /// \param width one of kStillWidths  \throws as outlook()

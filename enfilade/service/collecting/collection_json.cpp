@@ -42,7 +42,7 @@ ordered_json asked_json(const Question& question) {
       {"question", question.text}, {"choices", question.choices}, {"accept", question.accepted}};
 }
 
-/// {"name", "outlines"}. \param viewpoints those whose outlines are told; null: all
+/// {"name", "outlines"}. \param viewpoints those whose outlines are given; null: all
 ordered_json object_json(const Item& item, const std::vector<std::string>* viewpoints) {
   ordered_json outlines = ordered_json::object();
   if (!item.outlines.empty()) {

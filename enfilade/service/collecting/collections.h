@@ -1,4 +1,4 @@
-/// \file  Collections: sets of paths for workers to describe, or of instructions to walk.
+/// \file  Collections: sets of paths for workers to describe, or of instructions to follow.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -17,11 +17,11 @@
 
 namespace enfilade::service::collecting {
 
-/// Who may join, and who finds it.
+/// Whether workers may join, and whether lists show it.
 enum class CollectionState : std::uint8_t {
   kOpen,
   kClosed,    ///< no new workers, no new tasks
-  kArchived,  ///< closed, and left out of lists unless asked for
+  kArchived,  ///< closed, and left out of lists by default
 };
 constexpr std::array<std::string_view, 3> names_of(CollectionState /*enum*/) {
   return {"open", "closed", "archived"};
@@ -41,10 +41,10 @@ struct Collection {
   std::int64_t created = 0;
   std::optional<std::int64_t> archived;  ///< when
   std::int64_t seed = 0;                 ///< of the order of tasks: order.h
-  std::string pay;                       ///< as workers read it: "$1.20 a path"; may be empty
-  double minutes = 0;                    ///< that a task takes, as workers are told; 0: not said
-  int check_every = 3;                   ///< an attention check comes before every so manyth task
-  /// When the consent text was last changed, or 0: who agreed before has to agree anew.
+  std::string pay;                       ///< shown to workers: "$1.20 a path"; may be empty
+  double minutes = 0;                    ///< duration of a task, shown to workers; 0: not shown
+  int check_every = 3;                   ///< an attention check comes before every such task
+  /// When the consent text was last changed, or 0: earlier consent must be given again.
   std::int64_t consent_changed = 0;
   std::string language = "en-US";  ///< kGuide: one of RxR's
 
@@ -60,18 +60,19 @@ struct Collection {
   }
 };
 
-/// The object of a task: a path (kWrite, kGuide), a path with an object at its end (kDescribe,
-/// kDialogue), or an instruction of one (kWalk, kFind).
+/// The object of a task. kWrite, kGuide: a path. kDescribe, kDialogue: a path with an object at its
+/// end. kWalk, kFind: an instruction of one.
 struct Item {
   std::int64_t id = 0;
   std::string split;
   std::int64_t path_id = 0;
-  /// Of the instruction. kDescribe, kDialogue: the object's id, as a path may end at several.
+  /// Number of the instruction. kDescribe, kDialogue: the object's id, as a path may end at
+  /// several.
   std::size_t number = 0;
   std::string scan;
   Radians heading;
-  /// Viewpoints from start to goal. Where the worker looks for the goal (is_followed(), and
-  /// navigators of kDialogue), only the first is ever sent to one.
+  /// Viewpoints from start to goal. If the worker searches for the goal (is_followed(), and
+  /// navigators of kDialogue), only the first is ever sent.
   std::vector<std::string> path;
   std::optional<double> distance;
   /// To be followed, or empty; of practice, where one writes, an example of what may be written.
@@ -80,8 +81,8 @@ struct Item {
   bool practice = false;   ///< every worker's first tasks: never reviewed, never exported
   std::int64_t block = 0;  ///< order.h
   // If has_target().
-  std::optional<std::int64_t> object = {};  ///< of REVERIE's boxes; none if a region alone is known
-  std::string target = {};                  ///< what people call it: "plant"
+  std::optional<std::int64_t> object = {};  ///< of REVERIE's boxes; no value for a region only
+  std::string target = {};                  ///< its name for people: "plant"
   std::vector<std::string> region = {};  ///< viewpoints from which it is seen, or near it; sorted
   std::string outlines = {};             ///< outlines_json(); empty if no box is known
   std::optional<std::int64_t> of = {};  ///< kFind: the task whose text this is, if it is of another
@@ -105,18 +106,21 @@ struct NewCollection {
 /// \throws InvalidInput with its faults (up to 1000) and their JSON paths
 NewCollection read_new_collection(const Site& site, store::Database& db, std::string_view body);
 /// Reads the body of PATCH /api/v1/collections/{collection}: the fields that are there.
-/// \param now seconds since 1970  \returns `collection` with them  \throws as above
+/// \param now seconds since 1970
+/// \returns `collection` with them
+/// \throws InvalidInput as read_new_collection()
 Collection read_changed_collection(const Collection& collection, std::string_view body,
                                    std::int64_t now);
-/// The body of POST /api/v1/collections/{collection}/copy. \returns `collection` with its new name
-/// and title, open, and with a seed of its own  \throws as above
+/// The body of POST /api/v1/collections/{collection}/copy.
+/// \returns `collection` with its new name and title, open, and with a seed of its own
+/// \throws InvalidInput as read_new_collection()
 Collection read_copied_collection(const Collection& collection, std::string_view body);
 
 /// Without practice.
 struct Progress {
   std::int64_t items = 0, leased = 0, submitted = 0, accepted = 0, rejected = 0, complete = 0,
                workers = 0;
-  double minutes = 0;  ///< median time of a submitted task by the server's clock; 0: there is none
+  double minutes = 0;  ///< median time of a submitted task by the server's clock; 0: no task
 
   auto columns() {
     return std::tie(items, complete, leased, submitted, accepted, rejected, workers);
@@ -156,21 +160,22 @@ Collection get_collection(store::Database& db, std::string_view name);
 Collection collection_of_visit(store::Database& db, std::int64_t visit);
 /// Those whose name or title has the text, in any case of a-z. \param archived these, or the others
 std::vector<Collection> list_collections(store::Database& db, std::string_view text, bool archived);
-/// Stores what may change: state, texts, rules.
+/// Stores the changeable fields: state, texts, rules.
 void change_collection(store::Database& db, const Collection& changed);
-/// Its items and questions, and no work. \param copy with a name of its own
-/// \returns it with its id, key and time  \throws Refusal kConflict if the name is taken
+/// Copies its items and questions, without work. \param copy with a name of its own
+/// \returns it with its id, key and time
+/// \throws Refusal kConflict if the name is taken
 Collection copy_collection(store::Database& db, const Collection& from, Collection copy);
 Progress progress_of(store::Database& db, std::int64_t collection);
 std::vector<SplitSize> splits_of(store::Database& db, std::int64_t collection);
 std::vector<VisitSummary> visits_of(store::Database& db, const Collection& collection);
 
-/// Of a split, by id; practice is not among them.
+/// The items of a split, by id, without practice.
 std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::string_view split);
-/// The first item: what a preview shows.
+/// The first item: for a preview.
 Item first_item(store::Database& db, std::int64_t collection);
 
-/// Path and query of the page for workers, with the key and what the platform fills in.
+/// Path and query of the page for workers, with the key and the platform's placeholders.
 std::string link_of(const Collection& collection);
 
 /// The columns of an Item, for a query of the table item.

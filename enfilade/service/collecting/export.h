@@ -10,7 +10,8 @@
 
 namespace enfilade::service::collecting {
 
-/// What an export of walks or of directions has, and what it leaves out. Practice is in neither.
+/// Counts of an export of trajectories or instructions, and of the work that it leaves out.
+/// Practice is in neither.
 struct ExportReport {
   std::string split;
   Kind kind = Kind::kWrite;
@@ -18,10 +19,11 @@ struct ExportReport {
   std::int64_t items = 0, paths = 0;  ///< of the split
   std::int64_t exported_items = 0, exported_paths = 0, exported_tasks = 0;
   // Submitted tasks that are left out, each counted once:
-  std::int64_t waiting = 0;  ///< not reviewed yet, and only accepted ones were asked for
+  std::int64_t waiting = 0;  ///< not reviewed yet, if only accepted ones were requested
   std::int64_t rejected = 0;
-  std::int64_t repeated = 0;  ///< a later walk of an instruction that has one
-  /// Walks of a path some of whose instructions have none; dialogues without the other's task.
+  std::int64_t repeated = 0;  ///< a later trajectory of an instruction that has one
+  /// Trajectories of a path some of whose instructions have none; dialogues without the other's
+  /// task.
   std::int64_t incomplete = 0;
 
   std::int64_t left_out() const { return waiting + rejected + repeated + incomplete; }
@@ -30,24 +32,26 @@ struct ExportReport {
 };
 nlohmann::ordered_json report_json(const ExportReport& report);
 
-/// What a file of a split is made of.
+/// The work in a file of a split.
 struct Selection {
   std::vector<Task> tasks;  ///< sorted by item and task
   ExportReport report;
   bool secret = false;  ///< some goals of the split are
 };
-/// Of walks the first of each instruction, and only of paths whose instructions were all walked.
+/// Of trajectories, the first per instruction, and only of paths whose instructions all have one.
 Selection select_work(store::Database& db, const ExportedSplit& exported);
 
 // Those of a Selection \throw Refusal kConflict if it has no task; the message is the report's
 // summary().
 
 /// Annotations, as `enfilade stats` and `enfilade score` read them.
-/// kWrite: the paths that have an instruction, with their instructions in the order in which the
-/// tasks were given out. kWalk: the paths whose every instruction was walked. Both in
-/// Room-to-Room's format. kDescribe, kFind: the same of objects, in REVERIE's. kGuide: lines of
-/// RxR's guides, whose instruction_id is the task's number. kDialogue: instances of CVDN's
-/// navigation from dialogue history, of dialogues whose tasks are both in the selection.
+/// - kWrite: the paths that have an instruction, with their instructions in the order of the tasks;
+///   Room-to-Room's format
+/// - kWalk: the paths with a trajectory for every instruction; Room-to-Room's format
+/// - kDescribe, kFind: the same for objects, in REVERIE's format
+/// - kGuide: lines of RxR's guides, whose instruction_id is the task's number
+/// - kDialogue: instances of CVDN's navigation from dialogue history, of dialogues whose tasks are
+///   both in the selection
 std::string annotations_json(const Selection& selection, const graph::GraphSet& graphs);
 
 /// The dialogues of a Selection, an object each: dialogue, scan, target, end_panos, workers by
@@ -55,21 +59,22 @@ std::string annotations_json(const Selection& selection, const graph::GraphSet& 
 std::string dialogues_json(const Selection& selection);
 
 /// Results as `enfilade score` takes them: the same episodes as in annotations_json().
-/// \pre it is of walks
+/// \pre it is of trajectories
 std::string results_json(const Selection& selection);
 
-/// The same walks, an object each: instr_id, scan, worker, times (add_times()), camera, steps. Of a
-/// guide the steps are its pose trace; instr_id is that of its instruction.
-/// \pre it is of walks or of guides
+/// The same trajectories, one object each: instr_id, scan, worker, times (add_times()), camera,
+/// steps. A guide's steps are its pose trace; instr_id is that of its instruction.
+/// \pre it is of trajectories or of guides
 std::string walks_json(const Selection& selection);
 
 /// The pose traces of guides as RxR's, a zip file of `<id>_guide_pose_trace.npz`, where id is the
-/// instruction's. What the page does not record is that of MatterSim's usual view: 60 degrees high,
-/// 4 to 3. \pre it is of guides
+/// instruction's. Fields that the page does not record are those of MatterSim's usual view: 60
+/// degrees high, 4 to 3.
+/// \pre it is of guides
 std::string traces_zip(const Selection& selection, const graph::GraphSet& graphs);
 
-/// All submitted tasks of the split, whatever their state, an object each: task, state, path_id,
-/// number, worker, times, flags. With that, what other files leave out can be looked up.
+/// All submitted tasks of the split in any state, one object each: task, state, path_id, number,
+/// worker, times, flags. Work that other files leave out can be looked up in it.
 std::string tasks_json(store::Database& db, const ExportedSplit& exported);
 
 }  // namespace enfilade::service::collecting

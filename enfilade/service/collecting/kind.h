@@ -1,4 +1,4 @@
-/// \file  What workers of a collection do.
+/// \file  Kinds of work in a collection.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,11 +8,11 @@ namespace enfilade::service::collecting {
 
 enum class Kind : std::uint8_t {
   kWrite,     ///< a path is shown, an instruction is written (Room-to-Room)
-  kWalk,      ///< an instruction is shown, a path is walked: the Human agent
-  kDescribe,  ///< a path to an object is shown, and how to find that object is written (REVERIE)
-  kFind,      ///< such a text is shown: the worker walks, and points at the object
-  kGuide,     ///< a path is walked, and spoken or written about on the way, with times (RxR)
-  kDialogue,  ///< two workers: one walks and asks, one sees the way and answers (CVDN)
+  kWalk,      ///< an instruction is shown, the worker follows it: the Human agent
+  kDescribe,  ///< a path to an object is shown, the worker writes how to find it (REVERIE)
+  kFind,      ///< such a text is shown: the worker follows it, and points at the object
+  kGuide,     ///< the worker moves along a path, and speaks or writes, with times (RxR)
+  kDialogue,  ///< two workers: one moves and asks, one sees the path and answers (CVDN)
 };
 constexpr std::array<std::string_view, 6> names_of(Kind /*enum*/) {
   return {"write", "walk", "describe", "find", "guide", "dialogue"};
@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 6> names_of(Kind /*enum*/) {
 
 /// Whether a task's content is one text, which reviewers may correct.
 constexpr bool is_written(Kind kind) { return kind == Kind::kWrite || kind == Kind::kDescribe; }
-/// Whether a text is followed to a goal that the worker does not know.
+/// Whether the worker follows a text to an unknown goal.
 constexpr bool is_followed(Kind kind) { return kind == Kind::kWalk || kind == Kind::kFind; }
 /// Whether items have an object, or a region, as their goal.
 constexpr bool has_target(Kind kind) {

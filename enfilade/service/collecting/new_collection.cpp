@@ -186,7 +186,7 @@ class Reader {
     return choices;
   }
 
-  /// One of the enumeration's names; the first value if it is none of them.
+  /// One of the enumeration's names; the first value for any other text.
   template <class Enum>
   static Enum one_of(const Fields& fields, std::string_view name) {
     const auto known = [](std::string_view text) { return find_enum<Enum>(text).has_value(); };

@@ -1,8 +1,8 @@
-/// \file  In which order workers get the items of a collection.
+/// \file  Order in which workers get the items of a collection.
 ///
-/// Each worker has an order of their own, so that an item's place in it (practice, fatigue) is not
-/// the same for all. It follows from the collection's seed, the worker's number and the item, which
-/// exports have, so that anybody can compute it again:
+/// Each worker has an order of their own, so that an item's position in it (practice, fatigue) is
+/// not the same for all. It follows from the collection's seed, the worker's number and the item.
+/// Exports have these, so anyone can compute it again:
 ///
 ///     block of an item: its rank by sha256("SEED PATH_ID NUMBER") / 20, rounded down
 ///     worker's order: by block, then by sha256("SEED WORKER PATH_ID NUMBER")

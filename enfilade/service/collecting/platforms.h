@@ -36,7 +36,7 @@ using Parameters = std::map<std::string, std::string, std::less<>>;
 struct Arrival {
   bool preview = false;    ///< the worker has not accepted the task yet; the rest is empty then
   std::string worker;      ///< the platform's id of the worker
-  std::string assignment;  ///< what is paid for: assignmentId, SESSION_ID; "" if self-hosted
+  std::string assignment;  ///< the paid unit: assignmentId, SESSION_ID; "" if self-hosted
   std::string group;       ///< hitId, STUDY_ID
   std::string submit_to;   ///< Mechanical Turk: the origin to post to when done
 };

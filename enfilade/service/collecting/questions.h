@@ -13,7 +13,7 @@
 namespace enfilade::service::collecting {
 
 enum class Stage : std::uint8_t {
-  kScreening,  ///< before anything else: who answers wrongly gets no task
+  kScreening,  ///< before anything else: a wrong answer means no task
   kCheck,      ///< between tasks: wrong answers are counted, and shown to reviewers
 };
 constexpr std::array<std::string_view, 2> names_of(Stage /*enum*/) {
@@ -35,8 +35,8 @@ void add_questions(store::Database& db, std::int64_t collection,
 /// By id: in the order in which they were written.
 std::vector<Question> questions_of(store::Database& db, std::int64_t collection);
 
-/// What a worker has to answer before the next task: all of the screening, or the next attention
-/// check. The first check comes before task number `every`, the second before 2 * every, ...
+/// Questions for a worker before the next task: all of the screening, or the next attention check.
+/// The first check comes before task number `every`, the second before 2 * every, ...
 /// \param done tasks that the worker submitted in all visits, without practice
 std::vector<Question> pending_questions(store::Database& db, std::int64_t collection,
                                         std::int64_t worker, std::int64_t done, int every);

@@ -13,21 +13,24 @@ namespace enfilade::service::collecting {
 /// detail::kWorkLimits
 SubmittedWork read_instruction(std::string_view body);
 
-/// {"steps": [{"viewpoint", "heading", "elevation", "seconds"}], "camera"}: a walk that an agent
-/// could have made, from the item's start along edges of its graph. The content is the list of
-/// steps. \throws as above; no message tells more of the item's path than its start
+/// {"steps": [{"viewpoint", "heading", "elevation", "seconds"}], "camera"}: a trajectory that an
+/// agent could have made, from the item's start along edges of its graph. The content is the list
+/// of steps.
+/// \throws InvalidInput; no message gives away more of the item's path than its start
 SubmittedWork read_walk(std::string_view body, const Item& item, const graph::GraphSet& graphs);
 
-/// {"steps", "camera", "point": {"heading", "elevation"}}: a walk, and where its worker pointed
-/// from its end. \param objects what can be pointed at; null: the item's outlines alone \throws as
-/// read_walk()
+/// {"steps", "camera", "point": {"heading", "elevation"}}: a trajectory, and the direction of its
+/// worker's answer at its end.
+/// \param objects candidates of the answer; null: only the item's outlines
+/// \throws as read_walk()
 SubmittedWork read_find(std::string_view body, const Item& item, const graph::GraphSet& graphs,
                         const tasks::ObjectBoxes* objects);
 
-/// {"instruction", "words": [{"word", "start", "end"}], "steps", "spoken", "seconds", "flags"}:
-/// what was said on the way along the item's path, word by word, and the way. Words are those of
-/// the instruction between blanks; they begin one after another. \throws as read_walk(); a path may
-/// be walked back and forth, but to its end
+/// {"instruction", "words": [{"word", "start", "end"}], "steps", "spoken", "seconds", "flags"}: the
+/// spoken words along the item's path, one by one, and the steps. Words are those of the
+/// instruction between blanks; they begin one after another. Steps may go back and forth on the
+/// path, but must reach its end.
+/// \throws as read_walk()
 SubmittedWork read_guide(std::string_view body, const Item& item, const graph::GraphSet& graphs);
 
 /// 10 to 2000 characters, three words at least. \throws InvalidInput; where: JSON path

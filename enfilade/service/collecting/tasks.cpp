@@ -101,8 +101,8 @@ std::optional<Task> resume(store::Database& db, const Visit& visit) {
   return std::nullopt;
 }
 
-/// Ends no later than `lease_seconds` from now what was leased by a clock that was ahead: nobody
-/// else would get those places before the clock is there again.
+/// Shortens leases that were made by a clock that was ahead to `lease_seconds` from now. Otherwise
+/// no one else would get those places until the clock is there again.
 void shorten_leases(store::Database& db, const Collection& collection) {
   db.run(
       "UPDATE task SET expires = ?2 WHERE state = 'leased' AND expires > ?2 AND item IN "

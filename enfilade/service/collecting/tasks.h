@@ -19,7 +19,7 @@ struct Visit {
   std::string assignment, submit_to;
   std::int64_t done = 0;            ///< tasks submitted; here and below without practice
   std::int64_t done_by_worker = 0;  ///< likewise, in all visits of the worker
-  std::int64_t bonuses = 0;         ///< of walks to goals that are not secret
+  std::int64_t bonuses = 0;         ///< for trajectories to goals that are not secret
 
   auto columns() {
     return std::tie(id, worker, consented, assignment, submit_to, done, done_by_worker, bonuses);
@@ -62,17 +62,16 @@ struct Task {
   std::int64_t worker = 0;
   TaskState state = TaskState::kLeased;
   std::int64_t expires = 0;  ///< of the lease
-  std::string draft;         ///< the page's JSON; empty if there is none
-  /// The instruction (is_written()), or JSON: of kWalk the list of steps, of kFind {"steps",
-  /// "point", "object"}, of kGuide {"instruction", "words", "steps", "spoken"}, of kDialogue as
-  /// dialogues.h has.
+  std::string draft;         ///< the page's JSON; may be empty.
+  /// The instruction (is_written()), or JSON. kWalk: the list of steps. kFind: {"steps", "point",
+  /// "object"}. kGuide: {"instruction", "words", "steps", "spoken"}. kDialogue: as in dialogues.h.
   std::string content;
-  std::string digest;  ///< of what was submitted
+  std::string digest;  ///< of the submitted work
   double seconds = 0;  ///< as the page measured it
   std::vector<std::string> flags;
   std::string camera;  ///< JSON
-  /// Of kWalk and kDialogue: metres from the end to the goal, along the graph. Of kFind: 0 if the
-  /// object was pointed at, else metres to where it is seen, 3 at least.
+  /// Metres. kWalk, kDialogue: from the end to the goal, along the graph. kFind: 0 if right, else
+  /// to where the object is seen, 3 at least.
   std::optional<double> error;
   std::int64_t leased = 0;  ///< at first; 0 if it was not kept
   std::int64_t submitted = 0;
@@ -83,7 +82,7 @@ struct Task {
   /// not known.
   std::optional<std::int64_t> server_seconds() const;
   bool is_submitted() const { return submitted != 0; }  ///< reviewed or not
-  bool bonus() const;  ///< a walk that ended less than 3 m from its goal
+  bool bonus() const;  ///< a trajectory that ended less than 3 m from its goal
 
   auto columns() {
     return std::tie(item, kind, per_item, lease_seconds, id, worker, state, expires, draft, content,
@@ -106,10 +105,10 @@ constexpr std::array<std::string_view, 6> names_of(NoTask /*enum*/) {
 
 struct Lease {
   std::optional<Task> task;
-  NoTask why = NoTask::kFinished;  ///< if there is none
+  NoTask why = NoTask::kFinished;  ///< if there is no task
 };
 
-/// What a worker submits, checked.
+/// A worker's submission, checked.
 struct SubmittedWork {
   std::string content;
   double seconds = 0;
@@ -118,18 +117,18 @@ struct SubmittedWork {
   std::optional<double> error;
 };
 
-// For workers. A lease that has ended still belongs to its worker as long as nobody else has the
-// place.
+// For workers. A lease that has ended still belongs to its worker until another takes the place.
 
-/// The task that the visit holds, its lease renewed; else one of the worker's that lapsed, if its
-/// place is free; else the next by order.h. No worker gets an item twice.
+/// The task that the visit holds, with its lease renewed. Else one of the worker's that lapsed, if
+/// its place is free; else the next by order.h. No worker gets an item twice.
 /// \throws Refusal kConsentRequired
 Lease lease_task(store::Database& db, const Collection& collection, const Visit& visit);
-/// What has to be answered before the next task.
+/// Questions before the next task.
 std::vector<Question> pending_questions_of(store::Database& db, const Collection& collection,
                                            const Visit& visit);
-/// Whether the worker has had every item of the collection, so that what is told about one of them
-/// helps with no other. \pre practice aside
+/// Whether the worker has had every item of the collection, so that feedback on one of them gives
+/// away nothing about another.
+/// \pre practice aside
 bool has_had_all(store::Database& db, const Collection& collection, const Visit& visit);
 /// Tasks of the worker that reviewers rejected, by number.
 std::vector<Task> rejected_of(store::Database& db, const Visit& visit);
@@ -159,7 +158,7 @@ constexpr std::array<std::string_view, 3> names_of(EventKind /*enum*/) {
   return {"edited", "accepted", "rejected"};
 }
 
-/// What a reviewer did.
+/// An action of a reviewer.
 struct Event {
   std::int64_t at = 0;
   std::string who;
@@ -175,7 +174,7 @@ struct WorkPage {
   std::vector<Task> tasks;
 };
 
-/// Which submitted work is asked for; what is none is not looked at.
+/// Filter of submitted work; fields without a value match all.
 struct WorkFilter {
   std::optional<TaskState> state;
   std::optional<std::int64_t> worker, path_id;
@@ -211,7 +210,7 @@ std::vector<Task> work_of(store::Database& db, const ExportedSplit& exported);
 /// All submitted tasks of the split, practice included, by number.
 std::vector<Task> submitted_of(store::Database& db, const ExportedSplit& exported);
 Task find_work(store::Database& db, std::int64_t task);
-/// How many workers walked by a text to find its object, and how many of them found it.
+/// Number of workers who followed a text to find its object, and of those who found it.
 struct Verified {
   std::int64_t walked = 0, found = 0;
 
@@ -220,7 +219,7 @@ struct Verified {
 /// \param task of kDescribe
 Verified verified_of(store::Database& db, std::int64_t task);
 std::vector<Event> events_of(store::Database& db, std::int64_t task);
-/// What a reviewer decides.
+/// Decision of a reviewer.
 struct Verdict {
   TaskState state = TaskState::kAccepted;  ///< or kRejected
   std::string reason;                      ///< of a rejection

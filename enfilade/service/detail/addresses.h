@@ -5,9 +5,9 @@
 
 namespace enfilade::service::detail {
 
-/// What limits count as one address: an IPv4 address, also one written as IPv6 (::ffff:1.2.3.4);
-/// the first 64 bits of an IPv6 address, as a home or a lab is given all addresses that begin with
-/// them. A text that is no address is returned as it is. Any thread.
+/// The address that limits count by. An IPv4 address, also one written as IPv6 (::ffff:1.2.3.4).
+/// The first 64 bits of an IPv6 address, as a home or a lab has all addresses that begin with them.
+/// Any other text is returned unchanged. Any thread.
 std::string address_group(std::string_view address);
 
 }  // namespace enfilade::service::detail

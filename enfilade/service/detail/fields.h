@@ -17,16 +17,16 @@ inline constexpr std::size_t kQuoted = 40;
 /// Whether a text is allowed.
 using TextCheck = bool (*)(std::string_view);
 
-/// Reads a text. Reports an element that is no text ("" is returned then), and with `code` a text
-/// that check() does not allow (which is returned). \param allowed what check() allows, for the
-/// message: "1 to 40 of a-z, 0-9, - and _"
+/// Reads a text. Reports an element that is not a text ("" is returned then). With `code`, reports
+/// a text that check() does not allow (which is returned).
+/// \param allowed the texts that check() allows, for the message: "1 to 40 of a-z, 0-9, - and _"
 std::string read_text(json::Element element, const json::Path& path, TextCheck check,
                       std::string_view allowed, json::Faults& faults,
                       const char* code = "bad-text");
 
-/// The fields of one object. Its functions report faults to the list that the constructor was
-/// given, and return a stand-in for what cannot be read: "", or the least number allowed. An object
-/// of this class belongs to one thread.
+/// The fields of one object. Its functions report faults to the constructor's list, and return a
+/// substitute for unreadable values: "", or the least allowed number. An object of this class
+/// belongs to one thread.
 class Fields {
  public:
   using Names = std::initializer_list<std::string_view>;

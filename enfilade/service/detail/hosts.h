@@ -1,5 +1,5 @@
-/// \file  The names that a server goes by, in the headers Host and Origin. By them it tells its own
-/// visitors from those of a page that has its name resolved to this machine (DNS rebinding).
+/// \file  The server's own names in the headers Host and Origin. They protect against pages of
+/// other names that resolve to this computer (DNS rebinding).
 #pragma once
 #include <optional>
 #include <set>
@@ -9,17 +9,17 @@
 
 namespace enfilade::service::detail {
 
-/// What stands in a Host header: "vln.example.org", "10.0.0.3:8080", "[::1]:8080".
+/// Content of a Host header: "vln.example.org", "10.0.0.3:8080", "[::1]:8080".
 struct Host {
-  std::string name;  ///< in lower case, without a dot at its end; of IPv6 with the brackets
+  std::string name;  ///< in lower case, without a dot at its end; IPv6 with the brackets
   std::string port;  ///< "" if none is written
 };
 
 /// None for a text of another form; names have letters, digits, ".", "-" and "_". Any thread.
 std::optional<Host> parse_host(std::string_view text);
 
-/// Whether a page of that Origin ("https://vln.example.org") is of the site that `host` names:
-/// the same name and the same port, where 80 and 443 go without saying. Any thread.
+/// Whether a page of that Origin ("https://vln.example.org") is of the site that `host` names: the
+/// same name and the same port, with the defaults 80 and 443. Any thread.
 bool is_same_site(std::string_view origin, const Host& host);
 
 /// The names of one server. Immutable: any thread may read it.
@@ -31,9 +31,9 @@ class OwnNames {
   /// \throws ArgumentError for one of `given` that is no name
   OwnNames(const std::string& interface, const std::vector<std::string>& given);
 
-  /// Whether a request for that host was meant for this server: one of its names, "localhost", or
-  /// any address, as nobody can have an address resolved to another one. The port does not matter:
-  /// tunnels and containers change it.
+  /// Whether a request for that host was meant for this server. It is one of its names,
+  /// "localhost", or any address, as no other page's address can be resolved to it. The port does
+  /// not matter: tunnels and containers change it.
   bool contains(const Host& host) const;
   /// Whether a page of that Origin is of one of the names that were given: behind a proxy, Host may
   /// be another.

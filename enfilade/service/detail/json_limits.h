@@ -1,5 +1,5 @@
-/// \file  What the JSON of requests may hold. One rule for all of them: what a route reads is
-/// bounded in bytes, levels and values before it is parsed, so that the memory that it takes is.
+/// \file  Limits of the JSON of requests. One rule for all: a body is bounded in bytes, levels and
+/// values before it is parsed, and so is the memory that it takes.
 #pragma once
 #include <string_view>
 
@@ -11,9 +11,9 @@ namespace enfilade::service::detail {
 inline constexpr std::size_t kMostLevels = 16;
 /// Names, texts, choices: of routes that take up to 16 KiB.
 inline constexpr json::Limits kFormLimits{1000, kMostLevels};
-/// A worker's draft or walk: 5000 steps of four numbers and their names.
+/// A worker's draft or trajectory: 5000 steps of four numbers and their names.
 inline constexpr json::Limits kWorkLimits{60'000, kMostLevels};
-/// A new collection: 100,000 paths with three instructions each, 23 values and keys a path.
+/// A new collection: 100,000 paths with three instructions each, 23 values and keys per path.
 inline constexpr json::Limits kCollectionLimits{2'500'000, kMostLevels};
 
 /// \throws InvalidInput "too-large" for a text beyond the limits  \param file its name in messages

@@ -1,4 +1,4 @@
-/// \file  A cache of things that take a while to make.
+/// \file  A cache of values that are expensive to make.
 #pragma once
 #include <cstddef>
 #include <exception>
@@ -11,8 +11,8 @@
 
 namespace enfilade::service::detail {
 
-/// Makes a thing for the first who asks for it; others wait for that one. Values are small and
-/// point to what is large. All functions may be called from any thread.
+/// Makes a value at its first request; concurrent callers wait for it. Values are small and point
+/// to large data. All functions may be called from any thread.
 template <class Key, class Value>
 class Kept {
  public:
@@ -23,8 +23,8 @@ class Kept {
   Kept(std::size_t most_bytes, Bytes bytes)
       : most_bytes_(most_bytes), bytes_of_(std::move(bytes)) {}
 
-  /// The key's value, by `make()` if it is not there. \throws what make() does: those who wait get
-  /// it too, and later ones try again
+  /// The key's value, by `make()` if it is missing.
+  /// \throws the errors of make(): waiting callers get them too, and later ones try again
   template <class Make>
   Value get(const Key& key, const Make& make) {
     std::promise<Value> promise;

@@ -9,7 +9,7 @@ namespace enfilade::service::detail {
 
 enum class Reason : std::uint8_t {
   kInvalidInput,      ///< a value that is not allowed
-  kForbidden,         ///< this client may not: it needs somebody's approval, or a place
+  kForbidden,         ///< not allowed for this client: approval or a free place is missing
   kConsentRequired,   ///< the worker has not agreed to the consent text yet
   kCollectionClosed,  ///< the collection takes no new workers
   kNotFound,          ///< it does not exist, or this client may not see it

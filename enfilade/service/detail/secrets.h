@@ -12,7 +12,7 @@ std::string new_secret(std::string_view prefix);
 /// however fast the hash is; passwords would need a slow hash.
 std::string sha256(std::string_view text);
 
-/// HMAC-SHA-256 in hexadecimal digits: a hash that only those who have the key can compute, for
+/// HMAC-SHA-256 in hexadecimal digits. Only holders of the key can compute this hash, so it suits
 /// values that are few enough to be tried one by one.
 std::string keyed_hash(std::string_view key, std::string_view text);
 

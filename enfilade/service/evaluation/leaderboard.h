@@ -1,7 +1,6 @@
-/// \file  Scores as clients see them. Only means over a whole split leave the server: the
-/// navigation error of one episode would tell where its goal is. Where goals are secret, what is
-/// shown of the means is bounded by leakage.h, and nothing else may depend on goals: not the order
-/// of rows, not the time of an answer's change.
+/// \file  Scores for clients. Only means over a whole split leave the server: the navigation error
+/// of one episode would give its goal away. With secret goals, leakage.h bounds the shown means.
+/// Nothing else may depend on goals: not the order of rows, not the time of a response's change.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -16,7 +15,7 @@ namespace enfilade::service::evaluation {
 /// How much of a phase's scores a client may see.
 enum class Visibility : std::uint8_t {
   kNothing,       ///< not even that a submission is scored: how long that took depends on goals
-  kImprovements,  ///< what a ladder showed
+  kImprovements,  ///< scores shown on a ladder
   kBestRows,      ///< each team's best submission, its means rounded, without intervals
   kAll,
 };
@@ -28,19 +27,20 @@ struct View {
   /// organisers.
   const Phase* phase = nullptr;
 };
-/// \param role of who asks; none for strangers  \param is_final Submissions::is_final()
+/// \param role of the client; no value for strangers  \param is_final Submissions::is_final()
 View view_of(const Phase* phase, std::optional<accounts::Role> role, bool is_final);
 
-/// Which submission of each team stands for it, in the order of the leaderboard: the best by the
+/// The submission that represents each team, in the order of the leaderboard. It is the best by the
 /// primary metric, or with a ladder the last improvement; the first of several. Rows are sorted by
-/// what is shown, older ones first where equal. Where goals are secret, of approved teams only.
-/// \param scored of one phase, oldest first  \pre visibility is not kNothing
+/// the shown values, older ones first if equal. With secret goals, only approved teams.
+/// \param scored of one phase, oldest first
+/// \pre visibility is not kNothing
 std::vector<Submission> best_submissions(const std::vector<Submission>& scored, const View& view);
 
-/// With "means" as far as the client may see them, shares from 0 to 1 whatever the scorer prints;
-/// else "withheld" says why it has none: "until-end", "no-improvement", "not-best", "hidden", or
+/// With "means" as far as the client may see them, shares from 0 to 1 in any scorer's units.
+/// Otherwise "withheld" gives the reason: "until-end", "no-improvement", "not-best", "hidden", or
 /// "other-scorer" if the phase had another task or scorer when it was scored.
-/// \param stands_for_team whether it is among best_submissions(); looked at for kBestRows
+/// \param stands_for_team whether it is among best_submissions(); used for kBestRows
 nlohmann::ordered_json submission_json(const Submission& submission, const View& view,
                                        bool stands_for_team);
 

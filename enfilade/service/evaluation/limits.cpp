@@ -54,7 +54,7 @@ void check_refused(store::Database& db, const Phase& phase, const Sender& sender
                  kRefusedPerAddressDay, phase, "files with faults from an address in 24 hours");
 }
 
-// The bound on what a phase gives away holds for so many teams.
+// The bound on a phase's leakage holds for Phase::teams teams.
 void check_place(store::Database& db, const Phase& phase, std::int64_t team) {
   if (!phase.goals_secret()) return;
   const std::int64_t others =

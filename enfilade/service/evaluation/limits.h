@@ -13,20 +13,20 @@ class Database;
 
 namespace enfilade::service::evaluation {
 
-/// Files with faults that a team may send to a phase in 24 hours. They tell nothing of goals, so
-/// they are no submissions; but a check takes time and memory.
+/// Files with faults that a team may send to a phase in 24 hours. They give away nothing of goals,
+/// so they are not submissions; but a check takes time and memory.
 inline constexpr int kRefusedPerDay = 20;
 /// Likewise by all teams of an address.
 inline constexpr int kRefusedPerAddressDay = 100;
 
-/// Who sends a file.
+/// The sender of a file.
 struct Sender {
   std::int64_t team = 0;
   std::string address;  ///< as stored: see stored_address()
 };
 
-/// What is stored of a client's address: a hash with a key of this database, so that addresses of
-/// two databases cannot be compared, nor read without the file. One for a whole /64 of IPv6.
+/// The stored form of a client's address: a hash with a key of this database. So addresses of two
+/// databases cannot be compared, nor read without the file. One for a whole /64 of IPv6.
 std::string stored_address(store::Database& db, std::string_view address);
 
 /// \throws Refusal kRateLimited naming the limit that another submission would exceed; kForbidden

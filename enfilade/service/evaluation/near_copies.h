@@ -1,6 +1,6 @@
-/// \file  Submissions that equal an earlier one in all but a few episodes. Changing a little at a
-/// time is how goals are read from scores; so organisers are told. Teams are not, and nothing is
-/// refused: who tunes a method may submit such files too.
+/// \file  Submissions that equal an earlier one in all but a few episodes. Goals can be read from
+/// scores by small changes, so organisers are notified. Teams are not, and nothing is refused:
+/// tuning a method may give such files too.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,12 +19,12 @@ class Database;
 
 namespace enfilade::service::evaluation {
 
-/// Where each trajectory ends, and what it says of the goal (an object, a turning point, a point in
-/// the panorama), as a hash of 4 bytes an episode in their order: success, navigation error and
-/// grounding depend on nothing else of it, and detours, turns and another order of the file change
-/// nothing. The bytes of two files on the same graphs can be compared.
+/// The end and the answer (an object, a turning point, a point in the panorama) of each trajectory,
+/// as hashes of 4 bytes, in order. Success, navigation error and grounding depend on nothing else
+/// of it. Detours, turns and another order of the file change nothing. The bytes of two files on
+/// the same graphs can be compared.
 std::string trajectory_ends(const std::vector<tasks::Trajectory>& trajectories);
-/// The same of walks in continuous space: to a quarter of a metre, a step's length, and whether the
+/// The same for continuous trajectories: to a quarter of a metre, a step's length, and whether the
 /// agent stopped there.
 std::string trajectory_ends(const std::vector<tasks::ContinuousResult>& walks);
 
@@ -42,8 +42,9 @@ struct NearCopy {
   auto columns() { return std::tie(of, differing); }
 };
 
-/// The nearest of the submissions before `id` in these phases, the first of several; none if all
-/// differ in more than most_differing() episodes. \param phases with the same episodes
+/// The nearest of the submissions before `id` in these phases, the first of several; no value if
+/// all differ in more than most_differing() episodes.
+/// \param phases with the same episodes
 std::optional<NearCopy> find_near_copy(store::Database& db, const std::vector<std::string>& phases,
                                        std::int64_t id, std::string_view ends);
 

@@ -8,7 +8,7 @@
 
 namespace enfilade::service::evaluation {
 
-/// What scoring a file gives.
+/// The result of scoring a file.
 struct Judgement {
   std::string score;   ///< as Submission::score
   double primary = 0;  ///< the mean of the phase's primary metric: shares from 0 to 1; may be NaN
@@ -16,9 +16,9 @@ struct Judgement {
 };
 
 /// Checks a whole file. \param episodes of the phase \returns its warnings
-/// \throws InvalidInput with its faults (up to 1000); of walks in continuous space also for steps
-/// that are longer than the benchmark's, and for more actions than it allows: the public scorers
-/// look at neither, and would take a jump to the goal for a walk
+/// \throws InvalidInput with its faults (up to 1000). For continuous trajectories also for steps
+/// that are longer, or more actions, than the benchmark allows. The public scorers check neither,
+/// and would accept a jump to the goal.
 std::vector<Diagnostic> check_results(const Phase& phase, const SecretEpisodes& episodes,
                                       const std::string& results);
 /// \throws as check_results()

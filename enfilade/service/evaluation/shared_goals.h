@@ -14,8 +14,9 @@ class SharedGoals {
     double goal_bits = 0;              ///< leakage.h
   };
 
-  /// Secret phases share their goals if they name one annotations file, however it is written, or
-  /// one split of benchmarks that share their paths. \pre site outlives *this
+  /// Secret phases share their goals if they name one annotations file, by any path, or one split
+  /// of benchmarks that share their paths.
+  /// \pre site outlives *this
   explicit SharedGoals(const Site& site);
 
   /// The group that a phase is in; of open goals it is the phase alone. \pre phase is one of the

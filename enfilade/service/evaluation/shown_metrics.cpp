@@ -33,7 +33,7 @@ double Grid::round(double value) const {
 Grid grid_of(const Phase& phase, const tasks::Measure& measure) {
   EN_CHECK(measure.tells_goals);
   if (measure.unit == tasks::Unit::kShare) return {phase.step, 1};
-  // Errors begin at 0; whoever goes the wrong way makes progress that is less.
+  // Errors begin at 0; a trajectory away from the goal has negative progress.
   const bool progress = measure.better == tasks::Better::kHigher;
   return {kMetresOfStep * phase.step, kMostMetres, progress ? -kMostMetres : 0};
 }

@@ -1,5 +1,5 @@
-/// \file  How coarsely a leaderboard's means are shown where goals are secret. What is shown
-/// (leaderboard.h) and what that gives away (leakage.h) are both computed from here.
+/// \file  Rounding of a leaderboard's means with secret goals. Both the shown values
+/// (leaderboard.h) and their leakage (leakage.h) are computed from it.
 #pragma once
 #include <cstdint>
 
@@ -16,12 +16,13 @@ struct Grid {
 
   /// How many values there are.
   std::int64_t levels() const;
-  /// The nearest one: an end for what is beyond it, or infinite; `least` for what is no number.
+  /// The nearest one: an end for values beyond it, or infinite; `least` for NaN.
   double round(double value) const;
 };
 
-/// What a mean over secret goals is rounded to: shares to the phase's step, metres to ten times as
-/// many metres, at most 30 (of progress also -30 at least). \pre measure.tells_goals
+/// The grid of a mean over secret goals. Shares are rounded to the phase's step, metres to ten
+/// times as many metres, at most 30 (progress also at least -30).
+/// \pre measure.tells_goals
 Grid grid_of(const Phase& phase, const tasks::Measure& measure);
 
 }  // namespace enfilade::service::evaluation

@@ -29,8 +29,8 @@ constexpr std::size_t kLongestMethod = 80;
 constexpr std::chrono::seconds kRetry{2};
 // What another server of the same database received, and did not score before it ended.
 constexpr std::chrono::seconds kLookAgain{10};
-// Of a stored results file, whose size was checked when it came: eight times what the server takes
-// by default. A damaged row cannot ask for more memory.
+// Limit of a stored results file, whose size was checked when it came: eight times the server's
+// default. A damaged row cannot request more memory.
 constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
 
 std::string submissions_where(std::string_view condition) {

@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, 4> names_of(SubmissionState /*enum*/) {
   return {"queued", "scored", "failed", "withdrawn"};
 }
 
-/// Where to read more about a method: addresses that begin with https://, or empty.
+/// Links about a method: addresses that begin with https://, or empty.
 struct Links {
   std::string paper, code;
 
@@ -45,8 +45,8 @@ struct Submission {
   /// tasks::to_record() of its ScoreTable; empty unless scored.
   std::string score;
   bool approved = false;        ///< its team is
-  std::optional<double> shown;  ///< what a ladder showed of it; none if it was no improvement
-  NearCopy near_copy;           ///< of an earlier submission; of 0: there is none
+  std::optional<double> shown;  ///< the score on the ladder; no value without an improvement
+  NearCopy near_copy;           ///< of an earlier submission; of 0: no near copy
   Links links;
 
   auto columns() {
@@ -55,7 +55,7 @@ struct Submission {
   }
 };
 
-/// Who sends a file, and for what.
+/// The sender of a file, its phase and method.
 struct Delivery {
   std::int64_t team = 0;
   std::string address;  ///< of the client
@@ -66,7 +66,7 @@ struct Delivery {
 
 /// How much is given away of the goals that a phase shares with others: see leakage.h.
 struct Leakage {
-  double most = 0;   ///< bits that the limits of all these phases allow, or that were used if more
+  double most = 0;   ///< bits that the limits of all these phases allow, or used bits if more
   double used = 0;   ///< bits so far
   double goals = 0;  ///< bits of the goals themselves
   std::vector<std::string> phases;  ///< names of the phases that share the goals
@@ -79,8 +79,8 @@ struct Receipt {
   bool known = false;  ///< the same file was submitted before: nothing was added
 };
 
-/// All functions may be called from any thread. What receive() acknowledged is on the disk; what is
-/// queued there is scored after a restart.
+/// All functions may be called from any thread. Acknowledged files are on the disk; queued
+/// ones are scored after a restart.
 class Submissions {
  public:
   using Report = std::function<void(std::string_view fault)>;
@@ -91,20 +91,25 @@ class Submissions {
   /// Must not throw; may be empty
   Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report = {});
 
-  /// Checks a whole results file and queues it. The same file of the same team for the same phase
-  /// and method is one submission, so that a client may repeat a request that got no answer; it is
-  /// not checked again, and the receipt has no warnings.
+  /// Checks a whole results file and queues it. A repeated file of the same team, phase and method
+  /// is one submission, so that a client may repeat a request without a response. It is not checked
+  /// again, and the receipt has no warnings.
   /// \throws InvalidInput with the faults of the file (up to 1000), which then counts as a refused
-  /// one; Refusal kNotFound for an unknown phase, kInvalidInput for a bad name or link of the
-  /// method, kForbidden if the goals are secret and the team is not approved, or the phase has its
-  /// teams; kConflict after the phase's end; kRateLimited past one of its limits
+  /// one
+  /// \throws Refusal
+  /// - kNotFound for an unknown phase
+  /// - kInvalidInput for a bad name or link of the method
+  /// - kForbidden if the goals are secret and the team is not approved, or the phase has its teams
+  /// - kConflict after the phase's end
+  /// - kRateLimited past one of its limits
   Receipt receive(const Delivery& delivery, const std::string& results);
-  /// A team's, or with team 0 everybody's, newest first: the first 500 whose id is below `before`.
+  /// A team's, or with team 0 all teams', newest first: the first 500 whose id is below `before`.
   std::vector<Submission> list(std::int64_t team, std::int64_t before) const;
   std::optional<Submission> find(std::int64_t id) const;
   /// Takes it off the leaderboard, for good; it still counts for the limits.
-  /// \throws Refusal kNotFound if it isn't the team's, kConflict if it was withdrawn before, or if
-  /// its goals are secret and the phase has ended: the team's next best would be shown instead
+  /// \throws Refusal kNotFound if it isn't the team's
+  /// \throws Refusal kConflict if it was withdrawn before, or if its goals are secret and the phase
+  /// has ended: the team's next best would be shown instead
   void withdraw(std::int64_t team, std::int64_t id);
   /// Scored submissions of a phase, oldest first.
   std::vector<Submission> scored(const Phase& phase) const;
@@ -112,10 +117,10 @@ class Submissions {
 
   /// Whether the phase takes no more submissions.
   bool has_ended(const Phase& phase) const;
-  /// Whether the last scores of a phase with secret goals may be shown: they are not hidden for
-  /// good, the phase has ended, and all its submissions are scored. The first
-  /// time that this is so is stored, and from then on the phase has ended whatever the clock and
-  /// the file of phases say: what is shown at the end must not help with another submission.
+  /// Whether the last scores of a phase with secret goals may be shown. They are not hidden for
+  /// good, the phase has ended, and all its submissions are scored. The first time that this is so
+  /// is stored. From then on the phase has ended for any clock and file of phases: the last scores
+  /// must not help with another submission.
   bool is_final(const Phase& phase) const;
   /// \pre the goals are secret
   Leakage leakage(const Phase& phase) const;

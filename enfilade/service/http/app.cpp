@@ -79,16 +79,16 @@ void App::check_host(const Request& request) const {
                                    host->name));
 }
 
-// A page of another site can make a browser send its cookie, or log it in as somebody else, but
-// can neither send X-Enfilade nor keep the browser from saying where the request comes from.
+// A page of another site can make a browser send its cookie, or log it in as another user. But it
+// can neither send X-Enfilade nor keep the browser from sending the request's origin.
 void App::check_origin(const Request& request) const {
   if (request.method == "GET") return;
   const std::string_view site = request.header("sec-fetch-site");  // other clients send none
   if (!site.empty() && site != "same-origin" && site != "none") {
     throw HttpError(403, "this page is of another site");
   }
-  // Browsers send Sec-Fetch-Site over TLS and to localhost only, Origin always. That is "null" of
-  // some requests of our own pages, as they tell nobody where they are from.
+  // Browsers send Sec-Fetch-Site over TLS and to localhost only, Origin always. That is "null" for
+  // some requests of our own pages, as they hide their origin.
   const std::string_view origin = request.header("origin");
   const auto host = detail::parse_host(request.header("host"));
   const bool own = (host && detail::is_same_site(origin, *host)) || own_names_.is_given(origin) ||

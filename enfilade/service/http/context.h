@@ -78,9 +78,9 @@ inline store::Health::Report health_log(const ServerConfig& config) {
   };
 }
 
-/// What the handlers of all routes work with. There is one for each App, which owns it: it lives
-/// until the last request is answered. Any thread may use it at any time: the members that change
-/// do their own locking, `site` and `config` never change.
+/// Shared state of the handlers of all routes. Each App owns one: it lives until the last request
+/// is answered. Any thread may use it at any time: the members that change do their own locking,
+/// `site` and `config` never change.
 /// \throws FileError (from its constructor) if the database can't be opened
 struct Context {
   std::shared_ptr<const Site> site;

@@ -14,12 +14,12 @@ void compress(const Request& request, Response& response);
 /// Makes it a 304 if the client's cached copy has the same ETag.
 void compare_with_cached(const Request& request, Response& response);
 
-/// Whether the visitor's side of the connection is encrypted: a trusted proxy says so.
+/// Whether the visitor's side of the connection is encrypted, as a trusted proxy reports.
 bool is_encrypted(const Request& request, const ServerConfig& config);
-/// The name of the session's cookie. A browser sends a host's cookies to all its ports: the port
-/// that the visitor uses is part of the name, or two servers would log each other's visitors out.
-/// On encrypted connections it begins with "__Host-", which keeps pages of the domain's other hosts
-/// from setting it.
+/// The name of the session's cookie. A browser sends a host's cookies to all its ports. So the
+/// visitor's port is part of the name, or two servers would log each other's visitors out. On
+/// encrypted connections it begins with "__Host-", so pages of the domain's other hosts cannot set
+/// it.
 std::string session_cookie(const Request& request, const ServerConfig& config);
 
 /// A Content-Security-Policy: scripts and styles from the server's own files only, pictures from it

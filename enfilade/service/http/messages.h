@@ -18,8 +18,8 @@ namespace enfilade::service::http {
 
 using Texts = std::map<std::string, std::string, std::less<>>;
 
-/// A request that is wrong as a message of HTTP: its form, its size, its sender. What a rule of the
-/// service refuses is a detail::Refusal.
+/// A request that is wrong as a message of HTTP: its form, its size, its sender. Refusals by rules
+/// of the service are detail::Refusal.
 class HttpError : public Error {
  public:
   HttpError(int status, const std::string& message) : Error(message), status_(status) {}
@@ -37,20 +37,20 @@ struct Request {
   std::string body;
   std::string address;                           ///< of the client
   Texts parameters;                              ///< of the route's pattern
-  std::optional<accounts::Principal> principal;  ///< who sends it, if they said so
+  std::optional<accounts::Principal> principal;  ///< the sender, if identified
 
   std::string_view header(std::string_view name) const;  ///< "" if absent
   /// \pre the route's pattern has {name}
   const std::string& parameter(std::string_view name) const;
-  /// As parameter(), a whole number. \throws HttpError 404 with `missing` if it is none
+  /// As parameter(), a whole number. \throws HttpError 404 with `missing` for any other text
   std::int64_t id(std::string_view name, const char* missing) const;
-  /// A whole number of the query. \throws HttpError 400 if it is none, or out of range
+  /// A whole number of the query. \throws HttpError 400 for any other text, or out of range
   std::int64_t number(std::string_view name, std::int64_t otherwise, std::int64_t least,
                       std::int64_t most) const;
   std::string text(std::string_view name) const;  ///< of the query; "" if absent
 
   bool is_from(accounts::Role role) const { return principal && principal->role == role; }
-  /// \throws HttpError 401 if the client did not say who it is
+  /// \throws HttpError 401 if the client is not identified
   const accounts::Principal& known_principal() const;
 };
 
@@ -64,8 +64,8 @@ struct Response {
   /// Shared: faces and the pages' files are the same for everybody.
   std::shared_ptr<const std::string> body = std::make_shared<const std::string>();
   std::vector<std::pair<std::string, std::string>> headers;
-  bool frameable = false;  ///< its own Content-Security-Policy says who may frame it
-  std::string problem;     ///< of errors: what is wrong, for people; it may quote the request
+  bool frameable = false;  ///< its own Content-Security-Policy lists the sites that may frame it
+  std::string problem;     ///< of errors: the fault, for people; it may quote the request
 
   std::optional<std::string_view> header(std::string_view name) const;
   void add_header(std::string name, std::string value);
@@ -84,14 +84,14 @@ Response error_response(int status, std::string_view message,
                         const std::vector<Diagnostic>& diagnostics = {});
 /// As above with a code of its own, which is not the status's.
 Response error_response(int status, std::string_view code, std::string_view message);
-/// Of an exception of a route: the one place where errors get their status. \param fault what went
-/// wrong in the server itself (status 500), for its log alone: it may name files of this machine
+/// The response to an exception of a route: the one place where errors get their status.
+/// \param fault fault of the server itself (status 500), for its log only: it may name local files
 Response error_response(const std::exception_ptr& thrown, std::string& fault);
 
-/// The body as a JSON object. \throws HttpError 400 if it is none, or beyond detail::kFormLimits
+/// The body as a JSON object. \throws HttpError 400 if it is not one, or beyond detail::kFormLimits
 nlohmann::ordered_json parse_object(const std::string& body);
 enum class Presence : std::uint8_t { kRequired, kOptional };
-/// A text of an object. \throws HttpError 400 if it is none, or is required and absent
+/// A text of an object. \throws HttpError 400 if it is not a text, or is required and absent
 std::string text_field(const nlohmann::ordered_json& object, const char* name,
                        Presence presence = Presence::kRequired);
 

@@ -35,7 +35,7 @@ class Metrics {
   std::atomic<int> in_flight_{0};
 };
 
-/// Resident bytes of this process; 0 where the system doesn't say.
+/// Resident bytes of this process; 0 if the system doesn't report them.
 std::uint64_t resident_bytes();
 
 }  // namespace enfilade::service::http

@@ -22,7 +22,7 @@ void allow_platform(Context& context, const Request& request, Response& response
   response.frameable = true;
 }
 
-// Of a file of the pages, unpacked: they are our own, and none has a megabyte.
+// Limit of a file of the pages, unpacked: they are our own, and none has a megabyte.
 constexpr std::size_t kMostBytes = 16U << 20U;
 
 /// Null if there is none.

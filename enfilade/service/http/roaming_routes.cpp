@@ -1,4 +1,4 @@
-// Walking freely: the mesh and the floor of a building, continuous episodes.
+// Continuous navigation: the mesh and the floor of a building, continuous episodes.
 #include <fmt/format.h>
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace {
 
 using browsing::Roaming;
 
-// Of a mesh, unpacked: Matterport3D's largest has 200 MB.
+// Limit of a mesh, unpacked: Matterport3D's largest has 200 MB.
 constexpr std::size_t kMostBytes = std::size_t{1} << 30U;
 constexpr std::int64_t kMostEpisodes = 500;
 

@@ -14,7 +14,7 @@ namespace enfilade::service::http {
 
 struct Context;
 
-/// Who may call a route.
+/// Clients that may call a route.
 enum class Access : std::uint8_t {
   kPublic,
   kTeam,       ///< needs a team's token
@@ -43,7 +43,7 @@ class Router {
   struct Match {
     const Route* route = nullptr;  ///< null: none
     Texts parameters;
-    std::vector<std::string> methods;  ///< if there is none: those that the path has routes for
+    std::vector<std::string> methods;  ///< without a route: those that the path has routes for
   };
   Match find(std::string_view method, std::string_view path) const;
 

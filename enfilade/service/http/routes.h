@@ -1,5 +1,5 @@
-/// \file  The routes of the API, a function for each group. What handlers throw (HttpError,
-/// detail::Refusal, InvalidInput) becomes a response: see error_response().
+/// \file  The routes of the API, one function per group. Exceptions of handlers (HttpError,
+/// detail::Refusal, InvalidInput) become responses: see error_response().
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -12,9 +12,9 @@ namespace enfilade::service::http {
 
 /// Scans (graphs, faces, plans), splits and episodes.
 void add_browsing_routes(Router& router);
-/// Walking freely: meshes and floors of buildings, continuous episodes.
+/// Continuous navigation: meshes and floors of buildings, continuous episodes.
 void add_roaming_routes(Router& router, const std::shared_ptr<const Site>& site);
-/// Sessions of the arena: episodes walked call by call.
+/// Sessions of the arena: episodes stepped call by call.
 void add_playing_routes(Router& router, const std::shared_ptr<const Site>& site,
                         store::Database& db);
 /// Runs of the arena, shown step by step. \param runs their folder; empty: none
@@ -36,19 +36,19 @@ void add_operation_routes(Router& router);
 
 /// A built page or asset of the web client. \throws HttpError 404
 Response page(Context& context, const Request& request);
-bool is_page(std::string_view path);  ///< whether page() has something there
-/// Gives an error the form that people read, a page, if a browser asked for one. Scripts and the
+bool is_page(std::string_view path);  ///< whether page() has that page
+/// Gives an error the form of a page, for people, if a browser sent the request. Scripts and the
 /// API's clients get JSON.
 void show_to_people(const Request& request, Response& error);
 
 /// The collection that {collection} of the path names.
-/// \throws Refusal kNotFound if there is none
+/// \throws Refusal kNotFound for an unknown collection
 collecting::Collection collection_of(Context& context, const Request& request);
-/// The number that {task} of the path is. \throws HttpError 404 if it is no number
+/// The number that {task} of the path is. \throws HttpError 404 if it is not a number
 std::int64_t task_of(const Request& request);
 
-/// A submitted task with its history and, of a walk, its steps.
-/// \pre a reviewer or an organiser asks
+/// A submitted task with its history and any steps.
+/// \pre the client is a reviewer or an organiser
 /// \throws Refusal kNotFound if no submitted task has this number
 Response work_response(Context& context, const Request& request, std::int64_t task);
 

@@ -210,8 +210,8 @@ Response submit(Context& context, const Request& request) {
   const Task task = collecting::own_task(context.db, visit, task_of(request));
   collecting::submit(context.db, visit, task.id, read_work(context, request, task));
   ordered_json out = visit_of(context, visit.id);
-  // Of other tasks nothing is told: neither whether the goal was reached, nor how far it was. The
-  // same path may come again with other words.
+  // Other tasks give no feedback: neither whether the goal was reached, nor the distance. The same
+  // path may come again with other words.
   if (task.item.practice) {
     out["practised"] = collecting::practice_json(collecting::own_task(context.db, visit, task.id));
   }

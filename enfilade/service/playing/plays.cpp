@@ -204,7 +204,7 @@ Ticket Plays::begin(const NewPlay& wanted) {
   });
   const std::scoped_lock lock(mutex_);
   if (live_.size() >= kMostLive || forgotten > 0) {
-    // Those that nobody is using; what is still in the database is walked again when somebody asks.
+    // Unused ones; those in the database are replayed at their next request.
     std::erase_if(live_, [](const auto& one) { return one.second.use_count() == 1; });
   }
   live_.emplace(live->id, std::move(live));
@@ -295,7 +295,7 @@ ordered_json Plays::call(const Ticket& ticket, const NewCall& wanted) {
     } else {
       call.fault = wanted.reading.fault;
     }
-    // First what is kept, then what follows from it: whoever is killed in between walks it again.
+    // First the stored call, then its consequences: after a crash in between it is replayed.
     db_.transact([&] {
       if (db_.run("UPDATE play SET touched = ? WHERE id = ?", db_.now(), live.id) == 0) {
         throw Refusal(Reason::kNotFound, "the session has expired: no call for too long");

@@ -1,4 +1,4 @@
-/// \file  Episodes walked over requests: the sessions of the arena, kept in the database.
+/// \file  Episodes stepped over requests: the sessions of the arena, stored in the database.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -22,7 +22,7 @@ class Database;
 
 namespace enfilade::service::playing {
 
-/// What somebody wants to walk.
+/// The requested episode.
 struct NewPlay {
   std::string task = "r2r";  ///< a benchmark's name, also of continuous space: "r2r-ce"
   std::string split;
@@ -30,7 +30,7 @@ struct NewPlay {
   std::optional<std::uint32_t> steps = {}, mistakes = {};  ///< none: arena::usual_limits()
 };
 
-/// Who walks: the number in addresses, and the secret that only who has begun it knows.
+/// A session's number in addresses, and the secret of the client that began it.
 struct Ticket {
   std::int64_t id = 0;
   std::string key;
@@ -39,18 +39,17 @@ struct Ticket {
 /// One call, as it came.
 struct NewCall {
   arena::Reading reading;
-  /// How many calls the caller has had answers to; another number than the play's is refused, so
-  /// that a call which is sent again after a broken connection is not carried out twice. None: not
-  /// checked.
+  /// Number of calls that the client has had responses to; no value: not checked. Another number
+  /// than the session's is refused. So a call that is sent again after a broken connection is not
+  /// performed twice.
   std::optional<std::int64_t> after = {};
 };
 
-/// All plays of a server. The database has what was called; a play that is not in memory is walked
-/// again from its calls, which gives the same observations, to the bit. So a server that is killed
-/// loses nothing. All functions may be called from any thread; of one play they wait for each
-/// other.
+/// All sessions of a server. The database has their calls. A session that is not in memory is
+/// replayed from its calls, which gives the same observations, to the bit. So a killed server loses
+/// nothing. All functions may be called from any thread; those of one session wait for each other.
 ///
-/// Nothing that a split hides is ever told: a session knows no goal.
+/// No function gives away anything that a split hides: a session has no goal.
 class Plays {
  public:
   static constexpr std::int64_t kKeptSeconds = 30L * 24 * 3600;  ///< after the last call
@@ -61,22 +60,23 @@ class Plays {
   Plays(const Plays&) = delete;
   Plays& operator=(const Plays&) = delete;
 
-  /// Begins a play, and forgets those that nobody has called for kKeptSeconds.
-  /// \throws Refusal kNotFound for a split or an episode that there is not, kInvalidInput for
-  /// limits out of range and tasks that cannot be played
+  /// Begins a session, and drops those without a call for kKeptSeconds.
+  /// \throws Refusal kNotFound for an unknown split or episode, kInvalidInput for limits out of
+  /// range and tasks without sessions
   Ticket begin(const NewPlay& wanted);
   /// {"session", "task", "split", "episode", "calls", "mistakes", "ending", "observation"};
-  /// `ending` is null while it goes on. \throws Refusal kNotFound for a play that there is not, or
-  /// another's
+  /// `ending` is null while it goes on.
+  /// \throws Refusal kNotFound for an unknown session, or another client's
   nlohmann::ordered_json state(const Ticket& ticket);
   /// Carries out a call; adds "carried_out" to state(). \throws Refusal as state(), kConflict if it
   /// is over or NewCall::after is another number
   nlohmann::ordered_json call(const Ticket& ticket, const NewCall& wanted);
-  /// Picture `number` from 0, JPEG. \throws Refusal as state(), kNotFound for a number that there
-  /// is not, or in continuous space; ArgumentError for another size; as arena::Painter
+  /// Picture `number` from 0, JPEG.
+  /// \throws Refusal as state(); kNotFound for an unknown number, or in continuous environments
+  /// \throws ArgumentError for another size; as arena::Painter
   std::string picture(const Ticket& ticket, arena::Pictures kind, std::size_t number,
                       std::uint32_t size);
-  /// What was walked, in the benchmark's form of results: a list of one.
+  /// The trajectory, in the benchmark's form of results: a list of one.
   /// \throws Refusal as state(), kConflict while it goes on
   std::string result(const Ticket& ticket);
 

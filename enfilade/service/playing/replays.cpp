@@ -37,7 +37,7 @@ constexpr std::size_t kLongestName = 200;                  // characters
 constexpr std::uintmax_t kMostRunBytes = 1ULL << 20ULL;    // of run.json
 constexpr std::uintmax_t kMostEndBytes = 256ULL << 10ULL;  // of a transcript's last line
 constexpr std::string_view kSuffix = ".jsonl";
-/// Of all that is read: runs may come from anybody, and what is deep is copied by recursion.
+/// Limits of all files: runs may come from any source, and deep values are copied by recursion.
 constexpr json::Limits kLimits{1'000'000, detail::kMostLevels};
 
 /// Discarded if it is no JSON, or beyond the limits.
@@ -135,7 +135,7 @@ ordered_json last_line(const fs::path& file) {
 constexpr std::array kEndParts{"ending", "steps", "mistakes"};
 
 struct Step {
-  ordered_json shown;  // what is told of the line
+  ordered_json shown;  // the served part of the line
   std::optional<arena::Call> call;
 };
 
@@ -339,7 +339,7 @@ class SecondWalk {
     const tasks::Annotations& all = found.split->annotations;
     const tasks::ObjectBoxes* objects =
         all.task == tasks::Task::kReverie ? site->objects() : nullptr;
-    // Of the whole split the one path: nothing else is needed to walk it.
+    // Only one path of the split: the replay needs no other.
     const tasks::Annotations one{all.split, all.file, {*found.path}, all.task};
     auto episodes = std::make_shared<tasks::EpisodeSet>(
         tasks::make_episodes(one, site->shared_graphs(), tasks::Instructions::kAll, objects));

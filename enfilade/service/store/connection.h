@@ -1,4 +1,4 @@
-/// \file  What a database does for Database: SQLite's and PostgreSQL's side of it look the same.
+/// \file  Interface of a database: the same for SQLite and PostgreSQL.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -47,7 +47,7 @@ struct Parameter {
 class Rows {
  public:
   virtual ~Rows() = default;
-  virtual bool next() = 0;  ///< goes to the next row (at first: to the first); false: there is none
+  virtual bool next() = 0;  ///< goes to the next row (at first: to the first); false at the end
   virtual int columns() const = 0;
   virtual bool is_null(int column) const = 0;
   virtual std::int64_t integer(int column) const = 0;  ///< of a truth value 0 or 1
@@ -61,8 +61,9 @@ class Connection {
  public:
   virtual ~Connection() = default;
 
-  /// Begins a transaction, when every other one that changes something has ended: reads in it see
-  /// what is there until its end. \pre in no transaction
+  /// Begins a transaction, after the end of every other one that changes something. Reads in it see
+  /// the same state until its end.
+  /// \pre in no transaction
   virtual void begin() = 0;
   /// All changes of the transaction are on the disk when this returns. \pre in a transaction
   virtual void commit() = 0;
@@ -73,7 +74,7 @@ class Connection {
   virtual std::unique_ptr<Rows> select(const std::string& sql,
                                        std::span<const Parameter> values) = 0;
 
-  /// Of the schema (schema.h); 0: there are no tables yet.
+  /// Version of the schema (schema.h); 0: there are no tables yet.
   virtual int version() = 0;
   /// Runs a migration, and sets the version. \pre in a transaction
   virtual void migrate(const char* script, int version) = 0;
@@ -83,9 +84,9 @@ class Connection {
   virtual bool is_in_place() const = 0;
   /// Reads a row of every table, not from this process's memory. \throws FileError too
   virtual void check_readable() = 0;
-  /// Writes a few bytes that say nothing new, to the disk. \pre in a transaction
+  /// Writes a few unimportant bytes to the disk. \pre in a transaction
   virtual void check_writable() = 0;
-  /// On the database's disk, for this process; none if nobody here knows.
+  /// Free bytes on the database's disk, for this process; no value if unknown.
   virtual std::optional<std::uint64_t> free_bytes() const = 0;
 };
 

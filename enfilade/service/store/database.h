@@ -19,21 +19,21 @@
 
 namespace enfilade::service::store {
 
-/// One connection, used by one thread at a time: changes wait for each other anyway, and reads here
-/// are of a few rows. All functions may be called from any thread, and wait for the thread that
-/// holds the connection. What they return are copies, which stay valid.
+/// One connection, used by one thread at a time: changes wait for each other anyway, and reads are
+/// of a few rows. All functions may be called from any thread, and wait for the thread that holds
+/// the connection. They return copies, which stay valid.
 ///
-/// SQL is what SQLite and PostgreSQL understand in the same way. All functions that run a statement
-/// \throw DatabaseError if it fails; Error for a stored name of an enumeration that this program
-/// does not know. If a server of PostgreSQL was lost, the next statement connects again.
+/// SQL is in the common part of SQLite and PostgreSQL. All functions that run a statement throw
+/// DatabaseError if it fails. They throw Error for a stored name of an enumeration that this
+/// program does not have. If a server of PostgreSQL was lost, the next statement connects again.
 class Database {
  public:
   /// Opens a place (connection.h), creates the file if it is missing, and brings the schema up to
-  /// date, each migration in a transaction of its own; of several programs at once one does it.
+  /// date. Each migration has a transaction of its own; of several programs at once one does it.
   /// \param clock returns seconds since 1970, and may be called from any thread; empty: the
   /// system's clock
-  /// \throws FileError if it can't be opened or written, was made by a newer Enfilade, or is a file
-  /// that others may read and that can't be closed to them
+  /// \throws FileError if it can't be opened or written, was made by a newer Enfilade, or is
+  /// readable by others and that can't be changed
   explicit Database(const std::string& place, std::function<std::int64_t()> clock = {});
 
   /// Seconds since 1970, by the clock of the constructor.
@@ -82,9 +82,9 @@ class Database {
     return find<std::int64_t>(sql, values...).value_or(0);
   }
 
-  /// Calls change() in a transaction, and returns what it returns. All statements that it runs are
-  /// on the disk when this returns; if it throws, the database stays as it was, and the exception
-  /// is passed on. Other threads wait meanwhile, and so do changes of other programs.
+  /// Calls change() in a transaction, and returns its result. All statements that it runs are on
+  /// the disk when this returns. If it throws, the database does not change, and the exception is
+  /// passed on. Other threads wait meanwhile, and so do changes of other programs.
   /// \pre not within another transaction
   template <class Change>
   auto transact(Change&& change) {
@@ -104,7 +104,7 @@ class Database {
   /// \pre *this outlives the lock
   std::unique_lock<std::recursive_mutex> hold() { return std::unique_lock(mutex_); }
 
-  /// For statements whose columns are known at run time alone. \pre within transact()
+  /// For statements whose columns are known only at run time. \pre within transact()
   Connection& connection() noexcept { return *connection_; }
 
   /// The place, as logs and messages may have it.

@@ -14,7 +14,7 @@
 
 namespace enfilade::service::store {
 
-/// What keeps a server from its work, in words that monitors may match.
+/// Causes that keep a server from its work, in words that monitors may match.
 enum class Trouble : std::uint8_t {
   kDiskFull,             ///< less room than stated is left, or the database found none
   kDatabaseReplaced,     ///< the file was moved, removed or replaced while it was open
@@ -27,10 +27,10 @@ constexpr std::array<std::string_view, 5> names_of(Trouble /*enum*/) {
           "database-unreachable"};
 }
 
-/// The trouble that an exception of a Database's functions tells; none if it is of the statement.
+/// The trouble behind an exception of a Database's functions; no value if the statement caused it.
 std::optional<Trouble> trouble_of(const std::exception& error) noexcept;
 
-/// Looks after a database: reads from it, writes to it, and asks how much room its disk has. All
+/// Checks a database: reads from it, writes to it, and measures the free room of its disk. All
 /// functions may be called from any thread.
 class Health {
  public:
@@ -42,8 +42,8 @@ class Health {
   /// \pre `db` outlives *this
   Health(Database& db, std::uint64_t least_free_bytes, Report report = {});
 
-  /// What is wrong, if anything is. Looks at most once a second, which takes a few milliseconds
-  /// (one `fsync`), and else tells what it saw.
+  /// The trouble, if there is any. Checks at most once a second, which takes a few milliseconds
+  /// (one `fsync`), and otherwise returns the last result.
   std::optional<Trouble> trouble();
 
  private:

@@ -23,7 +23,7 @@ constexpr Oid kBoolean = 16, kBytes = 17, kInteger = 20, kText = 25, kReal = 701
 /// In the order of Parameter::Type.
 constexpr std::array<Oid, 4> kTypes{kInteger, kReal, kText, kBytes};
 
-// "ENFI": the lock that whoever changes something holds until the end of the transaction.
+// "ENFI": the lock that a writer holds until the end of the transaction.
 constexpr int kLock = 0x454e4649;
 
 constexpr const char* kLost = "the connection to the server was lost";
@@ -169,8 +169,8 @@ class PostgresConnection final : public Connection {
 
   void begin() override {
     ensure_connected();
-    // By READ COMMITTED a statement sees what was there when it began; what one of them saw stays,
-    // as nobody else changes anything before the lock is free.
+    // By READ COMMITTED a statement sees the state at its beginning. It stays so, as no other
+    // client changes anything before the lock is free.
     try {
       exec(fmt::format("BEGIN ISOLATION LEVEL READ COMMITTED; SELECT pg_advisory_xact_lock({})",
                        kLock));

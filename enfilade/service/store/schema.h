@@ -168,8 +168,8 @@ ALTER TABLE token_2 RENAME TO token;
 ALTER TABLE session_2 RENAME TO session;
 CREATE INDEX token_worker ON token (expires) WHERE role = 'worker';
 )sql",
-    // 3: secret goals. Teams that were there before are not approved: whoever made them may have
-    // made thirty. Collections: the order of tasks, questions, times by the server's clock.
+    // 3: secret goals. Teams that were there before are not approved: one person may have made
+    // thirty. Collections: the order of tasks, questions, times by the server's clock.
     R"sql(
 ALTER TABLE team ADD COLUMN approved INTEGER;  -- when; NULL: it is not
 ALTER TABLE submission ADD COLUMN shown REAL;  -- primary metric that a ladder showed

@@ -20,7 +20,7 @@ struct Blob {
   std::string_view bytes;
 };
 
-/// How a list is stored: an entry a line. \pre no entry is empty or has a line break
+/// How a list is stored: one entry per line. \pre no entry is empty or has a line break
 std::string join_lines(const std::vector<std::string>& lines);
 std::vector<std::string> split_lines(std::string_view text);
 

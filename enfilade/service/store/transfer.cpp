@@ -179,7 +179,7 @@ class Transfer {
 std::int64_t transfer(const std::string& file, const std::string& url, const Progress& progress) {
   Database from(file), to(url);
   try {
-    return from.transact([&] {  // so that nobody else changes it
+    return from.transact([&] {  // so that no other client changes it
       return to.transact([&] {
         return Transfer(from.connection(), to.connection(), progress).run(to.shown_place());
       });

@@ -48,7 +48,7 @@ class NavigableViews {
   std::vector<float> rel_heading_;
   std::vector<float> distance_;
   std::vector<double> rel_elevation_;
-  std::vector<double> order_;  // what the list is sorted by
+  std::vector<double> order_;  // sort key of the list
   std::vector<std::uint32_t> target_;
   std::vector<std::uint32_t> rank_;
   std::vector<std::uint32_t> ends_;

@@ -46,7 +46,7 @@ using Fields = std::array<json::Field, kFields>;
 using Found = std::array<std::optional<Element>, kFields>;
 
 Fields fields_of(Task task) {
-  // Of these, other fields may stand in for both.
+  // Other fields may replace both of these.
   const bool own_id = task == Task::kCvdn || task == Task::kRxr;
   return {{{"instr_id", !own_id},
            {"trajectory", task != Task::kRxr},
@@ -251,7 +251,7 @@ class Reader {
   }
 
  private:
-  // False if it stopped before the end: a file with so many faults is not what it was taken for.
+  // False if it stopped before the end: a file with that many faults is of another kind.
   bool read_entries(json::Entries& entries) {
     const Path root;
     while (entries.next()) {
@@ -442,8 +442,8 @@ class Reader {
     return json::number(list->at(0).value_unsafe(), Path(path, std::size_t{0}), faults_);
   }
 
-  // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and
-  // nobody scores.
+  // "7_3" where "7_2" is scored: a fourth instruction, which data sets have for some paths and no
+  // scorer uses.
   bool is_unscored(std::string_view id) const {
     if (benchmark(episodes_.task).scored_instructions == 0 || by_id_.contains(id)) return false;
     const std::string fourth = fmt::format("_{}", kScoredInstructions);

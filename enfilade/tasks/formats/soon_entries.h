@@ -21,7 +21,7 @@ std::optional<std::string_view> soon_start(json::Element answer);
 /// Episodes by entry, instruction and start. The episodes have to outlive it.
 class SoonEntries {
  public:
-  /// Of SOON's episodes that come from the released form; empty for all others.
+  /// From SOON's episodes in the released form; empty for all others.
   explicit SoonEntries(const EpisodeSet& episodes);
 
   std::size_t size() const noexcept { return entries_.size(); }  ///< named entries

@@ -22,8 +22,8 @@ using json::Faults;
 using json::Path;
 using namespace formats::vln_ce;
 
-// Of a vocabulary and of fields that the model does not have: ten times XLM-R's 250,000 words, four
-// times over.
+// Limit of a vocabulary and of fields that the model does not have: ten times XLM-R's 250,000
+// words, four times over.
 constexpr std::size_t kMostMemberBytes = std::size_t{1} << 28U;
 constexpr std::int64_t kMostCount = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kLastAction = 5;  // look down

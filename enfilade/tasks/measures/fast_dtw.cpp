@@ -114,7 +114,7 @@ Points halved(std::span<const Point3> points) {
   return half;
 }
 
-// Of twice as many rows and columns, what is within one cell of a coarse alignment.
+// The window within one cell of a coarse alignment, for twice as many rows and columns.
 Window refined(const Alignment& path, std::size_t rows, std::size_t columns, FastDtw form) {
   std::vector<Bounds> coarse(path.back().first + 2, {columns, 0});  // one row beyond
   for (const auto& [i, j] : path) {

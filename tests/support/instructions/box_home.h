@@ -20,9 +20,9 @@ struct BoxThing {
 /// Walls with holes for doors and arches, floors, flights as ramps of steps, and the boxes.
 Home box_home(const Plan& plan, const std::vector<BoxThing>& things);
 
-/// Two storeys: below a hallway along x (0) with a kitchen (1) and a living room (2) to its north,
-/// joined by an arch, a bedroom (3) and an office (4) to its south, and stairs (5) to its east;
-/// above the stairs (6), a landing (7) and a bathroom (8).
+/// Two storeys. Below: a hallway along x (0); to its north, joined by an arch, a kitchen (1) and a
+/// living room (2). To its south a bedroom (3) and an office (4), to its east stairs (5). Above:
+/// the stairs (6), a landing (7) and a bathroom (8).
 Plan small_plan();
 Home small_home();
 /// Viewpoints of small_home(), in rooms and doorways, at 1.5 m; edges where the way is free.

@@ -16,7 +16,7 @@ namespace {
 constexpr double kLeastSharp = 90, kLeastTurn = 40, kMostTurn = 150, kLeastSlight = 8,
                  kMostSlight = 75;
 constexpr double kLeastAround = 115, kMostStraight = 50, kMustBeSaid = 75;
-// Metres: nobody is on the stairs who is no step off a floor, nor at their end two steps off.
+// Metres: anyone on the stairs is at least one step off a floor; at their end, at most two.
 constexpr double kThere = 0.2, kAboutThere = 0.45;
 constexpr double kOrder = 0.06;  // legs: things that lie side by side come in either order
 

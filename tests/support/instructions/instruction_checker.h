@@ -13,15 +13,15 @@
 
 namespace enfilade::homes::instructions::testing {
 
-/// Reads the text clause by clause and follows the path by it: turns and their order, sides of
-/// things, what is in view (by rays of its own to the things' boxes), rooms, doors and stairs in
-/// the order met, where it ends. Looks nothing up in Sights.
+/// Reads the text clause by clause and follows the path by it. Checks turns, sides of objects,
+/// rooms, doors and stairs in the order met, and the end. Objects must be in view, by rays of its
+/// own to their boxes. Does not use Sights.
 class InstructionChecker {
  public:
   InstructionChecker(const Home& home, const mesh::RayTracer& tracer, const graph::NavGraph& graph)
       : home_(home), tracer_(tracer), graph_(graph), surfaces_(home.mesh) {}
 
-  /// What is wrong; empty if all of it is true.
+  /// The faults; empty if all of it is true.
   std::vector<std::string> check(const std::string& text, std::span<const ViewpointIndex> path,
                                  double heading) const;
 

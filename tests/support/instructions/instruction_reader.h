@@ -12,7 +12,7 @@ namespace enfilade::homes::instructions::testing {
 
 enum class Side : std::uint8_t { kNone, kLeft, kRight };
 
-/// "the green sofa": things of the home that fit, by noun and adjectives.
+/// "the green sofa": objects of the home that fit, by noun and adjectives.
 struct ThingNamed {
   std::string words;
   std::vector<std::size_t> fits;
@@ -35,8 +35,8 @@ struct Claim {
     kBetween,
     kAhead,
     kBehind,
-    kBeside,  // where a thing is from where one stands
-    kNear,    // at the end: a thing
+    kBeside,  // an object's place relative to the present position
+    kNear,    // at the end: an object
     kInDoorway,
     kByDoor,
     kMiddle,
@@ -66,7 +66,7 @@ struct Reading {
 
 Reading read_instruction(const Home& home, const std::string& text);
 
-/// A thing or a room that a text names.
+/// An object or a room that a text names.
 struct Named {
   std::string before;           // the word, or the phrase, before it
   ThingNamed thing;             // without words: it is a room

@@ -12,14 +12,14 @@ using Words = std::vector<std::string>;
 std::string lower(std::string text);
 /// Lower-case words and punctuation.
 Words split_words(const std::string& text);
-/// What else a home's lists may call a thing, or a room.
+/// Other names for an object, or a room, in a home's lists.
 const std::map<std::string, Words>& other_words();
 const std::map<std::string, Words>& other_rooms();
 /// The words for a colour that other words stand for.
 const std::map<std::string, Words>& other_colours();
-/// Does a word of a clause say nothing of its own?
+/// Whether a word of a clause has no meaning of its own.
 bool is_function_word(const std::string& word);
-/// Does a noun phrase stand for neither a place nor a thing?
+/// Whether a noun phrase stands for neither a place nor an object.
 bool is_plain_phrase(const std::string& phrase);
 
 }  // namespace enfilade::homes::instructions::testing

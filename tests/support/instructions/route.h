@@ -1,4 +1,5 @@
-/// \file  For tests: a path through a home, followed in small steps: rooms passed and things seen.
+/// \file  For tests: a path through a home, followed in small steps: passed rooms and visible
+/// objects.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -57,11 +58,11 @@ class Route {
   double gap_to(const Opening& o, const Point& p) const;
   static bool leads(const Opening& o, std::size_t a, std::size_t b);
   std::optional<std::size_t> opening_at(const Point& p, std::size_t a, std::size_t b) const;
-  /// The share of a thing's surface, by points all over its triangles, that nothing hides. Its
+  /// The share of an object's surface, by points all over its triangles, that nothing hides. Its
   /// far side always hides itself.
   double share_in_view(std::size_t viewpoint, std::size_t thing) const;
   bool sees(std::size_t viewpoint, std::size_t thing) const;
-  /// So that somebody could take it for what is meant.
+  /// Well enough to recognise it as the meant object.
   bool sees_well(std::size_t viewpoint, std::size_t thing) const;
   static Point middle(const Thing& t);
   double bearing(std::size_t viewpoint, double facing, const Thing& t) const;

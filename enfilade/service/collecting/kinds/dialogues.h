@@ -1,9 +1,9 @@
-/// \file  Dialogues of two workers: the navigator walks and asks, the oracle sees the way and
+/// \file  Dialogues of two workers: the navigator moves and asks, the oracle sees the path and
 /// answers.
 ///
-/// A dialogue has two seats. Each is held by a task of the same item, and is free when nobody has
-/// that task any more: the next worker takes it and goes on from there. Whose turn it is follows
-/// from what was said last: an oracle answers once, and until then the navigator stays.
+/// A dialogue has two seats. Each is held by a task of the same item, and is free when no worker
+/// has that task any more. Then the next worker takes it over and continues. The last message
+/// decides whose turn it is: an oracle answers once, and until then the navigator stays.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,10 +23,10 @@ constexpr std::array<std::string_view, 2> names_of(Role /*enum*/) {
   return {"navigator", "oracle"};
 }
 
-/// So many steps of the shortest way are shown to the oracle, as in CVDN.
+/// Steps of the shortest path that the oracle sees, as in CVDN.
 inline constexpr std::size_t kStepsShown = 5;
 
-/// What was said, or a step.
+/// A message, or a step.
 struct Turn {
   std::int64_t id = 0;
   Role role = Role::kNavigator;
@@ -46,7 +46,7 @@ struct Dialogue {
   auto columns() { return std::tie(id, navigator, oracle, finished); }
 };
 
-/// A free seat of a dialogue that somebody else sits in.
+/// A free seat of a dialogue whose other seat is taken.
 struct Seat {
   std::int64_t dialogue = 0, item = 0;
   Role role = Role::kOracle;
@@ -62,18 +62,22 @@ void take_seat(store::Database& db, const std::optional<Seat>& seat, std::int64_
 /// Whether the task has a seat of a dialogue that is not finished.
 bool holds_seat(store::Database& db, std::int64_t task);
 
-/// What one of the two sees: {"role", "partner", "turn", "turns", "here", "finished"}; for the
-/// oracle "ahead", the next viewpoints of the shortest way, and "arrived", as openapi.json has
-/// them. The lease is renewed if half of it is over: whoever waits for an answer does not lose the
-/// task. \param after leaves out turns up to that id \throws Refusal kNotFound if the task is none
-/// of this visit's, or is no dialogue
+/// State for one of the two: {"role", "partner", "turn", "turns", "here", "finished"}. For the
+/// oracle also "ahead", the next viewpoints of the shortest path, and "arrived", as in
+/// openapi.json. The lease is renewed if half of it is over, so that waiting for an answer does not
+/// lose the task.
+/// \param after leaves out turns up to that id
+/// \throws Refusal kNotFound if the task is not this visit's, or is not a dialogue
 nlohmann::ordered_json dialogue_json(store::Database& db, const Visit& visit, std::int64_t task,
                                      std::int64_t after, const graph::GraphSet& graphs);
 
-/// What one of the two does, checked against the graph: {"say": text}, {"steps": [{"viewpoint",
-/// "heading", "elevation"}]} of the navigator, or {"stop": true} of the navigator, who is at the
-/// goal. Stopping submits both tasks. \throws InvalidInput with its faults; Refusal kConflict if it
-/// is the other's turn, and as save_draft()
+/// An action of one of the two, checked against the graph:
+/// - {"say": text}
+/// - {"steps": [{"viewpoint", "heading", "elevation"}]} by the navigator
+/// - {"stop": true} by the navigator at the goal; submits both tasks
+///
+/// \throws InvalidInput with its faults; Refusal kConflict if it is the other's turn, and as
+/// save_draft()
 void act_in_dialogue(store::Database& db, const Visit& visit, std::int64_t task,
                      std::string_view body, const graph::GraphSet& graphs);
 

@@ -20,7 +20,7 @@ using nlohmann::ordered_json;
 constexpr double kHalfWidth = 320, kHalfHeight = 240;
 constexpr double kViewStep = std::numbers::pi / 6;  // of headings and of elevations
 constexpr int kViewsARow = 12;
-// Of a product of sines: edges are included whatever the last digits are.
+// Slack of a product of sines: edges are included in spite of rounding.
 constexpr double kSlack = 1e-9;
 
 /// Where a pixel of a view looks.

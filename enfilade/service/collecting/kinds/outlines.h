@@ -1,4 +1,4 @@
-/// \file  Where objects are in panoramas, and what somebody pointed at.
+/// \file  Outlines of objects in panoramas, and the object in a direction.
 #pragma once
 #include <array>
 #include <map>
@@ -21,15 +21,15 @@ Outline outline_of(std::uint8_t view, const std::array<std::int32_t, 4>& box);
 /// Whether a direction lies in an outline, its edges included.
 bool contains(const Outline& outline, const tasks::Direction& direction);
 
-/// The outlines of an object by the viewpoints that see it, the largest first. Of a wide object
+/// The outlines of an object by the viewpoints that see it, the largest first. For a wide object
 /// each view has a part.
 using Outlines = std::map<std::string, std::vector<Outline>, std::less<>>;
-/// \param viewpoints where it is looked for
+/// \param viewpoints the searched ones
 Outlines outlines_of(const tasks::ObjectBoxes& objects, const std::string& scan,
                      const std::vector<std::string>& viewpoints, std::int64_t object);
 /// {"viewpoint": [[[heading, elevation], four times], ...]}, radians
 std::string outlines_json(const Outlines& outlines);
-/// What outlines_json() made. \pre the text is one of those
+/// Parses a text of outlines_json(). \pre the text is one of those
 Outlines parse_outlines(const std::string& json);
 
 /// The object around a viewpoint that a direction points at: of several the one with the smallest

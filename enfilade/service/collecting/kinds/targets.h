@@ -1,4 +1,4 @@
-/// \file  What is to be found at the end of a path.
+/// \file  Targets at the end of a path.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -15,20 +15,21 @@ namespace enfilade::service::collecting::kinds {
 /// A goal, as Item has it.
 struct Target {
   std::optional<std::int64_t> object;
-  std::string name;                 ///< what people call it
+  std::string name;                 ///< its name for people
   std::vector<std::string> region;  ///< viewpoints of the graph; sorted, not empty
   std::string outlines;             ///< outlines_json()
 };
 
-/// Where boxes of objects are looked up. Both outlive it.
+/// Sources of object boxes. Both outlive it.
 struct KnownObjects {
   const tasks::ObjectBoxes* boxes = nullptr;  ///< null: the data set has none
   const graph::GraphSet& graphs;
 };
 
-/// Targets of a path: the object or the region that its annotation names; where it names none, the
-/// objects that its last viewpoint shows largest, one of each name.
-/// \param most of the latter  \returns none if nothing with a box is there
+/// Targets of a path: the object or the region of its annotation. If there is none, the objects
+/// that its last viewpoint shows largest, one of each name.
+/// \param most of the latter
+/// \returns none if no object with a box is there
 std::vector<Target> targets_of(const tasks::PathAnnotation& path, const KnownObjects& known,
                                std::size_t most);
 

@@ -12,15 +12,15 @@
 
 namespace enfilade::service::http::sockets {
 
-/// Bodies of up to so many bytes are not counted: with a thread each, they are few. They are what
-/// pages and scripts send all the time.
+/// Bodies up to this many bytes are not counted: with one thread each, they are few. Pages and
+/// scripts send them all the time.
 inline constexpr std::size_t kSmallBody = 16U << 10U;
 
-/// What the larger bodies of all requests may take. Any thread may use it at any time.
+/// Memory for the larger bodies of all requests. Any thread may use it at any time.
 class BodyRoom {
  public:
   /// \param largest  body that a route takes. There is room for four such bodies, two of them from
-  /// one address: nobody can take it all alone
+  /// one address: no client can take it all
   explicit BodyRoom(std::size_t largest) : largest_(largest) {}
 
   /// Takes room for a body. \returns whether there was enough
@@ -28,8 +28,9 @@ class BodyRoom {
   void give_back(const std::string& address, std::size_t bytes);
 
   /// Waits until no other body of that kind is parsed, because that takes several times the body's
-  /// bytes. There are two kinds: of up to 1 MiB, and larger, so that workers need not wait while a
-  /// results file is checked. \returns the turn, which ends with it
+  /// bytes. There are two kinds: up to 1 MiB, and larger. So workers need not wait while a results
+  /// file is checked.
+  /// \returns the turn, which ends with it
   std::unique_lock<std::mutex> wait_for_turn(std::size_t bytes);
 
  private:
@@ -57,11 +58,12 @@ class Body {
   Body& operator=(const Body&) = delete;
 
   /// All of it, unpacked. Waits for a turn if it is large.
-  /// \throws HttpError 413 for more than `most` bytes, or a body that unpacks to more than 200
-  /// times its size; 503 if there is no room, both without reading on; 408, 400; 415 for an
-  /// encoding other than gzip
+  /// \throws HttpError
+  /// - 413 for more than `most` bytes, or a body that unpacks to more than 200 times its size
+  /// - 503 if there is no room (both without reading on)
+  /// - 408, 400; 415 for an encoding other than gzip
   std::string read(std::size_t most);
-  /// Reads a small body that no route asked for. \returns whether the next request begins after it
+  /// Reads a small body that no route needs. \returns whether the next request begins after it
   bool finish();
 
  private:

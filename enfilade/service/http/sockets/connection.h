@@ -4,14 +4,14 @@
 
 namespace enfilade::service::http::sockets {
 
-/// cpp-httplib's server, over connections of our own. cpp-httplib 0.11 keeps lines and headers
-/// without a limit and lets a client send them a byte at a time for ever; and it closes a
-/// connection while the client still sends, so that the client may never see the answer. Here,
-/// - the head of a request has at most 64 KiB, and arrives within 10 s of its first byte, or within
+/// Wraps cpp-httplib's server over connections of our own. cpp-httplib 0.11 does not limit lines
+/// and headers. It lets a client send them a byte at a time for ever. It closes a connection while
+/// the client still sends, so that the client may never see the response. Here:
+/// - the head of a request has at most 64 KiB. It arrives within 10 s of its first byte, or within
 ///   the time of a body if that is less;
 /// - a line (of the head, or the length of a chunk) has at most 8 KiB;
-/// - what a client sends after an answer that ends its connection is read, and forgotten, for some
-///   seconds.
+/// - after a response that ends its connection, further bytes of the client are read, and dropped,
+///   for some seconds.
 class BoundedServer : public httplib::Server {
  public:
   /// \param body_seconds  longest time that a client may take to send a body, and to go on sending
