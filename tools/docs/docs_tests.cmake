@@ -17,6 +17,7 @@ endif()
 
 if(PYTHON3_PROGRAM)
   add_test(NAME docs.links COMMAND ${PYTHON3_PROGRAM} -B ${CMAKE_CURRENT_LIST_DIR}/markdown_tree.py)
+  add_test(NAME docs.prose COMMAND ${PYTHON3_PROGRAM} -B ${CMAKE_CURRENT_LIST_DIR}/prose.py)
   add_test(NAME docs.asvs COMMAND ${PYTHON3_PROGRAM} -B ${CMAKE_CURRENT_LIST_DIR}/asvs.py)
   if(EN_BUILD_PYTHON)
     set(python ${Python_EXECUTABLE})

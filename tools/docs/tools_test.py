@@ -14,6 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import architecture
 import cpp_reference
 import markdown_tree
+import prose
 import python_reference
 import tutorials
 
@@ -40,6 +41,30 @@ class MarkdownTree(unittest.TestCase):
 
     def test_code_is_no_link(self) -> None:
         self.assertEqual(self.faults("```\n[x](none.md)\n```\n`a[0](none)`\n<!-- [x](none.md) -->"), [])
+
+
+class Prose(unittest.TestCase):
+    def faults(self, name: str, text: str) -> list[str]:
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(prose, "ROOT", Path(folder).resolve()):
+            file = prose.ROOT / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text)
+            return [str(fault) for fault in prose.check(file)]
+
+    def test_forbidden_words_and_long_sentences_are_named_by_their_line(self) -> None:
+        self.assertEqual(self.faults("docs/a.md", "# Page\n\nAn agent acts.\n"), [])
+        self.assertIn("docs/a.md:3: 'freely'", self.faults("docs/a.md", "# Page\n\nIt walks freely.\n")[0])
+        self.assertIn("has 26 words", self.faults("docs/a.md", "A" + " word" * 25 + ".\n")[0])
+        self.assertIn("121 characters", self.faults("docs/a.md", "ab " * 40 + "a\n")[-1])
+
+    def test_code_and_the_glossary_are_left_out(self) -> None:
+        self.assertEqual(self.faults("docs/a.md", "```\nfreely\n```\n<!-- prose: off -->\nfreely\n<!-- prose: on -->\n"), [])
+
+    def test_comments_docstrings_and_messages_are_read(self) -> None:
+        self.assertIn("enfilade/a.h:2: 'nobody'", self.faults("enfilade/a.h", "#pragma once\n/// Seen by nobody.\n")[0])
+        self.assertIn("begin with the thing", self.faults("enfilade/a.h", "/// Of the agent: its pose.\n")[0])
+        self.assertIn("'whoever'", self.faults("python/enfilade/a.py", '"""For whoever."""\n')[0])
+        self.assertIn("'somebody'", self.faults("apps/a.cpp", 'fail("asked by somebody");\n')[0])
 
 
 class CppReference(unittest.TestCase):
