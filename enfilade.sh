@@ -402,7 +402,7 @@ lint_shell() {
 
 # Subjects since the first commit under the rule (CONTRIBUTING.md): at most 72 characters.
 lint_subjects() {
-  local first=5b2ef47e
+  local first=14a86d58
   git rev-parse -q --verify "$first^{commit}" >/dev/null 2>&1 || return 0
   ! git log --no-merges --format='%h %s' "$first..HEAD" | awk 'length($0) - length($1) - 1 > 72' | grep .
 }
