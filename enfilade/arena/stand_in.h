@@ -30,7 +30,7 @@ struct StandInConfig {
   /// One request in this many has a fault, in the order of this list; empty: none.
   std::vector<Fault> faults = {};
   std::uint32_t one_in = 3;
-  double silence = 1;      ///< seconds
+  double silence = 1;  ///< seconds
   /// Answers before it refuses every request with status 503; 0: no limit.
   std::size_t most_answers = 0;
   std::string key = {};    ///< required as `Authorization: Bearer`; empty: no key

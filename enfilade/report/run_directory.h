@@ -28,8 +28,8 @@ struct ModelDirectory {
 
 /// What was found in the folder of a run.
 struct RunDirectory {
-  std::vector<ResultsFile> results;      ///< shortest, reference, random, teacher, student, others
-  std::vector<ModelDirectory> models;    ///< likewise
+  std::vector<ResultsFile> results;    ///< shortest, reference, random, teacher, student, others
+  std::vector<ModelDirectory> models;  ///< likewise
   const tasks::Benchmark* benchmark = nullptr;  ///< what all results are of
 };
 

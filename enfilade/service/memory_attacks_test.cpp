@@ -13,8 +13,8 @@
 #include <iterator>
 #include <random>
 
-#include "enfilade/service/client.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/service/client.h"
 #include "enfilade/service/server.h"
 #include "tests/support/emulated.h"
 #include "tests/support/process.h"
@@ -135,8 +135,7 @@ TEST(MemoryAttacks, CompressedBodiesUnpackWithinTheLimits) {
   EXPECT_EQ(submit_packed(served, team, gzip(list_of("{}", 100'000), 9)), 413);
   EXPECT_EQ(submit_packed(served, team, gzip(list_of("{}", 60'000), 9)), 422);
   // Packed twice is a text like any other.
-  EXPECT_EQ(submit_packed(served, team, gzip(gzip(list_of("{}", kMega), 9), 9)),
-            422);
+  EXPECT_EQ(submit_packed(served, team, gzip(gzip(list_of("{}", kMega), 9), 9)), 422);
   EXPECT_EQ(served.get("/healthz")->status, 200);
 }
 

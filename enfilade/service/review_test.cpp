@@ -150,7 +150,8 @@ TEST_F(Review, WorkIsShownByWorkerAndByPath) {
   EXPECT_EQ(all.at("matching"), 4);
   const auto worker_id = all.at("work")[0].at("worker").get<std::int64_t>();
   const auto path_id = all.at("work")[0].at("path_id").get<std::int64_t>();
-  judge(all.at("work")[0].at("task").get<std::int64_t>(), {{"verdict", "rejected"}, {"reason", "Why not."}});
+  judge(all.at("work")[0].at("task").get<std::int64_t>(),
+        {{"verdict", "rejected"}, {"reason", "Why not."}});
   const std::string of_worker = fmt::format("{}?state=all&worker={}", work, worker_id);
   EXPECT_EQ(served_.json(of_worker, reviewer_).at("matching"), 2);
   EXPECT_EQ(

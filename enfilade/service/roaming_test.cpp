@@ -137,8 +137,12 @@ TEST_F(RoamingTest, TheFloorIsTheNavigationMesh) {
       EXPECT_EQ(static_cast<std::uint16_t>(beyond), polygon.beyond[k]) << p;  // -1 is kNone
       // A corner is where its lattice says, and as high as the floor is there.
       const auto [x, y, z] = floor_->corners[polygon.corners[k]];
-      EXPECT_NEAR(polygons[p]["points"][3 * k].get<double>(), floor_->low.x + floor_->cell * x, 2e-5) << p;
-      EXPECT_NEAR(polygons[p]["points"][3 * k + 1].get<double>(), floor_->low.y + floor_->cell * y, 2e-5) << p;
+      EXPECT_NEAR(polygons[p]["points"][3 * k].get<double>(), floor_->low.x + floor_->cell * x,
+                  2e-5)
+          << p;
+      EXPECT_NEAR(polygons[p]["points"][3 * k + 1].get<double>(), floor_->low.y + floor_->cell * y,
+                  2e-5)
+          << p;
     }
     EXPECT_EQ(polygons[p]["points"].size(), 3 * floor_->heights[p].points);
     EXPECT_EQ(polygons[p]["triangles"].size(), 3 * floor_->heights[p].triangles);

@@ -1,4 +1,5 @@
-// What people might try against collections, and what they get. docs/service_attacks.md has the table.
+// What people might try against collections, and what they get. docs/service_attacks.md has the
+// table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

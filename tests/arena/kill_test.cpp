@@ -88,8 +88,8 @@ TEST_F(AskKill, TheRunGoesOnAndNothingIsAskedTwice) {
 TEST_F(AskKill, AServerThatIsKilledIsWaitedFor) {
   // It refuses what comes after 30 answers, so that no machine is fast enough to end the run first.
   constexpr std::size_t kAnswers = 30;
-  auto model = std::make_unique<arena::StandIn>(
-      world(), arena::StandInConfig{.most_answers = kAnswers});
+  auto model =
+      std::make_unique<arena::StandIn>(world(), arena::StandInConfig{.most_answers = kAnswers});
   Process run(words(*model, "run"));
   while (model->answers() < kAnswers) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   model.reset();

@@ -91,7 +91,8 @@ std::string ours_of(const Json& input, const Json& annotations, Task task,
         tasks::parse_annotations(annotations.dump(), "annotations", "made", task), graphs,
         tasks::Instructions::kAll, &objects);
     const auto results = tasks::parse_results(input.at("predictions").dump(), "results", episodes);
-    const auto& scorer = tasks::benchmark(task).scorer(scorer_name(input.at("scorer").get<std::string>()));
+    const auto& scorer =
+        tasks::benchmark(task).scorer(scorer_name(input.at("scorer").get<std::string>()));
     const auto score =
         tasks::compute_score(results.trajectories, episodes, scorer, {.bootstrap_samples = 0});
     const Json& outcome = input.at("outcome");
@@ -125,7 +126,8 @@ std::vector<DoubtfulInput> doubtful_inputs(const fs::path& file, const fs::path&
                              ? tasks::ObjectBoxes::load(data / "reverie/BBox.json.gz")
                              : tasks::ObjectBoxes();
     for (const Json& input : all.at("behaviour")) {
-      rows.push_back({input.at("scorer").get<std::string>(), input.at("case").get<std::string>(), theirs_of(input.at("outcome")),
+      rows.push_back({input.at("scorer").get<std::string>(), input.at("case").get<std::string>(),
+                      theirs_of(input.at("outcome")),
                       ours_of(input, annotations_of(input, all, data), task, graphs, objects)});
     }
   } catch (const Json::exception& error) {

@@ -234,7 +234,8 @@ TEST_F(RankedTraining, AFaultOfOneIsToldByTheOthers) {
   for (const char* word : {"--iterations", "2"}) options.emplace_back(word);
   Run run(training(in("fault"), options), 2, {"--buildings", "99"});
   EXPECT_THAT(run.wait(), ::testing::ElementsAre(kAgain, 2));
-  EXPECT_THAT(Run::errors(0), ::testing::ContainsRegex("rank 1 .* failed: buildings: 99, but split"));
+  EXPECT_THAT(Run::errors(0),
+              ::testing::ContainsRegex("rank 1 .* failed: buildings: 99, but split"));
 }
 
 TEST_F(RankedTraining, NumbersOfProcessesThatCannotShareThePartsAreNamed) {

@@ -39,9 +39,8 @@ bool is_chinese(std::uint32_t code) {
                                                                             {0x2b740, 0x2b81f},
                                                                             {0x2b820, 0x2ceaf},
                                                                             {0x2f800, 0x2fa1f}}};
-  return std::ranges::any_of(kBlocks, [code](const auto& block) {
-    return code >= block.first && code <= block.second;
-  });
+  return std::ranges::any_of(
+      kBlocks, [code](const auto& block) { return code >= block.first && code <= block.second; });
 }
 
 // All of ASCII's signs count, also those that Unicode calls symbols: $ + < = > ^ ` | ~.

@@ -40,7 +40,8 @@ class Conditions : public testing::Collecting {
   std::vector<std::string> listed(const std::string& query) {
     std::vector<std::string> names;
     const json answer = served_.json("/api/v1/collections" + query, organiser_);
-    for (const json& one : answer.at("collections")) names.push_back(one.at("collection").get<std::string>());
+    for (const json& one : answer.at("collections"))
+      names.push_back(one.at("collection").get<std::string>());
     return names;
   }
   static json answer(Worker& one, const json& question, const char* choice) {

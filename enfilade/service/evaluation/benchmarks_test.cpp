@@ -62,7 +62,8 @@ TEST_F(Benchmarks, EachIsScoredWithColumnsOfItsOwn) {
     EXPECT_EQ(board.at("task"), tasks::benchmark(task).name);
     EXPECT_EQ(board.at("primary"), tasks::benchmark(task).headline().name);
     std::vector<std::string> names;
-    for (const json& column : board.at("columns")) names.push_back(column.at("name").get<std::string>());
+    for (const json& column : board.at("columns"))
+      names.push_back(column.at("name").get<std::string>());
     std::vector<std::string> expected;
     for (const tasks::Measure& measure : tasks::benchmark(task).scorers.front().columns)
       expected.emplace_back(measure.name);

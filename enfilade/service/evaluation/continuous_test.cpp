@@ -117,7 +117,8 @@ TEST_F(ContinuousPhases, OpenGoalsAreScoredAsTheProgramScoresThem) {
   EXPECT_EQ(board.at("scorer"), "vlnce");
   EXPECT_EQ(board.at("primary"), "spl");
   std::vector<std::string> names;
-  for (const json& column : board.at("columns")) names.push_back(column.at("name").get<std::string>());
+  for (const json& column : board.at("columns"))
+    names.push_back(column.at("name").get<std::string>());
   EXPECT_EQ(names, (std::vector<std::string>{"spl", "success", "oracle_success", "distance_to_goal",
                                              "ndtw", "sdtw", "path_length"}));
   ASSERT_EQ(board.at("rows").size(), 2U);
