@@ -21,6 +21,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/models/instructions.h"
+#include "enfilade/neural/device.h"
 #include "enfilade/neural/seq2seq/network.h"
 #include "enfilade/neural/seq2seq/r2r_environment.h"
 #include "enfilade/scan/data_root.h"

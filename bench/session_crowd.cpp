@@ -117,7 +117,7 @@ int run(const std::vector<std::string>& words) {
   std::vector<std::string> episodes;
   const json answer = json::parse(listed->body);
   for (const json& one : answer.at("episodes")) {
-    episodes.push_back(one.at("instruction_id"));
+    episodes.push_back(one.at("instruction_id").get<std::string>());
   }
   std::size_t errors = 0;
   for (const std::size_t walkers : {std::size_t{1}, many}) {
