@@ -332,7 +332,9 @@ run_tests() {
   shift
   say "testing build/$preset${ENFILADE_DATA:+ with the data of $ENFILADE_DATA}"
   # The summary of a run that failed is the one that is wanted most.
-  ctest --preset "$preset" --parallel "$(job_count)" "$@" 2>&1 |
+  # One more than the cores: tests of servers and processes wait for most of their time.
+  # One thread for OpenMP (libtorch, PyTorch): those of several tests would wait for each other, spinning.
+  OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} ctest --preset "$preset" --parallel "$(($(job_count) + 1))" "$@" 2>&1 |
     tee "build/$preset/test.log" || status=$?
   summarize "build/$preset/test.log" "build/$preset/Testing/Temporary/LastTest.log"
   exit "$status"

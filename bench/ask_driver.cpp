@@ -12,7 +12,7 @@
 
 #include "enfilade/arena/ask.h"
 #include "enfilade/arena/stand_in.h"
-#include "enfilade/arena/subsets.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/dataset/dataset.h"
 #include "tests/support/temporary_folder.h"
 

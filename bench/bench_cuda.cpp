@@ -15,7 +15,7 @@
 #include "bench/render_speed.h"
 #include "enfilade/core/file.h"
 #include "enfilade/render/cuda/driver.h"
-#include "enfilade/render/cuda_devices.h"
+#include "enfilade/render/devices.h"
 
 namespace enfilade::bench {
 namespace {
@@ -148,7 +148,7 @@ int run(const Options& o) {
       buildings.panoramas, render::FaceCacheConfig{.bytes = std::size_t{256} << 20U});
   const auto renderer = render::make_renderer(faces, {.backend = render::Backend::kCuda});
   const render::cuda::Device device(0);
-  const render::cuda::Current current(device);
+  const render::cuda::CurrentDevice current(device);
   const render::cuda::Stream stream = render::cuda::make_stream();
   Timer timer(stream.get());
   const double rate = write_rate(timer, stream.get());

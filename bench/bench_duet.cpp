@@ -19,15 +19,15 @@
 #include "bench/main.h"
 #include "enfilade/agents/panorama.h"
 #include "enfilade/dataset/dataset.h"
-#include "enfilade/models/instructions.h"
+#include "enfilade/models/instruction_words.h"
 #include "enfilade/models/train_config.h"
+#include "enfilade/neural/core/learner.h"
 #include "enfilade/neural/core/optimizer.h"
 #include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/neural/duet/duet_learner.h"
 #include "enfilade/neural/duet/pretraining_tasks.h"
 #include "enfilade/neural/ranks.h"
-#include "enfilade/neural/training_data.h"
+#include "enfilade/neural/train.h"
 #include "tests/support/feature_files.h"
 #include "tests/support/temporary_folder.h"
 
@@ -117,7 +117,7 @@ void iteration(benchmark::State& state, PretrainingTask task, int threads) {
   const PretrainingNetwork network(config, 1);
   MadeSurroundings surroundings;
   RolloutRunner runner(data().episodes.graphs, surroundings);
-  neural::core::Optimizer optimizer{neural::core::OptimizerConfig()};
+  neural::core::WeightOptimizer optimizer{neural::core::OptimizerConfig()};
   const auto make = [&] {
     return pretraining_batch(runner, config, data().words, data().batch, task, {});
   };
@@ -130,7 +130,7 @@ void iteration(benchmark::State& state, PretrainingTask task, int threads) {
     const PretrainingBatch batch = make();
     const auto made = Clock::now();
     const auto before = ProductClock::spent();
-    Dropout dropout(1, config.dropout);
+    RateDropout dropout(1, config.dropout);
     pretraining_loss(network, batch, &dropout).backward();
     products += ProductClock::spent() - before;
     const auto learnt = Clock::now();
@@ -182,7 +182,7 @@ class Training {
                                 for (float& x : out) x = static_cast<float>(rng.uniform() - 0.5);
                               });
     own.features = features::FeatureSet::open(file);
-    learner_ = make_duet_learner(config_, data().words, device);
+    learner_ = neural::core::make_duet_learner({config_, data().words, device});
     learner_->prepare(data_, alone_);
   }
 
@@ -327,7 +327,7 @@ void register_card() {
           OnCard{"duet-s", kImage, kBatch, precision}, OnCard{"duet", 768, 8, precision},
           OnCard{"duet", 768, kBatch, precision}}) {
       benchmark::RegisterBenchmark(
-          fmt::format("card/{}/{}_episodes/{}", what.sizes, what.episodes, to_string(precision))
+          fmt::format("card/{}/{}_episodes/{}", what.sizes, what.episodes, enum_name(precision))
               .c_str(),
           [=](benchmark::State& state) { training_on_card(state, what); })
           ->UseManualTime()
@@ -349,7 +349,7 @@ void register_all() {
        {PretrainingTask::kWords, PretrainingTask::kViews, PretrainingTask::kAction}) {
     for (const int threads : {0, 1}) {
       benchmark::RegisterBenchmark(
-          fmt::format("pretrain/{}/{}", to_string(task), threads == 0 ? "all_cores" : "one_thread")
+          fmt::format("pretrain/{}/{}", enum_name(task), threads == 0 ? "all_cores" : "one_thread")
               .c_str(),
           [=](benchmark::State& state) { iteration(state, task, threads); })
           ->UseManualTime()

@@ -20,10 +20,10 @@
 #include "bench/products.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/models/instructions.h"
+#include "enfilade/models/instruction_words.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/neural/seq2seq/network.h"
-#include "enfilade/neural/seq2seq/r2r_environment.h"
+#include "enfilade/neural/seq2seq/evaluation.h"
+#include "enfilade/neural/seq2seq/seq2seq.h"
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade {

@@ -17,9 +17,10 @@
 #include "apps/common/program.h"
 #include "bench/machine_limits.h"
 #include "bench/render_speed.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
 #include "enfilade/scan/data_root.h"
 
 namespace enfilade::bench {
@@ -357,7 +358,7 @@ void run_first_frame(const Options& o) {
 
 ExitCode run(Options o) {
   o.settings.cache_bytes = o.cache_mb << 20;
-  const auto backend = render::parse_backend(o.backend);
+  const auto backend = find_enum<render::Backend>(o.backend);
   if (!backend) throw UsageError(fmt::format("--backend {}: there is none", o.backend));
   o.settings.backend = *backend;
   if (!o.images.empty() && o.scans.empty()) {

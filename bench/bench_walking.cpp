@@ -1,5 +1,5 @@
-// Walking freely in a model home (SYNTHETIC): steps without pictures, geodesic queries, opening a
-// building, memory of one environment more. One thread.
+// Continuous environments in a model home (SYNTHETIC): steps without pictures, geodesic queries,
+// opening a building, memory of one environment more. One thread.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/core/rng.h"
-#include "enfilade/homes/home_floor.h"
+#include "enfilade/homes/built_home.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
@@ -32,7 +32,7 @@ const mesh::FloorPolygons& floor() {
     homes::PlanOptions options;
     options.seed = 5;
     options.area = 260;
-    return homes::make_home_floor(homes::build_home(options, homes::Surfaces::kPlain),
+    return homes::make_home_floor(homes::build_home(options, homes::HomeSurfaces::kPlain),
                                   continuous::kRoomToRoomBody);
   }();
   return kFloor;
@@ -120,7 +120,7 @@ void make_floor(benchmark::State& state) {
   homes::PlanOptions options;
   options.seed = 5;
   options.area = 260;
-  const homes::BuiltHome built = homes::build_home(options, homes::Surfaces::kPlain);
+  const homes::BuiltHome built = homes::build_home(options, homes::HomeSurfaces::kPlain);
   for (auto _ : state) {
     benchmark::DoNotOptimize(
         homes::make_home_floor(built, continuous::kRoomToRoomBody).polygons.size());

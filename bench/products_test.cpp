@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/seq2seq/network.h"
+#include "enfilade/neural/seq2seq/seq2seq.h"
 #include "tests/support/scripted_environment.h"
 
 namespace enfilade::bench {

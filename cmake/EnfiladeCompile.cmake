@@ -21,6 +21,17 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(enfilade_compile INTERFACE -Wno-restrict -Wno-maybe-uninitialized)
 endif()
 
+if(EN_FAST_LINKER)
+  include(CheckLinkerFlag)
+  foreach(linker mold lld)
+    check_linker_flag(CXX -fuse-ld=${linker} EN_HAS_${linker})
+    if(EN_HAS_${linker})
+      add_link_options(-fuse-ld=${linker})
+      break()
+    endif()
+  endforeach()
+endif()
+
 if(EN_SANITIZE)
   # Every target of the build, tests' libraries included, has to agree on this.
   add_compile_options(-fsanitize=${EN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)

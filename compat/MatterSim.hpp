@@ -25,7 +25,6 @@
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/scan/panorama_set.h"
-#include "enfilade/sim/matter_sim_random.h"
 #include "enfilade/sim/observe.h"
 #include "enfilade/sim/simulator.h"
 

@@ -45,13 +45,14 @@ trap clean EXIT
 tar -C "$root" -xf "$base"
 chmod 755 "$root"
 # How this machine reaches the network: names, certificates, settings of pip and npm.
-for file in /etc/resolv.conf /etc/hosts /etc/ssl/certs /etc/pip.conf /root/.config/pip /root/.npmrc /etc/npmrc \
-  /usr/etc/npmrc; do
+for file in /etc/resolv.conf /etc/hosts /etc/ssl/certs /etc/pip.conf /etc/npmrc /usr/etc/npmrc "$HOME/.config/pip" \
+  "$HOME/.npmrc"; do
   [[ -e $file ]] || continue
-  mkdir -p "$root${file%/*}"
-  rm -rf "${root:?}$file"  # its links lead out of the root
+  to=$root${file/#$HOME//root}  # there the user is root
+  mkdir -p "${to%/*}"
+  rm -rf "${to:?}"  # its links lead out of the root
   # Links to certificates that have gone cannot be followed; the others are enough.
-  cp -aL "$file" "$root${file%/*}/" || echo "bare_root: not all of $file could be copied" >&2
+  cp -aL "$file" "${to%/*}/" || echo "bare_root: not all of $file could be copied" >&2
 done
 mapfile -t settings < <(env | sed -nE '/^(PIP_|npm_config_|NODE_EXTRA|https?_proxy=|HTTPS?_PROXY=|SSL_CERT)/p')
 mount -t proc proc "$root/proc"

@@ -26,7 +26,7 @@ from pathlib import Path
 PROGRAM = Path(sysconfig.get_path("scripts"), "enfilade")
 # Those of the C library and the compiler, which every Linux has; manylinux allows them.
 SYSTEM_LIBRARIES = re.compile(r"(linux-vdso|ld-linux|lib(c|m|dl|rt|pthread|gcc_s))[-.\w]*$")
-LEARNING = ("evaluate", "features", "pretrain", "train")
+LEARNING = ("evaluate", "features", "import-weights", "pretrain", "speak", "train")
 HOMES_SECONDS = 60  # from the start of the server to a page; `serve` with nothing makes two homes
 IMPORT_MILLISECONDS = 50
 

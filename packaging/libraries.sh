@@ -252,6 +252,7 @@ write_pkg_config() {
   local system=-L$sysroot/usr/lib/$triple own=-L$prefix/lib
   # By -l: CMake takes a file's name for an option, and puts it before what needs it.
   pkg_config libturbojpeg 2.1.5 "-I$prefix/include" "$own -lturbojpeg"
+  pkg_config libjpeg 2.1.5 "-I$prefix/include" "$own -lturbojpeg -ljpeg"
   pkg_config libzstd 1.5.4 '' "$system -lzstd"
   pkg_config libzip 1.7.3 "-I$prefix/include" "$own $system -lzip -lz"
   pkg_config spng 0.7.3 "-I$prefix/include -DSPNG_STATIC" "$own $system -lspng_static -lz -lm"

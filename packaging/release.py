@@ -126,7 +126,7 @@ class Release:
             "CMAKE_TOOLCHAIN_FILE": str(libraries / "toolchain.cmake"),
             "PKG_CONFIG_LIBDIR": str(libraries / "prefix/lib/pkgconfig"),
             "SOURCE_DATE_EPOCH": self.commit_time(),
-            "ENFILADE_WHEEL": "1",  # pyproject.toml: with the program
+            "ENFILADE_WHEEL": "1",  # pyproject.toml: the source distribution has the built pages
         }
         return {**os.environ, **own}
 

@@ -2,11 +2,13 @@
 # shellcheck shell=bash
 
 # What each job needs: job, package on Debian 12 and 13, and how to see that it is there
-# on any other system (a command on the PATH, or a header that the compiler finds).
+# on any other system (a command on the PATH, or a header that the compiler finds). A `wish` makes builds
+# faster, or reads rare files: it is installed where that needs no password, and never missed.
 readonly needs='
 build g++                command c++
 build cmake              command cmake
 build ninja-build        command ninja
+build mold               wish    -
 build libsimdjson-dev    header  simdjson.h
 build nlohmann-json3-dev header  nlohmann/json.hpp
 build libtbb-dev         header  oneapi/tbb/parallel_for.h
@@ -18,9 +20,13 @@ build pkg-config         command pkg-config
 build libhwy-dev         header  hwy/highway.h
 build libembree-dev      package -
 build libtinygltf-dev    header  tiny_gltf.h
+build libdraco-dev       wish    -
+build libmeshoptimizer-dev wish  -
+build libwebp-dev        wish    -
 build librecast-dev      package -
 build libkainjow-mustache-dev header kainjow/mustache.hpp
 build libturbojpeg0-dev  header  turbojpeg.h
+build libjpeg-dev        header  jpeglib.h
 build libspng-dev        header  spng.h
 build libzip-dev         header  zip.h
 build libzstd-dev        header  zstd.h
@@ -74,7 +80,7 @@ have_header() {
 }
 
 # Debian has these; where a system's lists do not (Ubuntu 24.04), what needs them is left out.
-readonly wished='libtorch-dev libgloo-dev python3-torch'
+readonly wished='libtorch-dev libgloo-dev python3-torch mold libdraco-dev libmeshoptimizer-dev libwebp-dev'
 
 lists_have() {
   # Not grep -q, which would end first and so fail the pipe.
@@ -95,7 +101,7 @@ missing_packages() {
   local package kind name
   needs_of "$@" | while read -r _ package kind name; do
     have_package "$package" || { [[ $kind == command ]] && command -v "$name" >/dev/null; } ||
-      is_out_of_reach "$package" || printf '%s\n' "$package"
+      is_out_of_reach "$package" || { [[ $kind == wish ]] && ! can_install; } || printf '%s\n' "$package"
   done
 }
 
@@ -107,6 +113,10 @@ missing_elsewhere() {
       header) have_header "$name" || printf '<%s>\n' "$name" ;;
     esac
   done
+}
+
+can_install() {  # without a password
+  [[ $(id -u) == 0 ]] || sudo -n true 2>/dev/null
 }
 
 as_root() {  # runs the command as root, without ever asking for a password
@@ -153,7 +163,7 @@ ensure_packages() {
   missing=${missing% }
   [[ -n $missing ]] || return 0
   line="apt-get install --no-install-recommends $missing"
-  if [[ $(id -u) != 0 ]] && ! sudo -n true 2>/dev/null; then
+  if ! can_install; then
     say "to $why, this machine lacks packages, and installing them needs root. Please run:"
     die 3 "  sudo $line"
   fi

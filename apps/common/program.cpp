@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -18,6 +21,7 @@
 
 #include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::apps {
 namespace {
@@ -83,6 +87,14 @@ CLI::Validator number_between(const char* kind, T least, T most) {
             return good ? std::string() : fmt::format("{:?} is not {}", text, allowed);
           },
           ""};
+}
+
+// With a null behind them, as exec() and its like take them.
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
 }
 
 int fail(int code, const CLI::App& app, const char* what) {
@@ -183,10 +195,35 @@ Shard parse_shard(const std::string& text) {
   return {*number - 1, *count};
 }
 
+std::filesystem::path shard_file(const std::filesystem::path& file, const Shard& shard) {
+  if (shard.count == 1) return file;
+  std::filesystem::path own = file;
+  own.replace_filename(fmt::format("{}.{}-of-{}{}", file.stem().string(), shard.index + 1,
+                                   shard.count, file.extension().string()));
+  return own;
+}
+
 std::filesystem::path own_program() {
   std::error_code code;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", code);
   return code ? "enfilade" : program;
+}
+
+int run_command(std::vector<std::string> words) {
+  pid_t child = 0;
+  const std::vector<char*> arguments = pointers_to(words);
+  const int error = posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ);
+  if (error != 0) return -error;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : kInternal;
+}
+
+int become(const std::string& program, std::vector<std::string> words) {
+  std::fflush(stdout);
+  execvp(program.c_str(), pointers_to(words).data());
+  return errno;
 }
 
 std::string processor_name() {
@@ -223,7 +260,7 @@ std::string processor_name_in(std::string_view cpuinfo) {
 std::string read_secret(const std::string& file, std::initializer_list<const char*> variables) {
   std::string secret;
   if (!file.empty()) {
-    secret = read_file(file);
+    secret = read_plain_text(file);
   } else {
     for (const char* name : variables) {
       const char* value = std::getenv(name);

@@ -13,7 +13,6 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/progress.h"
-#include "enfilade/core/shard.h"
 #include "enfilade/dataset/dataset.h"
 
 namespace enfilade::apps {
@@ -106,9 +105,18 @@ Progress progress_bar(std::string what);
 
 /// "3/16", the third of sixteen shares; empty: all of it. \throws UsageError
 Shard parse_shard(const std::string& text);
+/// Output file of one shard: "features.safetensors" -> "features.3-of-16.safetensors".
+std::filesystem::path shard_file(const std::filesystem::path& file, const Shard& shard);
 
 /// This program's own file; "enfilade" if the system does not report it.
 std::filesystem::path own_program();
+
+/// Runs a program of PATH with its arguments, to its end.
+/// \returns its exit code; kInternal: by a signal; -errno: it did not start
+int run_command(std::vector<std::string> words);
+/// Becomes a program of PATH; `words` are its name and arguments.
+/// \returns errno: it cannot be started
+int become(const std::string& program, std::vector<std::string> words);
 
 /// The system's name of the first processor; "unknown processor" without a name.
 std::string processor_name();

@@ -4,10 +4,10 @@
 #include <mutex>
 #include <utility>
 
-#include "apps/enfilade/continuous/scenes.h"
+#include "apps/common/program.h"
+#include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/task_option.h"
-#include "enfilade/tasks/benchmark.h"
-#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/split.h"
 
 namespace enfilade::apps {
 namespace {
@@ -36,25 +36,40 @@ class SharedScenes {
 OpenedWorld open_world(const std::shared_ptr<const dataset::Dataset>& data, const std::string& task,
                        const std::string& split, const WordsMaker& words) {
   OpenedWorld opened;
-  const auto words_from = [&words](const arena::Sights& sights) {
+  const auto words_from = [&words](const arena::ViewSources& sights) {
     return words ? words(sights) : arena::WordsSource();
   };
-  const tasks::Benchmark* named = tasks::find_benchmark(task);
-  if (named != nullptr && named->continuous()) {
-    const auto& setup = agents::continuous_setup(*named);
+  const tasks::Benchmark& benchmark = benchmark_of(task, *data);
+  opened.title = benchmark.title;
+  tasks::Split episodes = data->split(benchmark, split, {.experts = false});
+  if (benchmark.continuous()) {
     opened.sights.scene_of = [scenes = std::make_shared<SharedScenes>(data)](
                                  const std::string& scan) { return scenes->at(scan); };
-    opened.world = arena::FreeWorld::open(setup, data->folder(), split, words_from(opened.sights));
-    opened.title = named->title;
+    opened.world = std::make_unique<arena::FloorWorld>(std::move(episodes), data->folder(),
+                                                       words_from(opened.sights));
     return opened;
   }
-  auto episodes =
-      std::make_shared<const tasks::EpisodeSet>(episodes_of(*data, task_of(task, *data), split));
-  opened.title = tasks::benchmark(episodes->task).title;
   opened.sights.data = data;
   opened.world =
-      std::make_unique<arena::GraphWorld>(std::move(episodes), words_from(opened.sights));
+      std::make_unique<arena::GraphWorld>(episodes.on_graph(), words_from(opened.sights));
   return opened;
+}
+
+void add_subset_option(CLI::App& verb, std::string& subset) {
+  add_value(verb, "--subset", subset, "N|FILE|all",
+            "N episodes, spread over buildings and lengths; file of ids; all "
+            "(default: 100, or as many as there are)");
+}
+
+void add_steps_option(CLI::App& verb, std::uint32_t& steps) {
+  add_whole_number(verb, "--steps", steps,
+                   "Most calls per episode; 0: 30, or the benchmark's limit if continuous", 0);
+}
+
+arena::SessionLimits limits_of(const arena::World& world, std::uint32_t steps) {
+  arena::SessionLimits limits = arena::usual_limits(world.task());
+  if (steps > 0) limits.steps = steps;
+  return limits;
 }
 
 }  // namespace enfilade::apps

@@ -4,26 +4,28 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/arena_world.h"
-#include "apps/enfilade/continuous/walks.h"
-#include "apps/enfilade/session_options.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/arena/stand_in.h"
-#include "enfilade/arena/subsets.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/enum_names.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/score_table.h"
 
-namespace enfilade::apps {
-namespace ask_verb {
+namespace enfilade::apps::ask_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,15 +38,33 @@ struct Options {
   bool replay = false, list = false;
   std::uint32_t steps = 0;
   double timeout = 120;
-  std::int64_t answer_tokens = 0, most_tokens = 0, seed = 1;
+  std::string temperature = "0", seed = "1", limit_field, window = "auto";
+  std::string key_header, headers;
+  std::int64_t answer_tokens = 0, most_tokens = 0;
   arena::AskConfig ask;
 };
 
-template <NamedEnum Enum>
-Enum named(const std::string& text, const char* option) {
-  if (const auto value = find_enum<Enum>(text)) return *value;
-  throw UsageError(
-      fmt::format("{} {}: one of {} is expected", option, text, fmt::join(names_of(Enum()), ", ")));
+/// What was not the model's choice: a walk of a model that never answered is no bad walk.
+void print_unanswered(const arena::AskReport& report) {
+  constexpr std::array<std::string_view, 5> kReasons{
+      "without a reason", "empty", "cut off at the limit of tokens (--answer-tokens)",
+      "refused by the model", "taken away by a filter"};
+  std::vector<std::string> parts;
+  std::size_t all = 0;
+  for (const auto& [flaw, count] : report.unanswered) {
+    all += count;
+    parts.push_back(fmt::format("{} {}", count, kReasons.at(static_cast<std::size_t>(flaw))));
+  }
+  if (all > 0) {
+    fmt::print("{} of the answers had no call: {}\n", all, fmt::join(parts, ", "));
+  }
+  if (report.shortened > 0) {
+    fmt::print("{}: older steps were left out (--window, and what the model's context holds)\n",
+               counted(report.shortened, "episode"));
+  }
+  if (!report.adjusted.empty()) {
+    fmt::print("the server refuses the usual request: {}\n", fmt::join(report.adjusted, ", "));
+  }
 }
 
 void print_report(const arena::AskReport& report, const Options& options) {
@@ -54,6 +74,7 @@ void print_report(const arena::AskReport& report, const Options& options) {
   }
   fmt::print("; {} {} could not be carried out\n", report.mistakes,
              report.mistakes == 1 ? "call" : "calls");
+  print_unanswered(report);
   const arena::Ledger& ledger = report.ledger;
   fmt::print("{} answers ({} requests), {} pictures, {} tokens in, {} out, {:.0f} s of answers",
              ledger.answers, ledger.attempts, ledger.pictures, ledger.prompt_tokens,
@@ -70,19 +91,26 @@ void print_report(const arena::AskReport& report, const Options& options) {
   fmt::print("\n");
 }
 
-void print_score_of(const arena::World& world, const fs::path& file, const Options& options) {
-  if (const auto* on_graph = dynamic_cast<const arena::GraphWorld*>(&world)) {
-    auto results = tasks::load_results(file, on_graph->episodes(), tasks::Coverage::kPart);
-    const tasks::EpisodeSet part = part_of(on_graph->episodes(), results.trajectories);
-    print_score(results.trajectories, part);
-    return;
+/// "none" or what another check accepts.
+CLI::Validator none_or(const CLI::Validator& check) {
+  return CLI::Validator(
+      [check](std::string& text) { return text == "none" ? std::string() : check(text); },
+      check.get_description());
+}
+
+/// The settings of requests that "none" leaves out.
+void read_request_options(Options& options) {
+  arena::ChatConfig& chat = options.ask.chat;
+  chat.temperature =
+      options.temperature == "none" ? std::nullopt : parse_number<double>(options.temperature);
+  chat.seed = options.seed == "none" ? std::nullopt : parse_number<std::int64_t>(options.seed);
+  if (options.answer_tokens > 0) chat.most_tokens = options.answer_tokens;
+  if (options.most_tokens > 0) options.ask.most_tokens = options.most_tokens;
+  if (!options.limit_field.empty()) {
+    options.ask.limit_field = find_enum<arena::LimitField>(options.limit_field);
   }
-  score_free_walk({.data = options.data,
-                   .task = std::string(world.task()),
-                   .split = world.split(),
-                   .results = file.string(),
-                   .json = {},
-                   .part = true});
+  options.ask.shorten = options.window == "auto";
+  chat.window = parse_number<std::uint32_t>(options.window);
 }
 
 /// And says in the run's settings where words come from.
@@ -94,8 +122,13 @@ WordsMaker words_maker(Options& options, arena::Endpoint* captioner, arena::Answ
                               .picture_size = options.ask.picture_size,
                               .attempts = options.ask.attempts};
   if (!options.captioner_model.empty()) config.chat.model = options.captioner_model;
+  if (options.captioner.empty()) {
+    config.limit = options.ask.limit_field.value_or(config.limit);
+  } else {
+    config.chat.extra.clear();  // for another server
+  }
   options.ask.words = "captions by " + config.chat.model;
-  return [config, captioner, &cache](const arena::Sights& sights) {
+  return [config, captioner, &cache](const arena::ViewSources& sights) {
     return arena::caption_words(sights, config, captioner, cache);
   };
 }
@@ -122,23 +155,25 @@ ExitCode ask(Options& options) {
   if (options.list) {
     const OpenedWorld opened = open_world(data, options.task, options.split);
     for (const std::size_t e : arena::subset_named(*opened.world, options.subset)) {
-      fmt::print("{}\n", opened.world->episode_id(e));
+      fmt::print("{}\n", opened.world->episodes().id(e));
     }
     return kSuccess;
   }
   const arena::Prompt prompt = arena::Prompt::open(options.prompt);
   if (!options.answers.empty()) {
-    options.ask.answers = named<arena::Answers>(options.answers, "--answers");
+    options.ask.answers = find_enum<arena::Answers>(options.answers);
+    if (!options.ask.answers) {
+      throw UsageError(fmt::format("--answers {}: one of {} is expected", options.answers,
+                                   fmt::join(names_of(arena::Answers()), ", ")));
+    }
   }
-  options.ask.chat.seed = options.seed;
-  if (options.answer_tokens > 0) options.ask.chat.most_tokens = options.answer_tokens;
-  if (options.most_tokens > 0) options.ask.most_tokens = options.most_tokens;
+  read_request_options(options);
 
   std::unique_ptr<arena::StandIn> stand_in;
   std::unique_ptr<arena::Endpoint> endpoint;
   if (!options.stand_in.empty()) {
     arena::StandInConfig config{.rule = arena::rule_named(options.stand_in)};
-    config.seed = static_cast<std::uint64_t>(options.seed);
+    config.seed = static_cast<std::uint64_t>(options.ask.chat.seed.value_or(1));
     stand_in = std::make_unique<arena::StandIn>(open_world(data, options.task, options.split).world,
                                                 config);
     endpoint = arena::make_http_endpoint({.url = stand_in->url()});
@@ -146,6 +181,9 @@ ExitCode ask(Options& options) {
     endpoint = arena::make_http_endpoint(
         {.url = options.endpoint,
          .key = read_secret(options.key_file, {"ENFILADE_MODEL_KEY", "OPENAI_API_KEY"}),
+         .key_header = options.key_header,
+         .headers = options.headers.empty() ? decltype(arena::HttpEndpointConfig::headers)()
+                                            : arena::load_headers(options.headers),
          .timeout = options.timeout});
   }
   const fs::path folder = options.output;
@@ -169,9 +207,15 @@ ExitCode ask(Options& options) {
              prompt.name(), enum_name(report.answers), opened.title, options.split,
              data->synthetic() ? ", SYNTHETIC" : "");
   print_report(report, options);
-  for (const std::string& one : report.given_up) fmt::print(stderr, "{}\n", one);
-  if (report.done > 0 && !world.goals_hidden()) {
-    print_score_of(world, folder / "results.json", options);
+  for (const std::string& one : report.refused) fmt::print(stderr, "{}\n", one);
+  for (const std::string& one : report.given_up) {
+    fmt::print(stderr, "{} (left for the next run)\n", one);
+  }
+  if (report.done > 0 && !world.episodes().goals_hidden()) {
+    tasks::Trajectories results =
+        tasks::load_trajectories(folder / "results.json", world.episodes(), tasks::Coverage::kPart);
+    const tasks::Split part = part_of(world.episodes(), results);
+    print_score(results, part, agents::open_buildings(part.benchmark(), data->folder()).get());
     fmt::print("With {} episodes a share of one half may be {:.1f} points off by chance.\n",
                report.done, 100 * arena::chance_of(report.done));
   }
@@ -179,12 +223,18 @@ ExitCode ask(Options& options) {
   return report.done == report.episodes ? kSuccess : kFaultsFound;
 }
 
-void add_verb(CLI::App& app, int& status) {
+}  // namespace
+
+void add(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand("ask", "Evaluate a language model on a split");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_value(verb, "--endpoint", options->endpoint, "URL",
             "OpenAI-compatible server: http://127.0.0.1:8000/v1");
+  add_value(verb, "--key-header", options->key_header, "NAME",
+            "Header of the key, such as api-key (default: Authorization: Bearer)");
+  add_value(verb, "--headers", options->headers, "FILE",
+            "File with further headers of requests, a line \"Name: value\" each");
   add_value(verb, "--model", options->ask.chat.model, "NAME", "Name of the model at the server");
   add_value(verb, "--key-file", options->key_file, "FILE",
             "File with the server's key, which is never stored (default: the environment "
@@ -193,7 +243,7 @@ void add_verb(CLI::App& app, int& status) {
       verb, "--stand-in", options->stand_in, "RULE",
       fmt::format("A rule in place of a model: {}", fmt::join(names_of(arena::Rule()), ", ")));
   verb.add_flag("--replay", options->replay, "Use cached responses only; send no request");
-  add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
+  add_task_option(verb, options->task, "r2r, or what the data set has", Worlds::kBoth);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
   add_subset_option(verb, options->subset);
   verb.add_flag("--list", options->list, "Print the subset's instruction ids; send no request");
@@ -213,11 +263,19 @@ void add_verb(CLI::App& app, int& status) {
             "Model for captions (default: the model)");
   add_steps_option(verb, options->steps);
   add_whole_number(verb, "--parallel", options->ask.parallel,
-                   "Episodes at once; results stay "
-                   "the same");
-  add_setting(verb, "--temperature", options->ask.chat.temperature, "T",
-              "Sampling temperature, 0 to 2", finite_number(0, 2));
-  add_whole_number(verb, "--seed", options->seed, "Seed, sent with each request", 0);
+                   "Episodes at once; results stay the same");
+  add_setting(verb, "--temperature", options->temperature, "T",
+              "Sampling temperature, 0 to 2; none: not sent", none_or(finite_number(0, 2)));
+  add_setting(verb, "--seed", options->seed, "N", "Seed of each request; none: not sent",
+              none_or(whole_number(0, std::numeric_limits<std::int64_t>::max())));
+  add_value(verb, "--limit-field", options->limit_field, "NAME",
+            "max_tokens or max_completion_tokens (default: what the server takes)")
+      ->check(CLI::IsMember({"max_tokens", "max_completion_tokens"}));
+  add_value(verb, "--extra", options->ask.chat.extra, "JSON",
+            R"(Further fields of requests: {"reasoning_effort": "low"}; null removes one)");
+  add_setting(verb, "--window", options->window, "N",
+              "Steps that are sent again: a number, all, or auto (what fits)",
+              CLI::IsMember({"auto", "all"}) | whole_number(0, 1'000'000));
   add_whole_number(verb, "--answer-tokens", options->answer_tokens,
                    "Most tokens per response; 0: the server's limit", 0);
   add_whole_number(verb, "--most-tokens", options->most_tokens,
@@ -225,8 +283,7 @@ void add_verb(CLI::App& app, int& status) {
   add_setting(verb, "--timeout", options->timeout, "S", "Seconds to wait for a response",
               finite_number(0.001, 3600));
   add_whole_number(verb, "--picture-size", options->ask.picture_size,
-                   "Size of images, pixels, 64 "
-                   "to 2048");
+                   "Size of images, pixels, 64 to 2048");
   add_value(verb, "--prices", options->prices, "FILE",
             R"(Prices per million tokens: {"MODEL": {"prompt": 2.5, "answer": 10}})");
   add_value(verb, "--cache", options->cache, "DIR",
@@ -242,9 +299,4 @@ void add_verb(CLI::App& app, int& status) {
   verb.callback([options, &status] { status = ask(*options); });
 }
 
-}  // namespace
-}  // namespace ask_verb
-
-void add_ask(CLI::App& app, int& status) { ask_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::ask_verb

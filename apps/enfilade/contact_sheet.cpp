@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,10 +11,8 @@
 #include "apps/enfilade/picture_files.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/draw/contact_sheet.h"
-#include "enfilade/draw/shots.h"
 
-namespace enfilade::apps {
-namespace contact_sheet_verb {
+namespace enfilade::apps::contact_sheet_verb {
 namespace {
 
 struct SheetArguments {
@@ -65,10 +62,8 @@ std::string title_lines(const std::vector<std::string>& lines) {
   std::string title;
   for (const std::string& line : lines) {
     std::string text = line;
-    for (const std::string_view quote : {"\u201c", "\u201d"}) {
-      for (std::size_t at = text.find(quote); at != std::string::npos; at = text.find(quote)) {
-        text.erase(at, quote.size());
-      }
+    for (const char* quote : {"\u201c", "\u201d"}) {
+      text = CLI::detail::find_and_replace(text, quote, "");
     }
     const auto others = std::ranges::count_if(text, [](char c) { return (c & 0x80) != 0; });
     const bool readable = static_cast<std::size_t>(others) * 4 <= text.size();
@@ -114,7 +109,9 @@ void draw_sheet(const SheetArguments& a) {
   write_picture(a.output, encode(sheet, a.output));
 }
 
-void add_verb(CLI::App& app, int& /*status*/) {
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "contact-sheet", "Draw a scan's viewpoints, or a trajectory, as small pictures");
   const auto a = std::make_shared<SheetArguments>();
@@ -141,9 +138,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([a] { draw_sheet(*a); });
 }
 
-}  // namespace
-}  // namespace contact_sheet_verb
-
-void add_contact_sheet(CLI::App& app, int& status) { contact_sheet_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::contact_sheet_verb

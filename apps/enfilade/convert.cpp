@@ -15,9 +15,9 @@
 #include "enfilade/models/subwords.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
 
-namespace enfilade::apps {
-namespace convert_verb {
+namespace enfilade::apps::convert_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,7 +29,7 @@ struct Options {
 };
 
 tasks::Task graph_task(const std::string& name) {
-  return tasks::benchmark(name, tasks::World::kGraph).task;
+  return tasks::benchmark(name, tasks::WorldKind::kGraph).task;
 }
 
 /// Packed, if the file's name says so.
@@ -128,33 +128,20 @@ std::string convert_feature_file(const Options& options) {
 }
 
 void convert(const Options& options) {
-  std::string what;
   const FileKind kind = exports::find_kind(options.from);
   if (kind != FileKind::kAnnotations && !options.vocabulary.empty()) {
     throw UsageError(
         fmt::format("--vocabulary: for annotations; {} holds {}", options.from, to_string(kind)));
   }
-  switch (kind) {
-    case FileKind::kAnnotations:
-      what = convert_annotations(options);
-      break;
-    case FileKind::kFollowers:
-      what = convert_followers(options);
-      break;
-    case FileKind::kResults:
-      what = convert_results(options);
-      break;
-    case FileKind::kBoxes:
-      what = convert_boxes(options);
-      break;
-    case FileKind::kFeatures:
-      what = convert_feature_file(options);
-      break;
-  }
+  constexpr std::array kConverters{convert_annotations, convert_followers, convert_results,
+                                   convert_boxes, convert_feature_file};  // by FileKind
+  const std::string what = kConverters.at(static_cast<std::size_t>(kind))(options);
   if (options.to != "-") fmt::print("{}: {}\n", options.to, what);
 }
 
-void add_verb(CLI::App& app, int& /*status*/) {
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "convert", "Convert annotations, results, boxes or features to another format");
   const auto options = std::make_shared<Options>();
@@ -179,9 +166,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { convert(*options); });
 }
 
-}  // namespace
-}  // namespace convert_verb
-
-void add_convert(CLI::App& app, int& status) { convert_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::convert_verb

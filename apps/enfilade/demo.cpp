@@ -1,8 +1,12 @@
 // enfilade demo: the agents that learn nothing, beside the paper's; then, in model homes, those
 // that do.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <spawn.h>
+#include <unistd.h>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,31 +14,25 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/home_pictures.h"
-#include "apps/enfilade/learning/demo_learning.h"
 #include "apps/enfilade/learning/learn.h"
-#include "apps/enfilade/open_page.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/file.h"
 #include "enfilade/draw/floor_plan.h"
-#include "enfilade/homes/home_set.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score_table.h"
 #include "enfilade/tasks/statistics.h"
 
-namespace enfilade::apps {
-namespace demo_verb {
+namespace enfilade::apps::demo_verb {
 namespace {
 
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data;
-  std::string output = "enfilade-demo";
+  std::string data, output = "enfilade-demo";
   std::uint64_t seeds = 25;
-  bool skip_learning = false;
-  bool open = false;
+  bool skip_learning = false, open = false;
 };
 
 // What the demo shows of a score: TL and NE in metres, SR and OSR in per cent.
@@ -83,20 +81,15 @@ dataset::Dataset find_data(const Options& options) {
       "cores; the next demo finds them there).\n\n",
       folder.string());
   std::fflush(stdout);
-  const Progress homes = progress_bar("model homes"), paths = progress_bar("instructions");
-  const auto bar = [](const Progress& progress) {
-    return [&progress](const std::string&, std::size_t done, std::size_t total) {
-      if (progress) progress(done, total);
-    };
-  };
-  homes::write_homes(folder, homes::home_set_preset("demo"), bar(homes));
-  homes::write_home_paths(folder, {}, bar(paths));
+  homes::write_homes(folder, homes::home_set_preset("demo"), set_bar("model homes"));
+  homes::write_home_paths(folder, {}, set_bar("instructions"));
   return dataset::Dataset(folder);
 }
 
 void print_dataset(const dataset::Dataset& data) {
   std::vector<tasks::Annotations> splits;
-  for (const auto split : dataset::kSplits) splits.push_back(data.annotations(split));
+  for (const auto split : tasks::benchmark(tasks::Task::kR2r).splits)
+    splits.push_back(data.annotations(split));
   const auto s = tasks::compute_statistics(splits, data.graphs());
   const bool synthetic = data.synthetic();
   struct Line {
@@ -158,9 +151,9 @@ void print_agent(const std::string& agent, const std::string& split, const Measu
 void draw_episode(const tasks::EpisodeSet& episodes, const tasks::Trajectory& trajectory,
                   const fs::path& data, const fs::path& file) {
   const tasks::Episode& episode = episodes.episodes[trajectory.episode];
-  draw::PlannedPath reference{draw::PlannedPath::Role::kReference,
-                              episodes.path_of(episode).viewpoints, "reference path"};
-  draw::PlannedPath agent{draw::PlannedPath::Role::kAgent, {}, "random agent"};
+  draw::PlannedPath reference{draw::PathRole::kReference, episodes.path_of(episode).viewpoints,
+                              "reference path"};
+  draw::PlannedPath agent{draw::PathRole::kAgent, {}, "random agent"};
   for (const tasks::TrajectoryPoint& point : trajectory.points) {
     agent.viewpoints.push_back(point.viewpoint);
   }
@@ -224,6 +217,53 @@ void draw_pictures(const Options& options, const dataset::Dataset& data) {
   fmt::print("\n");
 }
 
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): never set here
+  return value == nullptr ? "" : value;
+}
+
+// BROWSER may name several, with colons between them; xdg-open needs a display.
+std::vector<std::string> browsers() {
+  std::vector<std::string> names;
+  for (const std::string& name : CLI::detail::split(variable("BROWSER"), ':')) {
+    if (!name.empty()) names.push_back(name);
+  }
+  if (!variable("DISPLAY").empty() || !variable("WAYLAND_DISPLAY").empty()) {
+    names.emplace_back("xdg-open");
+  }
+  return names;
+}
+
+// Its own session and no output, so that it outlives this program and does not write into it.
+bool start_browser(const std::string& program, const std::string& file) {
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  std::string name = program, argument = file;
+  std::array<char*, 3> arguments{name.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  const int failed =
+      posix_spawnp(&child, program.c_str(), &files, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  return failed == 0;
+}
+
+// Shows a file in the browser that BROWSER names, or in the desktop's (xdg-open). Does not wait for
+// it. False if there is none, as in a container or over ssh.
+bool open_page(const fs::path& file) {
+  const std::string page = fs::absolute(file).string();
+  for (const std::string& browser : browsers()) {
+    if (start_browser(browser, page)) return true;
+  }
+  return false;
+}
+
 // What comes after the demo, for people who have data.
 void print_next(const Options& options, bool learned) {
   if (learned) {
@@ -263,7 +303,9 @@ int demo(const Options& options) {
   return status;
 }
 
-void add_verb(CLI::App& app, int& status) {
+}  // namespace
+
+void add(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "demo", "Reproduce the paper's baselines; without data, make homes and train");
   const auto options = std::make_shared<Options>();
@@ -279,9 +321,4 @@ void add_verb(CLI::App& app, int& status) {
   verb.callback([options, &status] { status = demo(*options); });
 }
 
-}  // namespace
-}  // namespace demo_verb
-
-void add_demo(CLI::App& app, int& status) { demo_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::demo_verb

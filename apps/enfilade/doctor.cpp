@@ -16,15 +16,13 @@
 #include "apps/enfilade/advice.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/core/memory.h"
+#include "enfilade/core/enum_names.h"
+#include "enfilade/core/proxy.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/render/cuda_devices.h"
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
 #include "enfilade/render/renderer.h"
-#include "enfilade/render/sample.h"
 
-namespace enfilade::apps {
-namespace doctor_verb {
+namespace enfilade::apps::doctor_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,7 +75,7 @@ constexpr const char* kBrokenDriver =
 bool examine_cpu(Report& report, render::Backend backend) {
   render::RendererConfig config;
   config.backend = backend;
-  const std::string name(to_string(backend));
+  const std::string name(enum_name(backend));
   try {
     const auto renderer = render::make_renderer(render::sample_faces(), config);
     render::check_sample(*renderer);
@@ -209,6 +207,29 @@ void examine_space(Report& report) {
   }
 }
 
+// The proxies that `ask` and `submit` use. Neither user nor password is shown.
+void examine_network(Report& report) {
+  report.begin("network");
+  for (const std::string scheme : {"http", "https"}) {
+    try {
+      const auto proxy = proxy_for(scheme + "://enfilade.invalid/");
+      report.fact("proxy for " + scheme,
+                  proxy ? fmt::format("{} ({}{})", proxy->address(), proxy->variable,
+                                      proxy->user.empty() ? "" : ", a user")
+                        : "none");
+    } catch (const Error& error) {
+      report.add("proxy for " + scheme, false, error.what(),
+                 "set the variable to http://HOST:PORT, or unset it");
+    }
+  }
+  for (const char* name : {"no_proxy", "NO_PROXY"}) {
+    const char* const list = std::getenv(name);
+    if (list == nullptr || *list == '\0') continue;
+    report.fact("without a proxy", fmt::format("this machine, {} ({})", list, name));
+    break;
+  }
+}
+
 void examine_data(Report& report, const std::string& folder) {
   report.begin("data");
   try {
@@ -231,10 +252,7 @@ std::string to_text(const Report& report) {
     if (f.section != section) text += fmt::format("{}{}\n", section.empty() ? "" : "\n", f.section);
     section = f.section;
     const std::string indent = fmt::format("  {:<{}}  {:<3}  ", "", width, "");
-    std::string lines = f.text;
-    for (std::size_t at = 0; (at = lines.find('\n', at)) != std::string::npos; ++at) {
-      lines.insert(at + 1, indent);
-    }
+    const std::string lines = CLI::detail::find_and_replace(f.text, "\n", "\n" + indent);
     text += fmt::format("  {:<{}}  {:<3}  {}\n", f.name, width,
                         f.works ? (*f.works ? "yes" : "no") : "", lines);
     if (!f.advice.empty()) advice += fmt::format("  {:<{}}  {}\n", f.name, width, f.advice);
@@ -270,12 +288,15 @@ int examine(const Arguments& arguments) {
   examine_cuda(report, cuda);
   examine_networks(report);
   examine_space(report);
+  examine_network(report);
   examine_data(report, arguments.data);
   write_output("-", arguments.json ? to_json(report, works) : to_text(report));
   return works ? kSuccess : kFaultsFound;
 }
 
-void add_verb(CLI::App& app, int& status) {
+}  // namespace
+
+void add(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "doctor", "Report what this machine supports, and how to add what is missing");
   const auto arguments = std::make_shared<Arguments>();
@@ -289,9 +310,4 @@ void add_verb(CLI::App& app, int& status) {
   });
 }
 
-}  // namespace
-}  // namespace doctor_verb
-
-void add_doctor(CLI::App& app, int& status) { doctor_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::doctor_verb

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "enfilade/draw/episode_text.h"
 #include "enfilade/draw/planned_goal.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
@@ -12,22 +11,13 @@
 namespace enfilade::apps {
 namespace {
 
-std::size_t place_of_path(const tasks::EpisodeSet& episodes, std::int64_t id) {
-  const auto path = std::ranges::find(episodes.paths, id, &tasks::ReferencePath::path_id);
-  if (path != episodes.paths.end()) {
-    return static_cast<std::size_t>(path - episodes.paths.begin());
-  }
-  throw LookupError(fmt::format("--path {}: not one of the {} paths of {}", id,
-                                episodes.paths.size(), episodes.split));
-}
-
-std::size_t place_of_instruction(const tasks::EpisodeSet& episodes, const std::string& id) {
-  const auto episode = std::ranges::find(episodes.episodes, id, &tasks::Episode::instruction_id);
-  if (episode != episodes.episodes.end()) {
-    return static_cast<std::size_t>(episode - episodes.episodes.begin());
-  }
-  throw LookupError(fmt::format("--instr {:?}: not one of the {} scored instructions of {}", id,
-                                episodes.episodes.size(), episodes.split));
+// \param named the option and its value \param what for messages
+template <class T, class Id>
+std::size_t place_in(const std::vector<T>& all, const Id& id, Id T::*own, const std::string& named,
+                     const char* what, const std::string& split) {
+  const auto found = std::ranges::find(all, id, own);
+  if (found != all.end()) return static_cast<std::size_t>(found - all.begin());
+  throw LookupError(fmt::format("{}: not one of the {} {} of {}", named, all.size(), what, split));
 }
 
 }  // namespace
@@ -85,19 +75,19 @@ std::string DrawnPath::goal_name() const {
   return shown == nullptr ? "" : draw::name_of_goal(episodes, *shown, objects());
 }
 
-const tasks::ObjectBoxes* DrawnPath::objects() const { return episodes.objects.get(); }
-
 DrawnPath find_path(const PathOptions& options, const std::string& scan,
                     const dataset::Dataset& data) {
   DrawnPath found;
-  found.data = data;
-  const tasks::Task task = tasks::benchmark(options.task, tasks::World::kGraph).task;
-  found.episodes =
-      task == tasks::Task::kR2r ? data.episodes(options.split) : data.episodes(task, options.split);
+  const tasks::Task task = tasks::benchmark(options.task, tasks::WorldKind::kGraph).task;
+  found.episodes = data.episodes(task, options.split);
+  const std::string& split = found.episodes.split;
   if (options.path) {
-    found.place = place_of_path(found.episodes, *options.path);
+    found.place = place_in(found.episodes.paths, *options.path, &tasks::ReferencePath::path_id,
+                           fmt::format("--path {}", *options.path), "paths", split);
   } else {
-    found.episode = place_of_instruction(found.episodes, options.instruction);
+    found.episode =
+        place_in(found.episodes.episodes, options.instruction, &tasks::Episode::instruction_id,
+                 fmt::format("--instr {:?}", options.instruction), "scored instructions", split);
     found.place = found.episodes.episodes[*found.episode].path;
   }
   if (!scan.empty() && scan != found.graph().scan()) {

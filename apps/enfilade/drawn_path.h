@@ -29,7 +29,6 @@ void validate(const PathOptions& options, const std::string& scan);
 /// A path of a split, with its facts.
 struct DrawnPath {
   tasks::EpisodeSet episodes;
-  std::optional<dataset::Dataset> data;   ///< for the boxes of objects
   std::size_t place = 0;                  ///< in episodes.paths
   std::optional<std::size_t> episode;     ///< in episodes.episodes; for --instr
   std::optional<tasks::Trajectory> walk;  ///< for --results
@@ -42,7 +41,7 @@ struct DrawnPath {
   /// The goal's name (draw::name_of_goal()); may be empty.
   std::string goal_name() const;
   /// Object boxes (REVERIE); else null. Valid as long as *this.
-  const tasks::ObjectBoxes* objects() const;
+  const tasks::ObjectBoxes* objects() const { return episodes.objects.get(); }
 };
 /// \param scan may be empty. \throws LookupError for an unknown task, or naming the option;
 /// UsageError if the path is in another scan; as Dataset::episodes(), tasks::load_results()

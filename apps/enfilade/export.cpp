@@ -1,33 +1,31 @@
 // enfilade export: files that other code reads, made of any data set.
 #include <fmt/format.h>
-#include <unistd.h>
+#include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/continuous/scenes.h"
+#include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/continuous_setup.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/exports/box_files.h"
-#include "enfilade/exports/depth_files.h"
 #include "enfilade/exports/expert_walks.h"
 #include "enfilade/exports/feature_files.h"
 #include "enfilade/exports/graph_tables.h"
-#include "enfilade/exports/networkx.h"
-#include "enfilade/exports/view_pictures.h"
+#include "enfilade/exports/picture_files.h"
+#include "enfilade/tasks/objects.h"
 
-namespace enfilade::apps {
-namespace export_verb {
+namespace enfilade::apps::export_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -39,6 +37,8 @@ struct Options {
   std::size_t most_objects = exports::kMostObjects;
   bool nested = false;
   std::string task = "r2r-ce", split = "train", appearance = "mesh", python = "python3";
+  std::string lerobot_version = "3.0";
+  bool videos = false;
   int quality = exports::ViewPicturesOptions().quality;
   int threads = 0;
 };
@@ -95,45 +95,69 @@ void write_navgpt(const Options& options, const dataset::Dataset& data, const fs
   fmt::print("{}: {} files\n", to.string(), graphs->size());
 }
 
+/// A form's half in Python: modules that it imports, and pip's extra of enfilade that brings them.
+struct PythonHalf {
+  const char* modules;
+  const char* extra;
+};
+
+/// Arguments of a Python that runs enfilade.exports.main(). Without arguments for that, it only
+/// imports the modules.
+std::vector<std::string> python_words(const Options& options, const PythonHalf& half) {
+  return {options.python, "-c",
+          fmt::format("import sys\n"
+                      "try:\n"
+                      "    import {}\n"
+                      "    from enfilade.exports import main\n"
+                      "except ImportError as error:\n"
+                      "    print(f'export: {{sys.executable}}: {{error}}: "
+                      "pip install \"enfilade[{}]\", or --python PROGRAM', file=sys.stderr)\n"
+                      "    sys.exit(2)\n"
+                      "sys.exit(main() if len(sys.argv) > 1 else 0)\n",
+                      half.modules, half.extra)};
+}
+
+UsageError not_started(const Options& options, int error) {
+  return UsageError(
+      fmt::format("export: {}: {}; --python names another", options.python, std::strerror(error)));
+}
+
+/// Imports the modules in a Python of its own, which prints the missing one. \throws UsageError
+void check_python(const Options& options, const PythonHalf& half) {
+  const int status = run_command(python_words(options, half));
+  if (status < 0) throw not_started(options, -status);
+  if (status != 0) {
+    throw UsageError(fmt::format(
+        "export --as {}: Python writes the files; nothing is written without it", options.as));
+  }
+}
+
 /// Becomes Python, for the files that its packages write: the program ends with it.
-void continue_in_python(const Options& options, const std::vector<std::string>& arguments) {
-  constexpr const char* kStart =
-      "import sys\n"
-      "try:\n"
-      "    from enfilade.exports import main\n"
-      "except ImportError as error:\n"
-      "    sys.exit(f'export: {sys.executable}: {error}: pip install \"enfilade[graphs]\", "
-      "or --python PROGRAM')\n"
-      "sys.exit(main())\n";
-  std::vector<std::string> words{options.python, "-c", kStart};
+void continue_in_python(const Options& options, const PythonHalf& half,
+                        const std::vector<std::string>& arguments) {
+  std::vector<std::string> words = python_words(options, half);
   words.insert(words.end(), arguments.begin(), arguments.end());
-  words.insert(words.end(), options.scans.begin(), options.scans.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  std::fflush(stdout);
-  execvp(pointers[0], pointers.data());
-  throw UsageError(
-      fmt::format("export: {}: {}; --python names another", options.python, std::strerror(errno)));
+  throw not_started(options, become(options.python, words));
 }
 
 void write_networkx(const Options& options, const dataset::Dataset& data, const fs::path& to) {
-  make_folder(to / "distances");
-  make_folder(to / "paths");
+  constexpr PythonHalf kHalf{"networkx", "graphs"};
+  check_python(options, kHalf);
+  const fs::path parts = to / "connectivity_graphs.parts";  // Python removes it
+  std::error_code unknown;
+  fs::remove_all(parts, unknown);  // of a run that was stopped
+  for (const fs::path& folder : {to / "distances", to / "paths", parts}) make_folder(folder);
   const auto& graphs = data.graphs();
   for_each_scan(options, *graphs, [&](ScanIndex scan, const std::string& name) {
     const graph::NavGraph& graph = graphs->graph(scan);
     write_file_atomically(to / "distances" / (name + ".json"), exports::all_distances(graph));
     write_file_atomically(to / "paths" / (name + ".json"), exports::all_paths(graph));
+    write_file_atomically(parts / (name + ".json"), exports::all_edges(graph));
   });
   fmt::print("{}, {}: {} files each\n", (to / "distances").string(), (to / "paths").string(),
              graphs->size());
-  continue_in_python(options, {"networkx", data.connectivity_folder().string(),
-                               (to / "connectivity_graphs.pkl").string()});
+  continue_in_python(options, kHalf, {"networkx", to.string()});
 }
-
-// --- features and objects
-// -------------------------------------------------------------------------
 
 exports::FeatureSource feature_source(const Options& options) {
   if (options.features.empty()) {
@@ -188,9 +212,6 @@ void write_boxes(const Options& options, const dataset::Dataset& data, const fs:
              counts.viewpoints, counts.objects, counts.boxes);
 }
 
-// --- pictures
-// -------------------------------------------------------------------------------------
-
 /// The file of tokens, if --features names some.
 void write_token_file(const Options& options, const dataset::Dataset& data,
                       const exports::TokenShape& shape, const fs::path& to) {
@@ -234,17 +255,16 @@ using WriteWalks = exports::WalkReport (*)(const exports::ExpertWalks&, const fs
 template <WriteWalks kWrite>
 void write_walks(const Options& options, const dataset::Dataset& data, const fs::path& to) {
   const agents::ContinuousSetup& setup = agents::continuous_setup(options.task);
-  const tasks::ContinuousEpisodes episodes =
-      agents::load_continuous_split(*setup.benchmark, data.folder(), options.split);
-  const auto buildings =
-      std::make_shared<const continuous::Buildings>(data.folder() / setup.navigation_folder());
+  const tasks::Split split = data.split(*setup.benchmark, options.split, {.experts = false});
+  const tasks::ContinuousEpisodes& episodes = *split.continuous();
+  const auto buildings = agents::open_buildings(*setup.benchmark, data.folder());
   exports::WalkPictures pictures;
   pictures.quality = options.quality;
   pictures.data = setup.benchmark->form == tasks::ContinuousForm::kRxr ? "rxr" : "r2r";
-  const MeshSource meshes{.folder = options.meshes, .up = "format"};
-  pictures.appearance = continuous::parse_appearance(options.appearance).value();
+  pictures.appearance = find_enum<continuous::Appearance>(options.appearance).value();
   const auto look_of = [&](const std::string& scan) {
-    return look_of_scan(data, meshes, scan, pictures.appearance, options.threads);
+    return look_of_scan(data, {.folder = options.meshes}, scan, pictures.appearance,
+                        options.threads);
   };
   const exports::WalkReport report =
       kWrite({episodes, buildings, setup.simulator, look_of}, to, pictures, told(options));
@@ -253,23 +273,41 @@ void write_walks(const Options& options, const dataset::Dataset& data, const fs:
   if (data.synthetic()) fmt::print("SYNTHETIC: model homes made by Enfilade.\n");
 }
 
+void write_lerobot(const Options& options, const dataset::Dataset& data, const fs::path& to) {
+  const bool old = options.lerobot_version == "2.1";
+  if (options.videos && old) throw UsageError("--videos: only with --lerobot-version 3.0");
+  // Both versions have these names in their first folder.
+  const fs::path other =
+      to / "data" / "chunk-000" / (old ? "file-000.parquet" : "episode_000000.parquet");
+  if (file_exists(other)) {
+    throw UsageError(
+        fmt::format("{}: a table of LeRobot {}; take another folder, or "
+                    "--lerobot-version {}",
+                    other.string(), old ? "3.0" : "2.1", old ? "3.0" : "2.1"));
+  }
+  const PythonHalf half = options.videos ? PythonHalf{"av, pyarrow.parquet", "lerobot-videos"}
+                                         : PythonHalf{"pyarrow.parquet", "lerobot"};
+  check_python(options, half);
+  write_walks<exports::write_lerobot_parts>(options, data, to);
+  std::vector<std::string> arguments{"lerobot", to.string(), "--version", options.lerobot_version};
+  if (options.videos) arguments.emplace_back("--videos");
+  continue_in_python(options, half, arguments);
+}
+
 /// Episodes and experts' walks where VLN-CE's code looks for them.
 void write_vlnce(const Options& options, const dataset::Dataset& data, const fs::path& to) {
   const agents::ContinuousSetup& setup = agents::continuous_setup(options.task);
-  const tasks::ContinuousEpisodes episodes =
-      agents::load_continuous_split(*setup.benchmark, data.folder(), options.split);
-  // The second place of each is where the newest public code looks.
+  const tasks::Split split = data.split(*setup.benchmark, options.split);
+  // The second folder of each is where the newest public code looks; a place is packed, then plain.
   const auto write = [&](const std::vector<fs::path>& places, const std::string& text) {
-    const fs::path file = to / places.at(1);
+    const fs::path file = to / places.at(2);
     make_folder(file.parent_path());
     write_file_atomically(file, gzip(text, 6));
     say_written(file);
   };
-  write(tasks::episode_places(*setup.benchmark, options.split), to_json(episodes));
-  const tasks::ExpertWalks experts =
-      agents::load_experts_of(*setup.benchmark, data.folder(), options.split);
-  if (!experts.empty()) {
-    write(tasks::expert_places(*setup.benchmark, options.split), to_json(experts));
+  write(tasks::episode_places(*setup.benchmark, options.split), to_json(*split.continuous()));
+  if (!split.experts()->empty()) {
+    write(tasks::expert_places(*setup.benchmark, options.split), to_json(*split.experts()));
   }
 }
 
@@ -300,21 +338,15 @@ constexpr std::array<Form, 14> kForms{{
      "R2R/train/ID/frame_0.jpg, R2R/annotations.json: the same, a decision per up to three "
      "actions (NaVILA)",
      write_walks<exports::write_navila>},
-    {"lerobot", nullptr, "data/chunk-000/*.parquet, meta/: the same, as a data set of LeRobot 2.1",
-     write_walks<exports::write_lerobot>},
+    {"lerobot", nullptr,
+     "data/chunk-000/*.parquet, meta/: the same, as a data set of LeRobot 3.0 or 2.1",
+     write_lerobot},
     {"vlnce", nullptr,
      "R2R_VLNCE_v1-3_preprocessed/SPLIT/SPLIT.json.gz, SPLIT_gt.json.gz: episodes and expert "
      "trajectories (VLN-CE)",
      write_vlnce},
     {"mapgpt-views", nullptr, "SCAN/VIEWPOINT/0.jpg to 35.jpg (MapGPT)", write_views},
 }};
-
-const Form& form_named(const std::string& name) {
-  for (const Form& form : kForms) {
-    if (name == form.name) return form;
-  }
-  throw UsageError(fmt::format("export: --as {}: no such form", name));
-}
 
 /// A file for a form that is one file: -o itself if its suffix is the form's, else of the usual
 /// name in that folder. Else the folder.
@@ -339,7 +371,7 @@ dataset::Dataset open_source(const Options& options) {
 }
 
 void write_form(const Options& options) {
-  const Form& form = form_named(options.as);
+  const Form& form = *std::ranges::find(kForms, options.as, &Form::name);  // --as has one of them
   const dataset::Dataset data = open_source(options);
   form.write(options, data, target(form, options.output));
 }
@@ -350,48 +382,9 @@ std::string list_of_forms() {
   return text;
 }
 
-void add_place(CLI::App& verb, Options& options) {
-  add_data_option(verb, options.data);
-  add_value(verb, "--connectivity", options.connectivity, "DIR",
-            "Navigation graphs, instead of the data set's");
-  add_value(verb, "--images", options.images, "DIR",
-            "Folder of panoramas, instead of the data set's; may be repeated");
-  add_value(verb, "--scans", options.scans, "SCAN...", "Scans to write (default: all)");
-  add_threads_option(verb, options.threads);
-}
+}  // namespace
 
-void add_details(CLI::App& verb, Options& options) {
-  add_value(verb, "--features", options.features, "FILE",
-            "Features (duet-hdf5, object-hdf5) or tokens (bevbert-grid, gridmm) of the views");
-  add_value(verb, "--logits", options.logits, "FILE",
-            "Class scores of the views, appended as columns: for pretraining");
-  add_setting(verb, "--type", options.type, "TYPE",
-              "Type of features: f16, f32, or f64, as published",
-              CLI::IsMember({"f16", "f32", "f64"}));
-  CLI::Option* boxes = add_value(verb, "--boxes", options.boxes, "FILE|DIR",
-                                 "Boxes of objects, instead of the data set's");
-  add_value(verb, "--meshes", options.meshes, "DIR",
-            "Labelled meshes for boxes; streamvln, navila, lerobot: meshes to draw")
-      ->excludes(boxes);
-  add_whole_number(verb, "--objects", options.most_objects,
-                   "Most objects per viewpoint (object-hdf5)");
-  verb.add_flag("--nested", options.nested,
-                "One file of boxes in REVERIE's form, not DUET's (reverie-boxes)");
-  add_setting(verb, "--quality", options.quality, "N",
-              "JPEG quality, 1 to 100 (mapgpt-views and trajectories)", whole_number(1, 100));
-  add_setting(verb, "--task", options.task, "NAME",
-              "Benchmark of trajectories (streamvln, "
-              "navila, lerobot, vlnce)",
-              CLI::IsMember({"r2r-ce", "rxr-ce"}));
-  add_setting(verb, "--split", options.split, "NAME",
-              "Split of trajectories (streamvln, navila, "
-              "lerobot, vlnce)");
-  add_appearance_option(verb, options.appearance);
-  add_setting(verb, "--python", options.python, "PROGRAM",
-              "A Python with the packages enfilade and networkx (networkx)");
-}
-
-void add_verb(CLI::App& app, int& /*status*/) {
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("export", "Write the files that other projects read");
   const auto options = std::make_shared<Options>();
   std::vector<std::string> names;
@@ -402,8 +395,43 @@ void add_verb(CLI::App& app, int& /*status*/) {
   add_value(verb, "-o,--output", options->output, "DIR|FILE",
             "Folder, or the file for forms of one file")
       ->required();
-  add_place(verb, *options);
-  add_details(verb, *options);
+  add_data_option(verb, options->data);
+  add_value(verb, "--connectivity", options->connectivity, "DIR",
+            "Navigation graphs, instead of the data set's");
+  add_value(verb, "--images", options->images, "DIR",
+            "Folder of panoramas, instead of the data set's; may be repeated");
+  add_value(verb, "--scans", options->scans, "SCAN...", "Scans to write (default: all)");
+  add_threads_option(verb, options->threads);
+  add_value(verb, "--features", options->features, "FILE",
+            "Features (duet-hdf5, object-hdf5) or tokens (bevbert-grid, gridmm) of the views");
+  add_value(verb, "--logits", options->logits, "FILE",
+            "Class scores of the views, appended as columns: for pretraining");
+  add_setting(verb, "--type", options->type, "TYPE",
+              "Type of features: f16, f32, or f64, as published",
+              CLI::IsMember({"f16", "f32", "f64"}));
+  CLI::Option* boxes = add_value(verb, "--boxes", options->boxes, "FILE|DIR",
+                                 "Boxes of objects, instead of the data set's");
+  add_value(verb, "--meshes", options->meshes, "DIR",
+            "Labelled meshes for boxes; streamvln, navila, lerobot: meshes to draw")
+      ->excludes(boxes);
+  add_whole_number(verb, "--objects", options->most_objects,
+                   "Most objects per viewpoint (object-hdf5)");
+  verb.add_flag("--nested", options->nested,
+                "One file of boxes in REVERIE's form, not DUET's (reverie-boxes)");
+  add_setting(verb, "--quality", options->quality, "N",
+              "JPEG quality, 1 to 100 (mapgpt-views and trajectories)", whole_number(1, 100));
+  add_setting(verb, "--task", options->task, "NAME",
+              "Benchmark of trajectories (streamvln, navila, lerobot, vlnce)",
+              CLI::IsMember({"r2r-ce", "rxr-ce"}));
+  add_setting(verb, "--split", options->split, "NAME",
+              "Split of trajectories (streamvln, navila, lerobot, vlnce)");
+  add_appearance_option(verb, options->appearance);
+  add_setting(verb, "--lerobot-version", options->lerobot_version, "N",
+              "Version of LeRobot's format: 3.0, or 2.1 with a table per episode",
+              CLI::IsMember({"3.0", "2.1"}));
+  verb.add_flag("--videos", options->videos, "AV1 videos instead of pictures (lerobot 3.0)");
+  add_setting(verb, "--python", options->python, "PROGRAM",
+              "A Python with enfilade and networkx (networkx) or pyarrow (lerobot)");
   set_examples(verb, {"enfilade export --as duet-candidates -o datasets/R2R/annotations",
                       "enfilade export --as navgpt --data homes -o navigable",
                       "enfilade export --as duet-hdf5 --features f.safetensors --type f64 -o "
@@ -416,9 +444,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { write_form(*options); });
 }
 
-}  // namespace
-}  // namespace export_verb
-
-void add_export(CLI::App& app, int& status) { export_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::export_verb

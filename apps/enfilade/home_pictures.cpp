@@ -11,8 +11,7 @@
 #include "enfilade/dataset/views.h"
 #include "enfilade/draw/contact_sheet.h"
 #include "enfilade/draw/floor_plan.h"
-#include "enfilade/homes/home_set.h"
-#include "enfilade/render/pictures.h"
+#include "enfilade/render/renderer.h"
 
 namespace enfilade::apps {
 namespace {
@@ -187,6 +186,12 @@ bool draw_walk(const dataset::Dataset& data, const std::vector<std::string>& pre
 }
 
 }  // namespace
+
+homes::SetProgress set_bar(const std::string& what) {
+  return [bar = progress_bar(what)](const std::string&, std::size_t done, std::size_t total) {
+    if (bar) bar(done, total);
+  };
+}
 
 std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& output) {
   std::vector<homes::HomeEntry> homes = homes::read_home_list(folder);

@@ -1,4 +1,4 @@
-/// \file  Pictures and plans of a folder of synthetic homes.
+/// \file  Pictures and plans of a folder of synthetic homes; progress of making one.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -7,8 +7,12 @@
 
 #include "enfilade/draw/plan_underlay.h"
 #include "enfilade/graph/nav_graph.h"
+#include "enfilade/homes/home_set.h"
 
 namespace enfilade::apps {
+
+/// A progress_bar() for homes::write_homes() and write_home_paths().
+homes::SetProgress set_bar(const std::string& what);
 
 /// Renders pictures of homes into `output`: `homes.png` has a view of each home, `rooms.png` a view
 /// and `panoramas.png` a panorama of each type of room. If the folder has paths, `walk.png` has the

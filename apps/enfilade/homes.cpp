@@ -1,4 +1,4 @@
-// enfilade homes, and its short form enfilade synth: make a data set of model homes.
+// enfilade homes, its short form enfilade synth, and enfilade dataset: data sets of model homes.
 #include <fmt/format.h>
 #include <array>
 #include <cstdint>
@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/home_options.h"
+#include "apps/enfilade/home_pictures.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/homes/home_set.h"
 
-namespace enfilade::apps {
+namespace enfilade::apps::homes_verb {
 namespace {
 
 struct Options {
@@ -31,7 +32,7 @@ homes::HomeSetOptions set_of(const Options& o) {
   homes::HomeSetOptions set = homes::home_set_preset(o.preset);
   if (o.homes) set.homes = *o.homes;
   if (o.seed) set.seed = *o.seed;
-  if (!o.kind.empty()) set.kind = homes::parse_home_kind(o.kind);
+  if (!o.kind.empty()) set.kind = find_enum<homes::HomeKind>(o.kind);
   if (o.area) {
     set.least_area = set.most_area = *o.area;
     set.stairs_every = 0;
@@ -46,13 +47,6 @@ homes::HomeSetOptions set_of(const Options& o) {
   set.shard = parse_shard(o.shard);
   set.threads = o.threads;
   return set;
-}
-
-// One bar for the whole, named after what is being done.
-homes::SetProgress bar(const std::string& what) {
-  return [progress = progress_bar(what)](const std::string&, std::size_t done, std::size_t total) {
-    if (progress) progress(done, total);
-  };
 }
 
 void print_homes(const std::vector<homes::HomeEntry>& homes) {
@@ -72,7 +66,7 @@ void print_homes(const std::vector<homes::HomeEntry>& homes) {
 
 void make(const Options& options) {
   const homes::HomeSetOptions set = set_of(options);
-  const auto [homes, notes] = homes::write_homes(options.output, set, bar("homes"));
+  const auto [homes, notes] = homes::write_homes(options.output, set, set_bar("homes"));
   print_homes(homes);
   if (!notes.empty()) print_diagnostics(notes);
   if (set.shard.count > 1) {
@@ -89,11 +83,9 @@ void make(const Options& options) {
   homes::HomePathOptions paths{
       .per_home = options.paths, .tasks = options.tasks, .threads = options.threads};
   if (options.seed) paths.seed = *options.seed;
-  const auto report = homes::write_home_paths(options.output, paths, bar("paths"));
+  const auto report = homes::write_home_paths(options.output, paths, set_bar("paths"));
   fmt::print("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
 }
-
-}  // namespace
 
 void add_tasks_option(CLI::App& verb, std::vector<std::string>& tasks) {
   std::vector<std::string> known = homes::home_tasks();
@@ -104,51 +96,62 @@ void add_tasks_option(CLI::App& verb, std::vector<std::string>& tasks) {
       ->check(CLI::IsMember(known));
 }
 
-namespace {
+struct DatasetOptions {
+  std::string folder;
+  homes::HomePathOptions paths;
+};
 
-void add_options(CLI::App& verb, Options& o) {
-  add_value(verb, "-o,--output", o.output, "DIR", "A new or empty folder, or one to complete")
-      ->required();
-  add_setting(verb, "--preset", o.preset, "", "Number and quality of the homes (docs/homes.md)",
-              CLI::IsMember(homes::home_set_presets()));
-  add_value(verb, "--homes", o.homes, "N", "Number of homes, instead of the preset's")
-      ->check(whole_number(1, 10000));
-  verb.add_option("--kind", o.kind, "Kind of building (default: a mixture)")
-      ->check(CLI::IsMember(homes::home_kinds()));
-  verb.add_option("--area", o.area, "Floor area per home, all storeys, square metres, 60 to 3000")
-      ->check(finite_number(homes::kLeastArea, homes::kMostArea));
-  verb.add_option("--size", o.size, "Texels along a face's edge; 0: no pictures")
-      ->check(whole_number(0, 4096));
-  verb.add_option("--samples", o.samples, "Colour rays per texel: 1, 4, 9 or 16")
-      ->check(whole_number(1));
-  verb.add_option("--light", o.light, "fine, or coarse: a quarter of the time, for training")
-      ->check(CLI::IsMember(homes::home_lights()));
-  verb.add_option("--pretty", o.pretty,
-                  "Number of homes with fine light and 256-texel faces, val_unseen first")
-      ->check(whole_number(0, 10000));
-  verb.add_option("--seed", o.seed, "The same seed gives the same bytes")->check(whole_number());
-  add_value(verb, "--parts", o.parts, "PART,...",
-            "Matterport3D's files too, in v1/scans/, comma-separated: as of scan-mesh")
-      ->delimiter(',')
-      ->check(CLI::IsMember(capture::scan_part_names()));
-  add_setting(verb, "--image-width", o.image_width, "",
-              "Width of undistorted images, pixels; the height is 4/5 of it",
-              whole_number(10, 4096));
-  add_value(verb, "--corrections", o.corrections, "DIR",
-            "Folder of corrections of graphs, SCAN_corrections.json: docs/graph.md");
-  add_value(verb, "--shard", o.shard, "K/N", "Make shard K of N only; then run once without it");
-  add_whole_number(verb, "--paths", o.paths, "Most R2R paths per home; 0: none", 0);
-  add_tasks_option(verb, o.tasks);
-  add_threads_option(verb, o.threads);
+void make_paths(const DatasetOptions& options) {
+  const auto report = homes::write_home_paths(options.folder, options.paths, set_bar("paths"));
+  fmt::print(
+      "{0}/r2r: {1} paths, {2} instructions, all SYNTHETIC; whole test paths in {0}/hidden\n",
+      options.folder, report.paths, report.instructions);
 }
 
 }  // namespace
 
-void add_homes(CLI::App& app, int& /*status*/) {
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb =
       *app.add_subcommand("homes", "Make synthetic homes with panoramas, graphs and instructions");
   const auto options = std::make_shared<Options>();
-  add_options(verb, *options);
+  add_value(verb, "-o,--output", options->output, "DIR",
+            "A new or empty folder, or one to complete")
+      ->required();
+  add_setting(verb, "--preset", options->preset, "",
+              "Number and quality of the homes (docs/homes.md)",
+              CLI::IsMember(homes::home_set_presets()));
+  add_value(verb, "--homes", options->homes, "N", "Number of homes, instead of the preset's")
+      ->check(whole_number(1, 10000));
+  verb.add_option("--kind", options->kind, "Kind of building (default: a mixture)")
+      ->check(CLI::IsMember(enum_names<homes::HomeKind>()));
+  verb.add_option("--area", options->area,
+                  "Floor area per home, all storeys, square metres, 60 to 3000")
+      ->check(finite_number(homes::kLeastArea, homes::kMostArea));
+  verb.add_option("--size", options->size, "Texels along a face's edge; 0: no pictures")
+      ->check(whole_number(0, 4096));
+  verb.add_option("--samples", options->samples, "Colour rays per texel: 1, 4, 9 or 16")
+      ->check(whole_number(1));
+  verb.add_option("--light", options->light, "fine, or coarse: a quarter of the time, for training")
+      ->check(CLI::IsMember(enum_names<homes::HomeLight>()));
+  verb.add_option("--pretty", options->pretty,
+                  "Number of homes with fine light and 256-texel faces, val_unseen first")
+      ->check(whole_number(0, 10000));
+  verb.add_option("--seed", options->seed, "The same seed gives the same bytes")
+      ->check(whole_number());
+  add_value(verb, "--parts", options->parts, "PART,...",
+            "Matterport3D's files too, in v1/scans/, comma-separated: as of scan-mesh")
+      ->delimiter(',')
+      ->check(CLI::IsMember(capture::scan_part_names()));
+  add_setting(verb, "--image-width", options->image_width, "",
+              "Width of undistorted images, pixels; the height is 4/5 of it",
+              whole_number(10, 4096));
+  add_value(verb, "--corrections", options->corrections, "DIR",
+            "Folder of corrections of graphs, SCAN_corrections.json: docs/graph.md");
+  add_value(verb, "--shard", options->shard, "K/N",
+            "Make shard K of N only; then run once without it");
+  add_whole_number(verb, "--paths", options->paths, "Most R2R paths per home; 0: none", 0);
+  add_tasks_option(verb, options->tasks);
+  add_threads_option(verb, options->threads);
   set_examples(verb,
                {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
                 "enfilade homes -o homes --corrections homes-corrections",
@@ -171,8 +174,7 @@ void add_synth(CLI::App& app, int& /*status*/) {
             "A new or empty folder, or one to complete")
       ->required();
   add_setting(verb, "--buildings", options->homes, "N",
-              "Number of homes, at least 3, one per "
-              "split",
+              "Number of homes, at least 3, one per split",
               whole_number(homes::kLeastHomes, 10000));
   add_whole_number(verb, "--seed", options->seed, "The same seed gives the same bytes", 0);
   set_examples(verb, {"enfilade synth -o my-data", "enfilade stats --data my-data",
@@ -185,4 +187,21 @@ void add_synth(CLI::App& app, int& /*status*/) {
   });
 }
 
-}  // namespace enfilade::apps
+void add_dataset(CLI::App& app, int& /*status*/) {
+  CLI::App& verb =
+      *app.add_subcommand("dataset", "Make paths, instructions and splits for a folder of homes");
+  const auto options = std::make_shared<DatasetOptions>();
+  add_value(verb, "folder", options->folder, "DIR", "Folder that enfilade homes made")->required();
+  add_whole_number(verb, "--paths", options->paths.per_home, "Most paths per home");
+  add_whole_number(verb, "--seed", options->paths.seed, "The same seed gives the same bytes", 0);
+  add_setting(verb, "--val-seen", options->paths.val_seen_share, "",
+              "Share of the training homes' paths, 0 to 1", finite_number(0, 0.99));
+  add_tasks_option(verb, options->paths.tasks);
+  add_threads_option(verb, options->paths.threads);
+  set_examples(verb,
+               {"enfilade homes -o homes --paths 0", "enfilade dataset homes --paths 100",
+                "enfilade dataset homes --tasks reverie,soon", "enfilade stats --data homes"});
+  verb.callback([options] { make_paths(*options); });
+}
+
+}  // namespace enfilade::apps::homes_verb

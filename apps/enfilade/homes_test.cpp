@@ -13,9 +13,9 @@
 #include "enfilade/mesh/house.h"
 #include "enfilade/mesh/read_mesh.h"
 #include "enfilade/scan/connectivity.h"
+#include "enfilade/scan/matterport_cameras.h"
 #include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/store.h"
-#include "enfilade/scan/undistorted_cameras.h"
 #include "tests/support/emulated.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/process.h"
@@ -211,7 +211,7 @@ TEST(HomeParts, AreReadByOurReaders) {
 
   const auto graph = scan::load_connectivity(folder.path() / "connectivity", home.scan);
   const auto faces =
-      scan::MatterportImages::open(folder.path(), folder.path() / "connectivity", home.scan);
+      scan::open_matterport_images(folder.path(), folder.path() / "connectivity", home.scan);
   ASSERT_EQ(faces->size(), graph.entries.size());
   for (std::size_t v = 0; v < graph.entries.size(); ++v) {
     EXPECT_EQ(faces->poses()[v].viewpoint, graph.entries[v].id);
@@ -220,7 +220,7 @@ TEST(HomeParts, AreReadByOurReaders) {
 
   const fs::path camera_file = scan / "undistorted_camera_parameters" / (home.scan + ".conf");
   const auto cameras =
-      scan::parse_undistorted_cameras(read_file(camera_file), camera_file.string()).cameras;
+      scan::parse_undistorted_cameras(read_file(camera_file), camera_file.string());
   EXPECT_EQ(cameras.size(), 18 * home.viewpoints);
   for (const scan::UndistortedCamera& camera : cameras) {
     const std::string jpeg = read_file(scan / "undistorted_color_images" / camera.colour_file);

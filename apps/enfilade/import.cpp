@@ -11,14 +11,14 @@
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/scan/connectivity.h"
 
-namespace enfilade::apps {
-namespace import_verb {
+namespace enfilade::apps::import_verb {
 namespace {
 
 struct Arguments {
   std::string scan, output, positions, faces, name, edges;
   std::vector<std::string> pictures;
   capture::ImportOptions options;
+  bool no_pose = false;
 };
 
 // --faces: six pictures in an order such as "frblud", by index(CubeFace).
@@ -31,8 +31,7 @@ std::vector<std::string> sort_faces(const Arguments& a) {
   }
   if (a.pictures.size() != kCubeFaces || a.name.empty()) {
     throw UsageError(
-        fmt::format("--faces: {} pictures{}; it takes the six of one panorama and its "
-                    "--name",
+        fmt::format("--faces: {} pictures{}; it takes the six of one panorama and its --name",
                     a.pictures.size(), a.name.empty() ? " and no --name" : ""));
   }
   std::vector<std::string> files;
@@ -51,8 +50,7 @@ std::vector<capture::PanoramaFiles> list_panoramas(const Arguments& a) {
     if (!scan::is_scan_id(id)) {
       throw UsageError(
           fmt::format("viewpoint {:?}: letters, digits, _ and - are allowed; it is "
-                      "the picture's name without its suffix: rename that, or give "
-                      "--name",
+                      "the picture's name without its suffix: rename that, or give --name",
                       id));
     }
     panoramas.push_back({id, {file}});
@@ -63,6 +61,7 @@ std::vector<capture::PanoramaFiles> list_panoramas(const Arguments& a) {
 void import_scan(const Arguments& a) {
   capture::ImportOptions options = a.options;
   options.positions = a.positions;
+  options.use_pose = !a.no_pose;
   using capture::ImportEdges;
   const std::string usual = !options.pairs.empty() ? "none" : a.positions.empty() ? "line" : "near";
   const std::string& edges = a.edges.empty() ? usual : a.edges;
@@ -75,60 +74,59 @@ void import_scan(const Arguments& a) {
     fmt::print("{}: faces of {} pixels, at ({:.2f}, {:.2f}, {:.2f}) m\n", one.viewpoint,
                one.face_size, one.position.x, one.position.y, one.position.z);
   }
+  if (!report.findings.empty()) print_diagnostics(report.findings);
   fmt::print("{}: scan {}: {} imported; viewpoints now: {}; edges: {}\n", a.output, a.scan,
              report.panoramas.size(), report.viewpoints, report.edges);
   if (a.positions.empty() && report.added > 0) {
     fmt::print(
-        "Where they were taken is not known (--positions): they stand in a line, {} m "
-        "apart.\n",
+        "Where they were taken is not known (--positions): they stand in a line, {} m apart.\n",
         capture::kImportSpacing);
   }
 }
 
-void add_picture_options(CLI::App& verb, Arguments& a) {
-  add_value(verb, "pictures", a.pictures, "PICTURE",
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
+  CLI::App& verb = *app.add_subcommand("import", "Import your own panoramas as a scan");
+  const auto arguments = std::make_shared<Arguments>();
+  add_value(verb, "pictures", arguments->pictures, "PICTURE",
             "Equirectangular panoramas, JPEG, PNG or Radiance HDR; file names become ids")
       ->required();
-  add_value(verb, "--scan", a.scan, "NAME", "Name of a new scan, or of one to extend")->required();
-  add_value(verb, "-o,--output", a.output, "DIR", "Folder that the scan is written to")->required();
-  add_value(verb, "--name", a.name, "ID", "Id of the viewpoint, for a single panorama");
-  add_value(verb, "--faces", a.faces, "ORDER",
+  add_value(verb, "--scan", arguments->scan, "NAME", "Name of a new scan, or of one to extend")
+      ->required();
+  add_value(verb, "-o,--output", arguments->output, "DIR", "Folder that the scan is written to")
+      ->required();
+  add_value(verb, "--name", arguments->name, "ID", "Id of the viewpoint, for a single panorama");
+  add_value(verb, "--faces", arguments->faces, "ORDER",
             "Order of six faces of one panorama, such as frblud (docs/capture.md)");
-  add_value(verb, "--size", a.options.face_size, "N",
+  add_value(verb, "--size", arguments->options.face_size, "N",
             "Edge of a face, pixels (default: the picture's resolution, at most 1024)")
       ->check(whole_number(1, capture::kLargestImportedFace));
-  add_value(verb, "--exposure", a.options.exposure, "EV",
+  add_value(verb, "--exposure", arguments->options.exposure, "EV",
             "Exposure of HDR pictures in stops: a factor of 2^EV (default: each picture's median "
             "becomes mid-grey)")
       ->check(finite_number(-64));
-  verb.add_flag("--force", a.options.force, "Replace viewpoints that exist");
-}
-
-void add_graph_options(CLI::App& verb, Arguments& a) {
-  add_value(verb, "--heading", a.options.heading, "DEG",
+  verb.add_flag("--force", arguments->options.force, "Replace viewpoints that exist");
+  add_value(verb, "--heading", arguments->options.heading, "DEG",
             "Heading of the pictures' middles (front faces), degrees clockwise from north "
             "(default: 0)")
       ->check(finite_number(-360));
-  add_value(verb, "--positions", a.positions, "FILE",
+  verb.add_flag("--no-pose", arguments->no_pose,
+                "Ignore pitch, roll and heading in the pictures' metadata");
+  add_value(verb, "--positions", arguments->positions, "FILE",
             "File of lines \"name x y z [heading]\", metres and degrees (default: a line of "
             "viewpoints 2.25 m apart)");
-  add_metres_option(verb, "--eye-height", a.options.eye_height,
+  add_metres_option(verb, "--eye-height", arguments->options.eye_height,
                     "Height of the eye above the floor, metres");
-  verb.add_option("--edges", a.edges,
+  verb.add_option("--edges", arguments->edges,
                   "Edges: near (within --reach), line (each to the next) or none (default: near "
                   "with --positions, none with --edge, else line)")
       ->check(CLI::IsMember({"near", "line", "none"}));
-  add_metres_option(verb, "--reach", a.options.reach, "Longest edge of --edges near, metres");
-  add_value(verb, "--edge", a.options.pairs, "A B",
+  add_metres_option(verb, "--reach", arguments->options.reach,
+                    "Longest edge of --edges near, metres");
+  add_value(verb, "--edge", arguments->options.pairs, "A B",
             "Add an edge between these two viewpoints; may be repeated")
       ->allow_extra_args(false);
-}
-
-void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand("import", "Import your own panoramas as a scan");
-  const auto arguments = std::make_shared<Arguments>();
-  add_picture_options(verb, *arguments);
-  add_graph_options(verb, *arguments);
   set_examples(verb,
                {"enfilade import --scan myhouse -o my-data kitchen.jpg hall.hdr",
                 "enfilade import --scan myhouse -o my-data *.jpg --positions tripod.csv",
@@ -139,9 +137,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([arguments] { import_scan(*arguments); });
 }
 
-}  // namespace
-}  // namespace import_verb
-
-void add_import(CLI::App& app, int& status) { import_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::import_verb

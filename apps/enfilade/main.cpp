@@ -4,9 +4,8 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learning/import_weights.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
 
 namespace {
 
@@ -22,15 +21,22 @@ struct VerbGroup {
 const std::vector<VerbGroup>& verb_groups() {
   using namespace enfilade::apps;
   static const std::vector<VerbGroup> all{
-      {"Look", {add_render, add_panorama, add_contact_sheet, add_filmstrip, add_top_down}},
+      {"Look",
+       {render_verb::add, panorama_verb::add, contact_sheet_verb::add, filmstrip_verb::add,
+        top_down_verb::add}},
       {"Data",
-       {add_homes, add_synth, add_dataset, add_import, add_scan_mesh, add_graph, add_continuous,
-        add_pack, add_convert, add_export, add_sample, add_r4r, add_stats}},
-      {"Run and score", {add_demo, add_run, add_evaluate, add_score, add_table, add_report}},
-      {"Train", {add_features, add_pretrain, add_train, add_study, add_speak, add_import_weights}},
-      {"People", {add_serve, add_submit}},
-      {"Models", {add_ask, add_mcp}},
-      {"Machines", {add_doctor, add_slurm, add_ray}},
+       {homes_verb::add, homes_verb::add_synth, homes_verb::add_dataset, import_verb::add,
+        scan_mesh_verb::add, graph_verb::add, continuous_verb::add, pack_verb::add,
+        convert_verb::add, export_verb::add, sample_verb::add, r4r_verb::add, stats_verb::add}},
+      {"Run and score",
+       {demo_verb::add, run_verb::add, evaluate_verb::add, score_verb::add, table_verb::add,
+        report_verb::add}},
+      {"Train",
+       {features_verb::add, pretrain_verb::add, train_verb::add, study_verb::add, speak_verb::add,
+        import_weights_verb::add}},
+      {"People", {serve_verb::add, submit_verb::add}},
+      {"Models", {ask_verb::add, mcp_verb::add}},
+      {"Machines", {doctor_verb::add, slurm_verb::add, ray_verb::add}},
   };
   return all;
 }

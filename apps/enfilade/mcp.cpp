@@ -9,15 +9,11 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/arena_world.h"
-#include "apps/enfilade/mcp_http.h"
-#include "apps/enfilade/session_options.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
-#include "apps/enfilade/version.h"
-#include "enfilade/arena/subsets.h"
+#include "enfilade/arena/world.h"
 
-namespace enfilade::apps {
-namespace mcp_verb {
+namespace enfilade::apps::mcp_verb {
 namespace {
 
 struct Options {
@@ -36,7 +32,7 @@ void play(Options& options) {
   options.config.limits = limits_of(*opened.world, options.steps);
   options.config.folder = options.output;
   options.config.version = version_with_commit();
-  if (options.pictures) options.config.pictures = arena::Pictures::kStrip;
+  if (options.pictures) options.config.pictures = arena::PictureKind::kStrip;
   arena::McpServer server(std::move(opened.world), std::move(opened.sights), options.config);
   const std::string done =
       fmt::format("{} of {} are done", server.done(), counted(server.size(), "episode"));
@@ -54,19 +50,20 @@ void play(Options& options) {
              counted(server.size(), "episode"), options.output);
 }
 
-void add_verb(CLI::App& app, int& /*status*/) {
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb =
       *app.add_subcommand("mcp", "Serve episodes by the Model Context Protocol, on standard input");
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
-  add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
+  add_task_option(verb, options->task, "r2r, or what the data set has", Worlds::kBoth);
   add_setting(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
   add_subset_option(verb, options->subset);
   verb.add_flag("--pictures", options->pictures,
                 "Send panoramas; on a graph, with the viewpoints' names drawn");
   add_whole_number(verb, "--picture-size", options->config.picture_size,
-                   "Size of images, pixels, 64 "
-                   "to 2048");
+                   "Size of images, pixels, 64 to 2048");
   add_setting(verb, "--words", options->words, "SOURCE",
               "Text about views: none, or labels (from semantic layers)",
               CLI::IsMember({"none", "labels"}));
@@ -82,9 +79,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { play(*options); });
 }
 
-}  // namespace
-}  // namespace mcp_verb
-
-void add_mcp(CLI::App& app, int& status) { mcp_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::mcp_verb

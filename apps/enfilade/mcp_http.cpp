@@ -1,11 +1,9 @@
-#include "apps/enfilade/mcp_http.h"
+#include "apps/enfilade/arena_world.h"
 
 #include <fmt/format.h>
 #include <pthread.h>
 #include <csignal>
 #include <cstdio>
-
-#include "enfilade/arena/mcp_http.h"
 
 namespace enfilade::apps {
 

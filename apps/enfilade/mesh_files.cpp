@@ -1,15 +1,29 @@
 #include "apps/enfilade/mesh_files.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "enfilade/continuous/buildings.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/dataset/mesh_files.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/built_home.h"
+#include "enfilade/homes/home_set.h"
+#include "enfilade/tasks/continuous_episodes.h"
+
 namespace enfilade::apps {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -39,18 +53,20 @@ std::string scan_of(const MeshOptions& options, const std::string& graph) {
   if (graph_name.ends_with(kSuffix)) {
     return graph_name.substr(0, graph_name.size() - kSuffix.size());
   }
+  // HM3D's 00800-NAME/NAME.basis.glb: the folder's name.
+  const std::string folder = fs::path(options.file).parent_path().filename().string();
+  if (tasks::scan_of_scene(options.file) == folder && scan::is_scan_id(folder)) return folder;
   std::string name = fs::path(options.file).stem().string();
   std::ranges::replace_if(name, std::not_fn(is_plain), '_');
   return name;
 }
 
-mesh::Mesh read_mesh_file(const MeshOptions& options) {
-  mesh::ReadOptions read;
-  read.scale = options.scale;
-  read.up = options.up == "y"   ? mesh::UpAxis::kY
-            : options.up == "z" ? mesh::UpAxis::kZ
-                                : mesh::UpAxis::kFormat;
-  mesh::ReadResult result = mesh::read_mesh(options.file, read);
+mesh::UpAxis up_axis(const std::string& name) {
+  return name == "y" ? mesh::UpAxis::kY : name == "z" ? mesh::UpAxis::kZ : mesh::UpAxis::kFormat;
+}
+
+mesh::Mesh read_mesh_file(const fs::path& file, const mesh::ReadOptions& options) {
+  mesh::ReadResult result = mesh::read_mesh(file, options);
   if (!result.warnings.empty()) print_diagnostics(result.warnings);
   return std::move(result.mesh);
 }
@@ -64,6 +80,95 @@ mesh::WalkableFloor find_floor(const mesh::Mesh& mesh, const MeshOptions& option
     for (Diagnostic& fault : faults) fault.file = options.file;
     throw InvalidInput(std::move(faults));
   }
+}
+
+namespace {
+
+std::shared_ptr<const continuous::Scene> scene_of_home(const homes::PlanOptions& plan,
+                                                       const std::filesystem::path& kept,
+                                                       int threads) {
+  const homes::BuiltHome built = homes::build_home(plan);
+  if (file_exists(kept)) return continuous::Scene::load(built.tracer, kept);
+  const mesh::LitMesh light(built.tracer, built.home.lights,
+                            homes::bake_options(homes::HomeLight::kFine, threads));
+  return continuous::Scene::lit(built.tracer, light, {.threads = threads});
+}
+
+// Where the light of a synthetic home is kept once it is made.
+std::filesystem::path home_light_file(const dataset::Dataset& data, const std::string& scan) {
+  return data.folder() / "light" / (scan + ".light");
+}
+
+}  // namespace
+
+std::optional<dataset::MeshFile> find_mesh_file(const std::filesystem::path& data,
+                                                const MeshSource& source, const std::string& scan) {
+  auto found = source.folder.empty() ? dataset::find_mesh_file(data, scan)
+                                     : dataset::find_mesh_in(source.folder, scan);
+  if (found && source.up != "format") found->up = up_axis(source.up);
+  return found;
+}
+
+LightsReport make_home_lights(const dataset::Dataset& data, int threads) {
+  LightsReport report;
+  if (!file_exists(data.folder() / "homes.json")) return report;
+  const std::vector<homes::HomeEntry> homes = homes::read_home_list(data.folder());
+  const Progress progress = progress_bar("light");
+  for (const homes::HomeEntry& home : homes) {
+    const std::filesystem::path file = home_light_file(data, home.scan);
+    if (file_exists(file)) {
+      ++report.kept;
+    } else {
+      make_folder(file.parent_path());
+      scene_of_home(home.plan, file, threads)->save(file);
+      ++report.made;
+    }
+    if (progress) progress(report.made + report.kept, homes.size());
+  }
+  return report;
+}
+
+std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& data,
+                                                       const MeshSource& source,
+                                                       const std::string& scan, int threads) {
+  if (source.folder.empty() && file_exists(data.folder() / "homes.json")) {
+    for (const homes::HomeEntry& home : homes::read_home_list(data.folder())) {
+      if (home.scan == scan) {
+        return scene_of_home(home.plan, home_light_file(data, scan), threads);
+      }
+    }
+  }
+  const auto found = find_mesh_file(data.folder(), source, scan);
+  if (!found) {
+    throw UsageError(fmt::format("no mesh of scan {} to draw; give --meshes DIR", scan));
+  }
+  return continuous::Scene::open(found->file, {.up = found->up});
+}
+
+exports::BuildingLook look_of_scan(const dataset::Dataset& data, const MeshSource& source,
+                                   const std::string& scan, continuous::Appearance appearance,
+                                   int threads) {
+  exports::BuildingLook look{scene_of_scan(data, source, scan, threads)};
+  if (appearance == continuous::Appearance::kMesh) return look;
+  const auto& panoramas = data.panoramas();
+  const auto index = panoramas->find(scan);
+  if (!index) {
+    throw UsageError(fmt::format("--appearance panoramas: {} has no panoramas of scan {}",
+                                 data.folder().string(), scan));
+  }
+  try {
+    look.photographs =
+        std::make_shared<const continuous::Photographs>(panoramas, *index, look.scene);
+  } catch (const LookupError& error) {
+    throw UsageError(fmt::format("--appearance panoramas: {}", error.what()));
+  }
+  return look;
+}
+
+void add_appearance_option(CLI::App& verb, std::string& appearance) {
+  add_setting(verb, "--appearance", appearance, "NAME",
+              "Source of colours: mesh, or panoramas (where they show the surface)",
+              CLI::IsMember({"mesh", "panoramas"}));
 }
 
 }  // namespace enfilade::apps

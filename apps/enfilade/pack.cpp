@@ -12,8 +12,7 @@
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/scan/store.h"
 
-namespace enfilade::apps {
-namespace pack_verb {
+namespace enfilade::apps::pack_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,15 +77,6 @@ void list_without(const scan::PackReport& report) {
              counted(report.without.size(), "included viewpoint"), ids);
 }
 
-void pack_scan(const Arguments& a, const scan::PanoramaSource& source) {
-  const Stopwatch watch;
-  const scan::PackReport report =
-      scan::pack(source, a.output, options_of(a), progress_bar("packing " + source.scan()));
-  fmt::print("{}: {}\n", report.file.string(), summary(report, watch.seconds()));
-  std::fflush(stdout);
-  list_without(report);
-}
-
 struct Outcome {
   std::size_t packed = 0, without = 0, failed = 0;
 };
@@ -103,7 +93,12 @@ void pack_scan(const Arguments& a, const scan::PanoramaPlaces& places, const std
       ++outcome.without;
       return;
     }
-    pack_scan(a, *source);
+    const Stopwatch watch;
+    const scan::PackReport report =
+        scan::pack(*source, a.output, options_of(a), progress_bar("packing " + scan));
+    fmt::print("{}: {}\n", report.file.string(), summary(report, watch.seconds()));
+    std::fflush(stdout);
+    list_without(report);
     ++outcome.packed;
   } catch (const InvalidInput& error) {
     ++outcome.failed;
@@ -150,60 +145,55 @@ bool check_file(const Arguments& a, const std::string& file) {
   return faults.empty();
 }
 
-ExitCode check_all(const Arguments& a) {
-  bool sound = true;
-  for (const std::string& file : a.check) sound = check_file(a, file) && sound;
-  return sound ? kSuccess : kFaultsFound;
-}
-
 ExitCode run(const Arguments& a) {
   if (!a.check.empty()) {
     if (!a.scans.empty() || !a.output.empty()) {
       throw UsageError("--check takes store files only, no SCAN and no --output");
     }
-    return check_all(a);
+    bool sound = true;
+    for (const std::string& file : a.check) sound = check_file(a, file) && sound;
+    return sound ? kSuccess : kFaultsFound;
   }
   if (a.output.empty()) throw UsageError("pack: where to? Give -o STORE_DIR");
   return pack_all(a);
 }
 
-void add_options(CLI::App& verb, Arguments& a) {
-  add_value(verb, "scans", a.scans, "SCAN...",
+}  // namespace
+
+void add(CLI::App& app, int& status) {
+  CLI::App& verb = *app.add_subcommand("pack", "Pack panoramas into stores, one file per scan");
+  const auto arguments = std::make_shared<Arguments>();
+  add_value(verb, "scans", arguments->scans, "SCAN...",
             "Scans to pack (default: all of scans.txt that have pictures)");
-  add_data_option(verb, a.data);
-  verb.add_option("--images", a.images,
+  add_data_option(verb, arguments->data);
+  verb.add_option("--images", arguments->images,
                   "Folder of Matterport3D's files or zips; may be repeated (default: store, scans, "
                   "v1/scans, data/v1/scans of the data set)")
       ->allow_extra_args(false)  // else a SCAN behind it would be taken for another
       ->type_name("DIR");
-  add_value(verb, "--connectivity", a.connectivity, "DIR",
+  add_value(verb, "--connectivity", arguments->connectivity, "DIR",
             "Folder of <scan>_connectivity.json (default: that of the data set)");
-  add_value(verb, "-o,--output", a.output, "STORE_DIR", "Folder for the stores; made if missing");
-  verb.add_option("--colour", a.colour,
+  add_value(verb, "-o,--output", arguments->output, "STORE_DIR",
+            "Folder for the stores; made if missing");
+  verb.add_option("--colour", arguments->colour,
                   "keep (the files' JPEGs), jpeg (encoded anew) or raw (decodes fastest)")
       ->check(CLI::IsMember({"keep", "jpeg", "raw"}))
       ->capture_default_str()
       ->type_name("");
-  verb.add_flag("--decoded", a.options.decoded,
+  verb.add_flag("--decoded", arguments->options.decoded,
                 "Store layers decoded: drawn without decoding, ten times as large");
-  add_whole_number(verb, "--face-size", a.options.face_size,
+  add_whole_number(verb, "--face-size", arguments->options.face_size,
                    "Shrink larger faces to this edge, texels; 0: as they are", 0);
-  add_setting(verb, "--quality", a.options.jpeg_quality, "",
+  add_setting(verb, "--quality", arguments->options.jpeg_quality, "",
               "JPEG quality, 1 to 100; full chroma from 90 on", CLI::Range(1, 100));
-  verb.add_flag("--excluded", a.excluded, "Pack viewpoints that the graph excludes, too");
-  add_threads_option(verb, a.options.threads);
-  add_value(verb, "--check", a.check, "FILE...", "Only check these stores, by all checksums");
-}
-
-void add_verb(CLI::App& app, int& status) {
-  CLI::App& verb = *app.add_subcommand("pack", "Pack panoramas into stores, one file per scan");
-  const auto arguments = std::make_shared<Arguments>();
-  add_options(verb, *arguments);
+  verb.add_flag("--excluded", arguments->excluded, "Pack viewpoints that the graph excludes, too");
+  add_threads_option(verb, arguments->options.threads);
+  add_value(verb, "--check", arguments->check, "FILE...",
+            "Only check these stores, by all checksums");
   set_examples(
       verb,
       {"enfilade pack -o data/store",
-       "enfilade pack 17DRP5sb8fy --images v1/scans --connectivity connectivity "
-       "-o store",
+       "enfilade pack 17DRP5sb8fy --images v1/scans --connectivity connectivity -o store",
        "enfilade pack --face-size 256 --colour jpeg --quality 90 -o small",
        "enfilade pack 17DRP5sb8fy --decoded -o decoded", "enfilade pack --check store/*.enfilade"},
       "An interrupted run resumes; complete stores stay.\nExit code 3 if a scan could not be "
@@ -211,9 +201,4 @@ void add_verb(CLI::App& app, int& status) {
   verb.callback([arguments, &status] { status = run(*arguments); });
 }
 
-}  // namespace
-}  // namespace pack_verb
-
-void add_pack(CLI::App& app, int& status) { pack_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::pack_verb

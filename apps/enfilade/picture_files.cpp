@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/image/codecs.h"
 
@@ -23,12 +24,6 @@ constexpr std::array<std::string_view, scan::kLayers> kLayerNames{"rgb", "depth"
 
 std::string_view name_of(Layer layer) { return kLayerNames.at(index(layer)); }
 
-std::optional<Layer> find_layer(std::string_view name) {
-  const auto found = std::ranges::find(kLayerNames, name);
-  if (found == kLayerNames.end()) return std::nullopt;
-  return static_cast<Layer>(found - kLayerNames.begin());
-}
-
 // The folder of --data or of the environment; empty: neither names one.
 fs::path data_folder(const SceneOptions& options) {
   if (!options.data.empty()) return options.data;
@@ -41,15 +36,16 @@ std::vector<Layer> parse_layers(const std::string& text) {
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string name = text.substr(begin, end - begin);
-    const std::optional<Layer> layer = find_layer(name);
-    if (!layer) {
+    const auto found = std::ranges::find(kLayerNames, name);
+    if (found == kLayerNames.end()) {
       throw UsageError(fmt::format("--outputs {}: {:?} is none of {}", text, name,
                                    fmt::join(kLayerNames, ", ")));
     }
-    if (std::ranges::find(layers, *layer) != layers.end()) {
+    const auto layer = static_cast<Layer>(found - kLayerNames.begin());
+    if (std::ranges::find(layers, layer) != layers.end()) {
       throw UsageError(fmt::format("--outputs {}: {:?} stands there twice", text, name));
     }
-    layers.push_back(*layer);
+    layers.push_back(layer);
     begin = end + 1;
   }
   return layers;
@@ -81,8 +77,7 @@ void add_place_options(CLI::App& verb, SceneOptions& options) {
             "those of the data set)")
       ->allow_extra_args(false);
   add_value(verb, "--connectivity", options.connectivity, "DIR",
-            "Folder of SCAN_connectivity.json, for loose files (default: that of the data "
-            "set)");
+            "Folder of SCAN_connectivity.json, for loose files (default: that of the data set)");
   add_data_option(verb, options.data);
 }
 
@@ -149,7 +144,7 @@ const scan::PanoramaSource& source_of(const dataset::Dataset& scene) {
 
 std::unique_ptr<render::Renderer> make_renderer(const dataset::Dataset& scene,
                                                 const SceneOptions& options) {
-  const std::optional<render::Backend> backend = render::parse_backend(options.backend);
+  const std::optional<render::Backend> backend = find_enum<render::Backend>(options.backend);
   if (!backend) throw UsageError(fmt::format("--backend {}: there is none", options.backend));
   return render::make_renderer(scene.faces(), {.backend = *backend,
                                                .legacy = {options.legacy, options.legacy},

@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "enfilade/draw/layer_colours.h"
+#include "enfilade/draw/colour_maps.h"
 #include "enfilade/image/image.h"
-#include "enfilade/render/pictures.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/scan/panorama_set.h"
 

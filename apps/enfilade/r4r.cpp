@@ -17,18 +17,13 @@
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/r4r.h"
 
-namespace enfilade::apps {
-namespace r4r_verb {
+namespace enfilade::apps::r4r_verb {
 namespace {
 
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string split;
-  std::string data;
-  std::string annotations;
-  std::string connectivity;
-  std::string output;
+  std::string split, data, annotations, connectivity, output;
   tasks::JoinOptions join;
 };
 
@@ -37,7 +32,8 @@ tasks::Annotations load_paths(const Options& options) {
     throw UsageError("r4r: which split? Give --split NAME, or --annotations FILE");
   }
   const fs::path file = options.annotations.empty()
-                            ? open_data(options.data).annotations_file(options.split)
+                            ? open_data(options.data)
+                                  .episodes_file(tasks::benchmark(tasks::Task::kR2r), options.split)
                             : fs::path(options.annotations);
   const std::string split = options.split.empty() ? file.stem().string() : options.split;
   return tasks::load_annotations(file, split, tasks::Task::kR2r);
@@ -98,36 +94,27 @@ void join(const Options& options) {
              totals.paths == 0 ? 0 : totals.length / static_cast<double>(totals.paths));
 }
 
-void add_options(CLI::App& verb, Options& options) {
-  add_value(verb, "--split", options.split, "NAME", "train, val_seen, val_unseen");
-  add_value(verb, "-o,--output", options.output, "FILE", "File to write, - for standard output")
-      ->required();
-  add_data_option(verb, options.data);
-  add_value(verb, "--annotations", options.annotations, "FILE",
-            "Paths to join, in R2R's form, instead of the data set's R2R_<split>.json");
-  add_value(verb, "--connectivity", options.connectivity, "DIR",
-            "Navigation graphs, instead of the data set's");
-  add_setting(verb, "--gap", options.join.most_gap, "METRES",
-              "Most metres along the graph from one path to the next", finite_number(0));
-  verb.add_option("--paths", options.join.paths,
-                  "Paths per joined path: 2 (R4R), 3 (R6R) or 4 (R8R)")
-      ->capture_default_str()
-      ->check(whole_number(2, 4));
-}
+}  // namespace
 
-void add_verb(CLI::App& app, int& /*status*/) {
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "r4r", "Join Room-to-Room paths into longer ones: R4R, R6R, R8R, as published");
   const auto options = std::make_shared<Options>();
-  add_options(verb, *options);
+  add_value(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen");
+  add_value(verb, "-o,--output", options->output, "FILE", "File to write, - for standard output")
+      ->required();
+  add_data_option(verb, options->data);
+  add_value(verb, "--annotations", options->annotations, "FILE",
+            "Paths to join, in R2R's form, instead of the data set's R2R_<split>.json");
+  add_value(verb, "--connectivity", options->connectivity, "DIR",
+            "Navigation graphs, instead of the data set's");
+  add_setting(verb, "--gap", options->join.most_gap, "METRES",
+              "Most metres along the graph from one path to the next", finite_number(0));
+  add_setting(verb, "--paths", options->join.paths, "",
+              "Paths per joined path: 2 (R4R), 3 (R6R) or 4 (R8R)", whole_number(2, 4));
   set_examples(verb, {"enfilade r4r --split val_unseen -o r4r/R4R_val_unseen.json",
                       "enfilade r4r --split val_seen --paths 3 -o r6r.json"});
   verb.callback([options] { join(*options); });
 }
 
-}  // namespace
-}  // namespace r4r_verb
-
-void add_r4r(CLI::App& app, int& status) { r4r_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::r4r_verb

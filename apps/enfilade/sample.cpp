@@ -11,8 +11,7 @@
 #include "enfilade/tasks/path_comparison.h"
 #include "enfilade/tasks/path_sampling.h"
 
-namespace enfilade::apps {
-namespace sample_verb {
+namespace enfilade::apps::sample_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -123,42 +122,35 @@ void add_limits(CLI::App& verb, tasks::SamplingOptions& sampling) {
   add_whole_number(verb, "--seed", sampling.seed, "The same seed gives the same paths", 0);
 }
 
-void add_options(CLI::App& verb, Options& options) {
-  add_data_option(verb, options.data);
-  add_value(verb, "--connectivity", options.connectivity, "DIR",
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
+  CLI::App& verb =
+      *app.add_subcommand("sample", "Draw new R2R paths, from room to room, without instructions");
+  const auto options = std::make_shared<Options>();
+  add_data_option(verb, options->data);
+  add_value(verb, "--connectivity", options->connectivity, "DIR",
             "Navigation graphs, instead of the data set's");
-  add_value(verb, "--regions", options.regions, "FILE",
+  add_value(verb, "--regions", options->regions, "FILE",
             "Rooms of viewpoints {scan: {region: [viewpoints]}}, instead of the data set's "
             "regions/region_to_panorama.json");
-  add_limits(verb, options.sampling);
-  add_value(verb, "-o,--output", options.output, "FILE|DIR",
+  add_limits(verb, options->sampling);
+  add_value(verb, "-o,--output", options->output, "FILE|DIR",
             "File to write, - for standard output; with --splits a folder");
   CLI::Option* splits =
-      verb.add_flag("--splits", options.splits,
+      verb.add_flag("--splits", options->splits,
                     "Split by building into R2R_{train,val_seen,val_unseen,test,test_hidden}.json");
-  add_value(verb, "--shares", options.shares, "N",
+  add_value(verb, "--shares", options->shares, "N",
             "Buildings for train, val_unseen and test, scaled to those there are (default: "
             "61 11 18)")
       ->expected(3)
       ->needs(splits)
       ->check(whole_number());
-  verb.add_flag("--compare", options.compare,
+  verb.add_flag("--compare", options->compare,
                 "Print lengths and edge counts beside those of the data set");
-}
-
-void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb =
-      *app.add_subcommand("sample", "Draw new R2R paths, from room to room, without instructions");
-  const auto options = std::make_shared<Options>();
-  add_options(verb, *options);
   set_examples(verb, {"enfilade sample --compare", "enfilade sample --splits -o new_r2r",
                       "enfilade sample --pairs viewpoints --per-building 1000 -o many.json"});
   verb.callback([options] { sample(*options); });
 }
 
-}  // namespace
-}  // namespace sample_verb
-
-void add_sample(CLI::App& app, int& status) { sample_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::sample_verb

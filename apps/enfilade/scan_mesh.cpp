@@ -16,8 +16,7 @@
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/scan/connectivity.h"
 
-namespace enfilade::apps {
-namespace scan_mesh_verb {
+namespace enfilade::apps::scan_mesh_verb {
 namespace {
 
 struct Arguments {
@@ -44,7 +43,7 @@ capture::ScanParts parts_of(const Arguments& a) {
 }
 
 mesh::Mesh read(const Arguments& a) {
-  mesh::Mesh mesh = read_mesh_file(a.mesh);
+  mesh::Mesh mesh = read_mesh_file(a.mesh.file, a.mesh.read());
   const mesh::Box box = mesh::bounds(mesh);
   fmt::print("{}: {} triangles, {} materials, {} objects, {:.1f} x {:.1f} x {:.1f} m\n",
              a.mesh.file, mesh.triangles.size(), mesh.materials.size(), mesh.objects.size(),
@@ -114,48 +113,41 @@ void run(Arguments a) {
   report(a, graph, files, watch.seconds());
 }
 
-void add_source_options(CLI::App& verb, Arguments& a) {
-  add_mesh_options(verb, a.mesh);
-  add_value(verb, "-o,--output", a.output, "ROOT",
-            "Data set to write into, made if missing; other scans stay")
-      ->required();
-  verb.add_flag("--room", a.room, "Put the mesh into a plain room, for objects without one");
-  add_value(verb, "--graph", a.graph, "CONNECTIVITY.json",
-            "Viewpoints and edges (default: placed on the mesh's walkable floor)")
-      ->check(CLI::ExistingFile);
-  add_whole_number(verb, "--limit", a.limit, "Make the first N viewpoints only; 0: all", 0)
-      ->type_name("N");
-  add_value(verb, "--labels", a.labels, "DIR",
-            "Matterport3D's house_segmentations of the scan, for classes and instances")
-      ->check(CLI::ExistingDirectory);
-}
+}  // namespace
 
-void add_picture_options(CLI::App& verb, Arguments& a) {
-  add_value(verb, "--parts", a.parts, "PART,...",
-            "Parts to write, comma-separated: docs/capture.md (default: skybox,strips,house,mesh)")
-      ->delimiter(',')
-      ->check(CLI::IsMember(capture::scan_part_names()));
-  add_setting(verb, "--size", a.files.face_size, "", "Texels along the edge of a sky-box's face",
-              CLI::Range(16, 4096));
-  add_setting(verb, "--image-width", a.files.image_width, "",
-              "Width of undistorted images, pixels; the height is 4/5 of it", CLI::Range(10, 4096));
-  add_setting(verb, "--samples", a.files.samples, "1|4|9|16", "Colour rays per pixel",
-              CLI::IsMember({1, 4, 9, 16}));
-  add_setting(verb, "--exposure", a.files.exposure, "",
-              "Stops brighter (or darker) than "
-              "automatic exposure",
-              finite_number(-10));
-  add_setting(verb, "--quality", a.files.jpeg_quality, "", "JPEG quality, 1 to 100",
-              CLI::Range(1, 100));
-  add_threads_option(verb, a.files.threads);
-}
-
-void add_verb(CLI::App& app, int& /*status*/) {
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb =
       *app.add_subcommand("scan-mesh", "Make a scan from a mesh, in Matterport3D's files");
   const auto arguments = std::make_shared<Arguments>();
-  add_source_options(verb, *arguments);
-  add_picture_options(verb, *arguments);
+  add_mesh_options(verb, arguments->mesh);
+  add_value(verb, "-o,--output", arguments->output, "ROOT",
+            "Data set to write into, made if missing; other scans stay")
+      ->required();
+  verb.add_flag("--room", arguments->room,
+                "Put the mesh into a plain room, for objects without one");
+  add_value(verb, "--graph", arguments->graph, "CONNECTIVITY.json",
+            "Viewpoints and edges (default: placed on the mesh's walkable floor)")
+      ->check(CLI::ExistingFile);
+  add_whole_number(verb, "--limit", arguments->limit, "Make the first N viewpoints only; 0: all", 0)
+      ->type_name("N");
+  add_value(verb, "--labels", arguments->labels, "DIR",
+            "Matterport3D's house_segmentations of the scan, for classes and instances")
+      ->check(CLI::ExistingDirectory);
+  add_value(verb, "--parts", arguments->parts, "PART,...",
+            "Parts to write, comma-separated: docs/capture.md (default: skybox,strips,house,mesh)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(capture::scan_part_names()));
+  add_setting(verb, "--size", arguments->files.face_size, "",
+              "Texels along the edge of a sky-box's face", CLI::Range(16, 4096));
+  add_setting(verb, "--image-width", arguments->files.image_width, "",
+              "Width of undistorted images, pixels; the height is 4/5 of it", CLI::Range(10, 4096));
+  add_setting(verb, "--samples", arguments->files.samples, "1|4|9|16", "Colour rays per pixel",
+              CLI::IsMember({1, 4, 9, 16}));
+  add_setting(verb, "--exposure", arguments->files.exposure, "",
+              "Stops brighter (or darker) than automatic exposure", finite_number(-10));
+  add_setting(verb, "--quality", arguments->files.jpeg_quality, "", "JPEG quality, 1 to 100",
+              CLI::Range(1, 100));
+  add_threads_option(verb, arguments->files.threads);
   set_examples(
       verb,
       {"enfilade scan-mesh house.glb -o my-scans",
@@ -168,9 +160,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([arguments] { run(*arguments); });
 }
 
-}  // namespace
-}  // namespace scan_mesh_verb
-
-void add_scan_mesh(CLI::App& app, int& status) { scan_mesh_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::scan_mesh_verb

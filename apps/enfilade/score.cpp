@@ -5,18 +5,18 @@
 #include <utility>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/continuous/walks.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/agents/continuous_setup.h"
+#include "enfilade/agents/run.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/objects.h"
-#include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score_table.h"
+#include "enfilade/tasks/split.h"
 
-namespace enfilade::apps {
-namespace score_verb {
+namespace enfilade::apps::score_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,24 +24,14 @@ namespace fs = std::filesystem;
 using tasks::Task;
 
 struct Options {
-  std::string results;
-  std::string split;
-  std::string data;
-  std::string annotations;
-  std::string connectivity;
-  std::string objects;
-  std::string task;
-  std::string scorer;
-  std::string json;
-  bool per_episode = false;
-  bool part = false;
-  bool all_instructions = false;
+  std::string results, split, data, annotations, connectivity, objects, task, scorer, json;
+  bool per_episode = false, part = false, all_instructions = false;
   std::string spl = "shortest";
 };
 
 // What --task says, or what the files look like: annotations first, as they tell more.
 Task find_task(const Options& options, const std::string& annotations, const std::string& results) {
-  if (!options.task.empty()) return tasks::benchmark(options.task, tasks::World::kGraph).task;
+  if (!options.task.empty()) return tasks::benchmark(options.task, tasks::WorldKind::kGraph).task;
   std::optional<Task> found;
   if (!options.annotations.empty()) found = tasks::find_task(annotations);
   if (!found || *found == Task::kR2r) {
@@ -61,21 +51,17 @@ std::shared_ptr<const tasks::ObjectBoxes> load_objects(const Options& options,
   return {data, &data->objects()};
 }
 
-std::string annotations_file(const Options& options, Task task) {
-  if (!options.annotations.empty()) return options.annotations;
-  const auto data = open_data(options.data);
-  const fs::path file = task == Task::kR2r ? data.annotations_file(options.split)
-                                           : data.annotations_file(task, options.split);
-  return file.string();
-}
-
 // `text`: of --annotations, if that was given.
 tasks::EpisodeSet load_episodes(const Options& options, Task task, const std::string& text) {
   const auto which =
       options.all_instructions ? tasks::Instructions::kAll : tasks::Instructions::kScored;
-  const bool usual = options.annotations.empty() && options.connectivity.empty();
-  if (usual && task == Task::kR2r) return open_data(options.data).episodes(options.split, which);
-  const std::string file = annotations_file(options, task);
+  if (options.annotations.empty() && options.connectivity.empty() && options.objects.empty()) {
+    return open_data(options.data).episodes(task, options.split, which);
+  }
+  const std::string file =
+      !options.annotations.empty()
+          ? options.annotations
+          : open_data(options.data).episodes_file(tasks::benchmark(task), options.split).string();
   const std::string split = options.split.empty() ? fs::path(file).stem().string() : options.split;
   const tasks::Annotations annotations = options.annotations.empty()
                                              ? tasks::load_annotations(file, split, task)
@@ -94,20 +80,17 @@ void print_score(const Options& options, const tasks::ScoreTable& score) {
                                              : tasks::SplLength::kShortest));
 }
 
-void refuse_hidden(const Options& options, const tasks::EpisodeSet& episodes) {
-  if (!goals_hidden(episodes)) return;
+void refuse_hidden(const Options& options, const tasks::Split& split) {
+  if (!split.goals_hidden()) return;
+  const std::string_view board = split.benchmark().leaderboard;
   throw UsageError(fmt::format(
-      "{}: the file is good (each of the {} instructions has a trajectory that can be walked), "
-      "but the goals of split {} are hidden, so it cannot be scored here.{}",
-      options.results, episodes.episodes.size(), episodes.split,
-      episodes.task == Task::kR2r
-          ? " Those of R2R's test are known to its leaderboard only: hand the file "
-            "in at eval.ai, challenge 97"
-          : ""));
+      "{}: the file is good (each of the {} instructions has a trajectory), but the goals of split "
+      "{} are hidden, so it cannot be scored here.{}{}",
+      options.results, split.size(), split.name(), board.empty() ? "" : " ", board));
 }
 
-// Options that say nothing about walks in continuous space are not read over.
-ExitCode score_free(const Options& options) {
+// Options that say nothing about continuous episodes are not read over.
+tasks::Split load_continuous(const Options& options, const tasks::Benchmark& benchmark) {
   if (options.split.empty()) throw UsageError("score: which split? Give --split NAME");
   for (const auto& [name, given] : {std::pair{"--annotations", !options.annotations.empty()},
                                     {"--connectivity", !options.connectivity.empty()},
@@ -116,90 +99,89 @@ ExitCode score_free(const Options& options) {
                                     {"--spl reference", options.spl == "reference"}}) {
     if (given) throw UsageError(fmt::format("--task {}: takes no {}", options.task, name));
   }
-  return score_free_walk({.data = options.data,
-                          .task = options.task,
-                          .split = options.split,
-                          .results = options.results,
-                          .json = options.json,
-                          .scorer = options.scorer,
-                          .per_episode = options.per_episode,
-                          .part = options.part});
+  return open_data(options.data).split(benchmark, options.split);
+}
+
+tasks::Split load_on_graph(const Options& options, const std::string& results) {
+  const std::string annotations =
+      options.annotations.empty() ? std::string() : read_text_file(options.annotations);
+  return tasks::Split(
+      load_episodes(options, find_task(options, annotations, results), annotations));
 }
 
 ExitCode score(const Options& options) {
   const tasks::Benchmark* named = tasks::find_benchmark(options.task);
-  if (named != nullptr && named->continuous()) return score_free(options);
-  if (options.split.empty() && options.annotations.empty()) {
+  const bool continuous = named != nullptr && named->continuous();
+  if (!continuous && options.split.empty() && options.annotations.empty()) {
     throw UsageError("score: which split? Give --split NAME, or --annotations FILE");
   }
   const std::string text = read_text_file(options.results);
-  const std::string annotations =
-      options.annotations.empty() ? std::string() : read_text_file(options.annotations);
-  tasks::EpisodeSet episodes =
-      load_episodes(options, find_task(options, annotations, text), annotations);
-  if (episodes.episodes.empty()) {  // means over none would be nothing that a table can show
+  tasks::Split split = continuous ? load_continuous(options, *named) : load_on_graph(options, text);
+  if (split.size() == 0) {  // means over none would be nothing that a table can show
     throw UsageError(fmt::format(
         "split {}: the annotations have no episode, so there is nothing to score; the export of a "
         "collection has the paths whose every instruction was walked",
-        episodes.split));
+        split.name()));
   }
-  tasks::Results results;
+  tasks::Trajectories trajectories;
+  std::vector<Diagnostic> warnings;
   try {
-    results = tasks::parse_results(text, options.results, episodes,
-                                   options.part ? tasks::Coverage::kPart : tasks::Coverage::kAll);
+    trajectories = parse_trajectories(text, options.results, split,
+                                      options.part ? tasks::Coverage::kPart : tasks::Coverage::kAll,
+                                      &warnings);
   } catch (const InvalidInput& refused) {  // what was to be checked has faults
     print_diagnostics(refused.diagnostics());
     return kFaultsFound;
   }
-  if (!results.warnings.empty()) print_diagnostics(results.warnings);
+  if (!warnings.empty()) print_diagnostics(warnings);
   if (options.part) {
-    const std::size_t whole = episodes.episodes.size();
-    episodes = part_of(episodes, results.trajectories);
-    fmt::print(stderr, "note: a part of split {}: {} of its {} instructions\n", episodes.split,
-               episodes.episodes.size(), whole);
+    fmt::print(stderr, "note: a part of split {}: {} of its {} instructions\n", split.name(),
+               size(trajectories), split.size());
+    split = part_of(split, trajectories);
   }
-  refuse_hidden(options, episodes);
-  const tasks::Scorer& scorer = tasks::benchmark(episodes.task).scorer(options.scorer);
-  print_score(options, compute_score(results.trajectories, episodes, scorer));
+  refuse_hidden(options, split);
+  std::shared_ptr<const continuous::Buildings> buildings;  // graphs may lie in no data set
+  if (continuous) buildings = agents::open_buildings(*named, open_data(options.data).folder());
+  print_score(options, agents::compute_score(trajectories, split, buildings.get(),
+                                             split.benchmark().scorer(options.scorer),
+                                             progress_bar("scoring")));
   return kSuccess;
 }
 
-void add_options(CLI::App& verb, Options& options) {
-  add_value(verb, "results", options.results, "RESULTS.json",
-            "Results file, in any of the usual forms")
-      ->required();
-  add_value(verb, "--split", options.split, "NAME", "train, val_seen, val_unseen, ...");
-  add_data_option(verb, options.data);
-  add_value(
-      verb, "--task", options.task, "NAME",
-      "r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn, soon, r2r-ce or rxr-ce (default: what "
-      "the files are of; where results say nothing, r2r)");
-  add_value(verb, "--scorer", options.scorer, "NAME",
-            "Scorer: official, duet, hamt, valan, r4r_public, vlnce, etpnav, ... (docs/tasks.md) "
-            "(default: ours for r2r; else the scorer of the published table)");
-  add_value(verb, "--annotations", options.annotations, "FILE",
-            "Annotations to score against, instead of the data set's; may be packed");
-  add_value(verb, "--objects", options.objects, "FILE",
-            "REVERIE's boxes, file or folder, instead of the data set's");
-  add_value(verb, "--connectivity", options.connectivity, "DIR",
-            "Navigation graphs, instead of the data set's");
-  add_setting(verb, "--spl", options.spl, "PATH",
-              "Path in the table's SPL: shortest, or reference, as DUET",
-              CLI::IsMember({"shortest", "reference"}));
-  CLI::Option* json = add_value(verb, "--json", options.json, "FILE",
-                                "Write all measures; - for standard output, without the table");
-  verb.add_flag("--part", options.part,
-                "Score the file's instructions only; otherwise a missing one is a fault");
-  verb.add_flag("--all-instructions", options.all_instructions,
-                "R2R: score fourth instructions too, such as 757_3, which papers leave out");
-  verb.add_flag("--per-episode", options.per_episode, "Measures of each episode in the JSON too")
-      ->needs(json);
-}
+}  // namespace
 
-void add_verb(CLI::App& app, int& status) {
+void add(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand("score", "Check a results file completely, then score it");
   const auto options = std::make_shared<Options>();
-  add_options(verb, *options);
+  add_value(verb, "results", options->results, "RESULTS.json",
+            "Results file, in any of the usual forms")
+      ->required();
+  add_value(verb, "--split", options->split, "NAME", "train, val_seen, val_unseen, ...");
+  add_data_option(verb, options->data);
+  add_value(
+      verb, "--task", options->task, "NAME",
+      "r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn, soon, r2r-ce or rxr-ce (default: what "
+      "the files are of; where results say nothing, r2r)");
+  add_value(verb, "--scorer", options->scorer, "NAME",
+            "Scorer: official, duet, hamt, valan, r4r_public, vlnce, etpnav, ... (docs/tasks.md) "
+            "(default: ours for r2r; else the scorer of the published table)");
+  add_value(verb, "--annotations", options->annotations, "FILE",
+            "Annotations to score against, instead of the data set's; may be packed");
+  add_value(verb, "--objects", options->objects, "FILE",
+            "REVERIE's boxes, file or folder, instead of the data set's");
+  add_value(verb, "--connectivity", options->connectivity, "DIR",
+            "Navigation graphs, instead of the data set's");
+  add_setting(verb, "--spl", options->spl, "PATH",
+              "Path in the table's SPL: shortest, or reference, as DUET",
+              CLI::IsMember({"shortest", "reference"}));
+  CLI::Option* json = add_value(verb, "--json", options->json, "FILE",
+                                "Write all measures; - for standard output, without the table");
+  verb.add_flag("--part", options->part,
+                "Score the file's instructions only; otherwise a missing one is a fault");
+  verb.add_flag("--all-instructions", options->all_instructions,
+                "R2R: score fourth instructions too, such as 757_3, which papers leave out");
+  verb.add_flag("--per-episode", options->per_episode, "Measures of each episode in the JSON too")
+      ->needs(json);
   set_examples(verb, {"enfilade score results.json --split val_unseen",
                       "enfilade score results.json --split val_seen --json - --per-episode",
                       "enfilade score results.json --task reverie --split val_unseen --scorer duet",
@@ -209,9 +191,4 @@ void add_verb(CLI::App& app, int& status) {
   verb.callback([options, &status] { status = score(*options); });
 }
 
-}  // namespace
-}  // namespace score_verb
-
-void add_score(CLI::App& app, int& status) { score_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::score_verb

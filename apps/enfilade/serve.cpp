@@ -8,6 +8,8 @@
 #include <semaphore.h>
 #include <sys/socket.h>
 #include <unistd.h>
+#include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -16,22 +18,23 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/first_visit.h"
+#include "apps/enfilade/home_pictures.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/agents/run.h"
+#include "enfilade/service/client.h"
+#include "enfilade/service/site.h"
+#include "enfilade/tasks/results.h"
 
-namespace enfilade::apps {
+namespace enfilade::apps::serve_verb {
 namespace {
 
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data;
-  std::string database;
-  std::string phases;
-  std::string log;
-  std::string organiser;
+  std::string data, database, phases, log, organiser;
   service::ServerConfig config;
 };
 
@@ -98,7 +101,7 @@ void print_first_steps(const Options& options, const std::string& address) {
       "  have people describe paths      {0}organise\n"
       "  submit results of an agent      {0}submit\n"
       "  serve a data set of yours       enfilade serve DATA\n"
-      "  let others reach it             docs/service.md, \"On a public server\"\n"
+      "  let others reach it             docs/service_operating.md\n"
       "Ctrl-C ends it. What was submitted and collected stays in {2}\n",
       address, token, service::shown_database(options.config.database));
 }
@@ -115,6 +118,82 @@ void check_port_is_free(const service::ServerConfig& config) {
   if (taken) {
     throw ArgumentError(fmt::format("{}:{}: another program listens there; choose another --port",
                                     config.host, config.port));
+  }
+}
+
+// Written after everything else of a set of homes without a test split.
+bool is_complete(const fs::path& homes) {
+  return fs::exists(homes / "r2r" / "R2R_val_unseen.json");
+}
+
+struct FirstAgent {
+  const char* name;  // as agents::make_agent()
+  const char* team;
+  const char* method;
+};
+constexpr std::array<FirstAgent, 2> kAgents{
+    {{"shortest", "Baseline: Shortest", "Shortest path, told the goals (SYNTHETIC homes)"},
+     {"random", "Baseline: Random", "Random heading, then five moves (SYNTHETIC homes)"}}};
+
+// The token of a new team, or of the one that an earlier start has made.
+std::string token_of(const std::string& database, const std::string& team) {
+  constexpr int kDays = 1;
+  try {
+    return service::create_team(database, team);
+  } catch (const FileError&) {
+    throw;
+  } catch (const Error&) {
+    return service::create_token(database, service::TokenRole::kTeam, team, kDays);
+  }
+}
+
+void wait_until_scored(service::Client& client, std::int64_t submission) {
+  constexpr std::chrono::milliseconds kPause{20};
+  constexpr int kMostPauses = 1500;  // half a minute
+  for (int k = 0; k < kMostPauses && client.status(submission).state == "queued"; ++k) {
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
+// Synthetic homes below the current folder. Those of `enfilade demo` if they are there, else two
+// that are made now, with pictures of 512 texels and instructions. Files of a killed run are kept.
+fs::path make_first_homes() {
+  const fs::path of_demo = "enfilade-demo/homes", own = "enfilade-demo/two-homes";
+  if (is_complete(of_demo)) return of_demo;
+  if (is_complete(own)) return own;
+  fmt::print(
+      "No data set is named, and ENFILADE_DATA is not set. So two model homes, which are "
+      "SYNTHETIC,\n"
+      "are made in {}, once. If it is stopped, the next start goes on.\n",
+      fs::absolute(own).string());
+  std::fflush(stdout);
+  homes::HomeSetOptions two = homes::home_set_preset("pretty");
+  two.homes = 2;
+  two.stairs_every = 0;
+  two.least_area = two.most_area = 60;  // square metres: less than a minute of two cores for both
+  two.face_size = 512;
+  homes::write_homes(own, two, set_bar("two model homes"));
+  homes::HomePathOptions paths;
+  paths.test_split = false;
+  homes::write_home_paths(own, paths, set_bar("instructions"));
+  return own;
+}
+
+// Submits, for each phase, results of two agents that learn nothing: the shortest path, an oracle,
+// and Room-to-Room's random agent. It sends them over HTTP, as teams do, so that the leaderboard is
+// a real one. Returns when they are scored. A repeated call changes nothing. \param data  of `site`
+void submit_first_agents(const fs::path& data, const service::Site& site,
+                         const std::string& database, const std::string& server) {
+  const dataset::Dataset dataset(data);
+  for (const FirstAgent& first : kAgents) {
+    const auto agent = agents::make_agent(first.name);
+    service::Client client(server, token_of(database, first.team));
+    for (const service::Phase& phase : site.phases()) {
+      const tasks::EpisodeSet episodes = dataset.episodes(phase.split);
+      const std::string results = to_json(agents::run_agent(*agent, episodes), episodes);
+      wait_until_scored(client, client.submit(phase.name, first.method, results).id);
+    }
+    service::revoke_tokens(database, service::TokenRole::kTeam, first.team);
   }
 }
 
@@ -198,54 +277,14 @@ ExitCode serve(Options options) {
   return kSuccess;
 }
 
-void add_serve_options(CLI::App& verb, Options& options) {
-  verb.add_option("data", options.data,
-                  "The data set (default: ENFILADE_DATA; without it two model homes, made now)")
-      ->type_name("DIR");
-  verb.add_option("--db", options.database,
-                  "Database: a file, made if missing, or postgresql://USER@HOST/NAME (default: "
-                  "ENFILADE_DATABASE, or enfilade-service.sqlite in the data set)")
-      ->type_name("FILE|URL");
-  verb.add_option("--phases", options.phases,
-                  "Phases of submissions, with secret goals or without: docs/service.md "
-                  "(default: each split but train that has its goals)")
-      ->type_name("FILE.json");
-  verb.add_option("--runs", options.config.runs,
-                  "Run of `enfilade ask` or `mcp`, or their folder, to show everyone")
-      ->type_name("DIR");
-  verb.add_option("--host", options.config.host, "Interface to listen on")->capture_default_str();
-  verb.add_option("--port", options.config.port, "Port; 0: any free one")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 65535));
-  verb.add_option("--threads", options.config.threads, "Connections served at the same time")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 4096));
-  verb.add_option("--public-name", options.config.public_names,
-                  "Host name of the server; other hosts are refused; may be repeated")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  verb.add_flag("--behind-proxy", options.config.behind_proxy,
-                "Trust X-Forwarded-For and X-Forwarded-Proto; needs --public-name");
-  verb.add_option("--organiser", options.organiser,
-                  "Print an organiser's token for NAME at start, valid for a day")
-      ->type_name("NAME");
-  verb.add_flag("--open-registration", options.config.open_registration,
-                "Anyone can make a team; secret goals still need an approval");
-  verb.add_option(
-          "--log", options.log,
-          "One line per request on stderr: text, json or none (default: text; none if DIR and "
-          "ENFILADE_DATA are missing)")
-      ->check(CLI::IsMember({"text", "json", "none"}));
-}
-
 const std::map<std::string, service::TokenRole> kTokenRoles{
     {"organiser", service::TokenRole::kOrganiser},
     {"reviewer", service::TokenRole::kReviewer},
     {"team", service::TokenRole::kTeam}};
 
 void add_database_option(CLI::App& verb, std::string& database) {
-  verb.add_option("--db", database, "The server's database (default: ENFILADE_DATABASE)")
-      ->type_name("FILE|URL");
+  add_value(verb, "--db", database, "FILE|URL",
+            "The server's database (default: ENFILADE_DATABASE)");
 }
 
 struct Token {
@@ -257,10 +296,9 @@ struct Token {
 void add_token_options(CLI::App& verb, Token& token) {
   add_database_option(verb, token.database);
   verb.add_option("--label", token.label, "Owner of the token; a team's name")->required();
-  verb.add_option("--role", token.role,
-                  "organiser: everything; reviewer: what workers submitted; team: its submissions")
-      ->capture_default_str()
-      ->check(CLI::IsMember(kTokenRoles));
+  add_setting(verb, "--role", token.role, "",
+              "organiser: everything; reviewer: what workers submitted; team: its submissions",
+              CLI::IsMember(kTokenRoles));
 }
 
 void add_token(CLI::App& serve_verb, int& status) {
@@ -305,12 +343,11 @@ void add_approve(CLI::App& serve_verb, int& status) {
     std::string database, team;
     bool is_new = false, withdraw = false;
   };
-  CLI::App& verb = *serve_verb.add_subcommand("approve",
-                                              "Let a team submit to phases with secret goals, also "
-                                              "while serving");
+  CLI::App& verb = *serve_verb.add_subcommand(
+      "approve", "Let a team submit to phases with secret goals, also while serving");
   const auto approve = std::make_shared<Approve>();
   add_database_option(verb, approve->database);
-  verb.add_option("--team", approve->team, "Name of the team")->required()->type_name("NAME");
+  add_value(verb, "--team", approve->team, "NAME", "Name of the team")->required();
   auto* is_new =
       verb.add_flag("--new", approve->is_new, "Make the team first; prints its token, once");
   verb.add_flag("--withdraw", approve->withdraw,
@@ -340,9 +377,8 @@ void add_backup(CLI::App& serve_verb, int& status) {
       *serve_verb.add_subcommand("backup", "Copy the database, also while a server uses it");
   const auto backup = std::make_shared<Backup>();
   add_database_option(verb, backup->database);
-  verb.add_option("copy", backup->copy, "File of the copy; written whole, then renamed")
-      ->required()
-      ->type_name("FILE");
+  add_value(verb, "copy", backup->copy, "FILE", "File of the copy; written whole, then renamed")
+      ->required();
   set_examples(verb, {"enfilade serve backup --db vln.sqlite vln-monday.sqlite"});
   verb.callback([backup, &status] {
     service::back_up_database(database_of(backup->database), backup->copy);
@@ -357,12 +393,9 @@ void add_copy(CLI::App& serve_verb, int& status) {
   CLI::App& verb = *serve_verb.add_subcommand(
       "copy", "Copy a database file to PostgreSQL, while no server uses either");
   const auto copy = std::make_shared<Copy>();
-  verb.add_option("file", copy->file, "Database file of `serve`; it stays")
-      ->required()
-      ->type_name("FILE");
-  verb.add_option("--db", copy->database,
-                  "A database that no server has used (default: ENFILADE_DATABASE)")
-      ->type_name("URL");
+  add_value(verb, "file", copy->file, "FILE", "Database file of `serve`; it stays")->required();
+  add_value(verb, "--db", copy->database, "URL",
+            "A database that no server has used (default: ENFILADE_DATABASE)");
   set_examples(verb, {"enfilade serve copy vln.sqlite --db postgresql://enfilade@db/vln"});
   verb.callback([copy, &status] {
     const std::int64_t rows = service::copy_to_postgres(copy->file, database_of(copy->database),
@@ -374,11 +407,39 @@ void add_copy(CLI::App& serve_verb, int& status) {
 
 }  // namespace
 
-void add_serve(CLI::App& app, int& status) {
+void add(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand(
       "serve", "Serve a data set, a leaderboard and annotation pages over HTTP");
   const auto options = std::make_shared<Options>();
-  add_serve_options(verb, *options);
+  add_value(verb, "data", options->data, "DIR",
+            "The data set (default: ENFILADE_DATA; without it two model homes, made now)");
+  add_value(verb, "--db", options->database, "FILE|URL",
+            "Database: a file, made if missing, or postgresql://USER@HOST/NAME (default: "
+            "ENFILADE_DATABASE, or enfilade-service.sqlite in the data set)");
+  add_value(verb, "--phases", options->phases, "FILE.json",
+            "Phases of submissions, with secret goals or without: docs/service_evaluation.md "
+            "(default: each split but train that has its goals)");
+  add_value(verb, "--runs", options->config.runs, "DIR",
+            "Run of `enfilade ask` or `mcp`, or their folder, to show everyone");
+  add_setting(verb, "--host", options->config.host, "", "Interface to listen on");
+  add_setting(verb, "--port", options->config.port, "", "Port; 0: any free one",
+              CLI::Range(0, 65535));
+  add_setting(verb, "--threads", options->config.threads, "", "Connections served at the same time",
+              CLI::Range(1, 4096));
+  add_value(verb, "--public-name", options->config.public_names, "NAME",
+            "Host name of the server; other hosts are refused; may be repeated")
+      ->allow_extra_args(false);
+  verb.add_flag("--behind-proxy", options->config.behind_proxy,
+                "Trust X-Forwarded-For and X-Forwarded-Proto; needs --public-name");
+  add_value(verb, "--organiser", options->organiser, "NAME",
+            "Print an organiser's token for NAME at start, valid for a day");
+  verb.add_flag("--open-registration", options->config.open_registration,
+                "Anyone can make a team; secret goals still need an approval");
+  verb.add_option(
+          "--log", options->log,
+          "One line per request on stderr: text, json or none (default: text; none if DIR and "
+          "ENFILADE_DATA are missing)")
+      ->check(CLI::IsMember({"text", "json", "none"}));
   add_token(verb, status);
   add_revoke(verb, status);
   add_approve(verb, status);
@@ -397,4 +458,4 @@ void add_serve(CLI::App& app, int& status) {
   });
 }
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::serve_verb

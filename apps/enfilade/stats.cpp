@@ -8,49 +8,35 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/statistics.h"
 
-namespace enfilade::apps {
-namespace stats_verb {
+namespace enfilade::apps::stats_verb {
 namespace {
 
 struct Options {
-  std::string data, task;
+  std::string data, task, json;
   std::vector<std::string> splits;
-  std::string json;
   std::size_t top = 20;
 };
 
-tasks::Annotations load_split(const dataset::Dataset& data, tasks::Task task,
-                              const std::string& split) {
-  return task == tasks::Task::kR2r ? data.annotations(split) : data.annotations(task, split);
-}
-
 // What was asked for, or else those of the benchmark's public splits that the data set has.
 std::vector<tasks::Annotations> load_splits(const Options& options, const dataset::Dataset& data,
-                                            tasks::Task task) {
-  const bool r2r = task == tasks::Task::kR2r;
-  const auto there = [&](const std::string& split) {
-    return r2r ? data.has_split(split) : data.has_split(task, split);
-  };
-  const bool named = !options.splits.empty();
-  std::vector<tasks::Annotations> splits;
-  std::vector<std::string> names = options.splits;
-  if (!named && r2r) names.assign(dataset::kSplits.begin(), dataset::kSplits.end());
-  if (!named && !r2r) names = data.splits(task);
-  for (const std::string& split : names) {
-    if (named || there(split)) {
-      splits.push_back(load_split(data, task, split));
-    } else {
-      fmt::print(stderr, "note: {}: holds no R2R_{}.json\n", data.folder().string(), split);
-    }
+                                            const tasks::Benchmark& benchmark) {
+  const std::vector<std::string> names =
+      options.splits.empty() ? data.splits(benchmark) : options.splits;
+  if (names.empty()) data.episodes_file(benchmark, benchmark.splits[2]);  // says what was tried
+  for (const std::string_view usual : benchmark.splits) {
+    if (!options.splits.empty() || data.has_split(benchmark, usual)) continue;
+    if (!benchmark.in_paper) continue;  // nobody has all splits of the others
+    fmt::print(stderr, "note: {}: has no split {} of {}\n", data.folder().string(), usual,
+               benchmark.title);
   }
-  if (!splits.empty()) return splits;
-  if (!r2r) data.annotations_file(task, tasks::benchmark(task).splits[2]);  // says what was tried
-  throw FileError(
-      fmt::format("{}: holds none of R2R_train.json, R2R_val_seen.json, "
-                  "R2R_val_unseen.json, R2R_test.json; name others by --split",
-                  data.folder().string()));
+  std::vector<tasks::Annotations> splits;
+  for (const std::string& split : names) {
+    splits.push_back(data.annotations(benchmark.task, split));
+  }
+  return splits;
 }
 
 // Boxes tell who sees the objects of REVERIE's goals; the rest can be counted without.
@@ -69,14 +55,16 @@ const tasks::ObjectBoxes* objects_of(const dataset::Dataset& data, tasks::Task t
 void stats(const Options& options) {
   const dataset::Dataset data = open_data(options.data);
   const tasks::Task task = task_of(options.task, data);
-  const auto splits = load_splits(options, data, task);
+  const auto splits = load_splits(options, data, tasks::benchmark(task));
   const auto statistics =
       tasks::compute_statistics(splits, data.graphs(), options.top, objects_of(data, task, splits));
   if (!options.json.empty()) write_output(options.json, to_json(statistics));
   if (options.json != "-") fmt::print("{}", to_table(statistics));
 }
 
-void add_verb(CLI::App& app, int& /*status*/) {
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand(
       "stats", "Print statistics of a data set: paths, instructions, goals, graphs");
   const auto options = std::make_shared<Options>();
@@ -95,9 +83,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { stats(*options); });
 }
 
-}  // namespace
-}  // namespace stats_verb
-
-void add_stats(CLI::App& app, int& status) { stats_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::stats_verb

@@ -6,19 +6,14 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/service/client.h"
 
-namespace enfilade::apps {
-namespace submit_verb {
+namespace enfilade::apps::submit_verb {
 namespace {
 
 struct Options {
-  std::string results;
-  std::string server;
-  std::string phase;
-  std::string method;
-  std::string token_file;
+  std::string results, server, phase, method, token_file;
   int wait = 60;
 };
 
@@ -49,7 +44,7 @@ ExitCode submit(const Options& options) {
   service::Client client(options.server, token_of(options));
   service::SubmissionStatus status;
   try {
-    status = client.submit(options.phase, options.method, read_file(options.results));
+    status = client.submit(options.phase, options.method, read_text_file(options.results));
   } catch (const InvalidInput& refused) {  // what was to be checked has faults
     print_diagnostics(refused.diagnostics());
     return kFaultsFound;
@@ -65,35 +60,26 @@ ExitCode submit(const Options& options) {
   return status.state == "failed" ? kInput : kSuccess;
 }
 
-void add_verb(CLI::App& app, int& status) {
+}  // namespace
+
+void add(CLI::App& app, int& status) {
   CLI::App& verb = *app.add_subcommand("submit", "Submit a results file to an Enfilade server");
   const auto options = std::make_shared<Options>();
-  verb.add_option("results", options->results, "Results file, in any of the usual forms")
-      ->required()
-      ->type_name("RESULTS.json");
-  verb.add_option("--server", options->server, "Address of the server")
-      ->required()
-      ->type_name("URL");
-  verb.add_option("--phase", options->phase, "Phase of the server's leaderboard")
-      ->required()
-      ->type_name("NAME");
-  verb.add_option("--method", options->method, "Name of the method on the leaderboard")
-      ->required()
-      ->type_name("NAME");
-  verb.add_option("--token-file", options->token_file,
-                  "The team's token (default: the environment variable ENFILADE_TOKEN)")
-      ->type_name("FILE");
-  verb.add_option("--wait", options->wait, "Seconds to wait for the scores")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 3600));
+  add_value(verb, "results", options->results, "RESULTS.json",
+            "Results file, in any of the usual forms")
+      ->required();
+  add_value(verb, "--server", options->server, "URL", "Address of the server")->required();
+  add_value(verb, "--phase", options->phase, "NAME", "Phase of the server's leaderboard")
+      ->required();
+  add_value(verb, "--method", options->method, "NAME", "Name of the method on the leaderboard")
+      ->required();
+  add_value(verb, "--token-file", options->token_file, "FILE",
+            "The team's token (default: the environment variable ENFILADE_TOKEN)");
+  add_setting(verb, "--wait", options->wait, "", "Seconds to wait for the scores",
+              CLI::Range(0, 3600));
   set_examples(verb, {"enfilade submit results.json --server https://vln.example.org --phase test "
                       "--method Seq2Seq"});
   verb.callback([options, &status] { status = submit(*options); });
 }
 
-}  // namespace
-}  // namespace submit_verb
-
-void add_submit(CLI::App& app, int& status) { submit_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::submit_verb

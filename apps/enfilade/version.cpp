@@ -1,4 +1,4 @@
-#include "apps/enfilade/version.h"
+#include "apps/enfilade/verbs.h"
 
 #include <fmt/format.h>
 #include <string_view>

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/mcp_http.h"
+#include "apps/enfilade/arena_world.h"
 #include "apps/enfilade/verbs.h"
 
 namespace enfilade::apps {
@@ -24,13 +24,13 @@ void serve_mcp_over_http(arena::McpServer& /*server*/, int /*port*/, const std::
   throw UsageError("mcp --port: this build speaks no HTTP; without it, mcp uses standard input");
 }
 
-void add_ask(CLI::App& app, int& /*status*/) {
+void ask_verb::add(CLI::App& app, int& /*status*/) {
   add_missing(app, "ask", "Evaluate a language model on a split");
 }
-void add_serve(CLI::App& app, int& /*status*/) {
+void serve_verb::add(CLI::App& app, int& /*status*/) {
   add_missing(app, "serve", "Serve a data set, a leaderboard and annotation pages over HTTP");
 }
-void add_submit(CLI::App& app, int& /*status*/) {
+void submit_verb::add(CLI::App& app, int& /*status*/) {
   add_missing(app, "submit", "Submit a results file to an Enfilade server");
 }
 

@@ -77,7 +77,7 @@ def _connectivity():
 def _phase(codename):
     """Splits and step of a phase, and whether its participants' result files have the means."""
     file = Path(os.environ.get("ENFILADE_PHASES", str(HERE / "phases.json")))
-    phases = json.loads(file.read_text()) if file.exists() else {}
+    phases = json.loads(file.read_text(encoding="utf-8-sig")) if file.exists() else {}
     phase = phases.get(codename, {})
     step = phase.get("step", DEFAULT_STEP)
     if not 0.001 <= step <= 0.5:

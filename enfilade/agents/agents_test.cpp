@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include "enfilade/agents/random.h"
 #include "enfilade/agents/run.h"
-#include "enfilade/agents/shortest.h"
+#include "enfilade/agents/simple_agents.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/tasks/score_table.h"

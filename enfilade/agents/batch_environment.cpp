@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "enfilade/agents/shortest.h"
+#include "enfilade/agents/simple_agents.h"
 #include "enfilade/agents/six_actions.h"
 #include "enfilade/core/errors.h"
 
@@ -203,16 +203,13 @@ std::uint32_t BatchEnvironment::plan(std::size_t agent, std::int64_t number) {
   return arrival_view(panoramas_->at({state().scan[agent], last}), way_.back()).value_or(view);
 }
 
-void BatchEnvironment::walk(std::size_t agent, std::int64_t number) {
-  const std::uint32_t view = plan(agent, number);
-  batch_.walk(agent, way_, view);
-}
-
 void BatchEnvironment::step(std::span<const std::int64_t> actions) {
   check_actions(actions);
   if (has_panoramas()) {
     for (std::size_t i = 0; i < actions.size(); ++i) {
-      if (!batch_.ended(i)) walk(i, actions[i]);
+      if (batch_.ended(i)) continue;
+      const std::uint32_t view = plan(i, actions[i]);
+      batch_.walk(i, way_, view);
     }
   } else {
     for (std::size_t i = 0; i < actions.size(); ++i) {

@@ -1,10 +1,12 @@
 /// \file  Episodes of any benchmark as a reinforcement-learning environment: a batch of agents, one
 /// action each.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "enfilade/agents/episode_batch.h"
@@ -33,6 +35,9 @@ enum class ActionSpace {
   /// directions.
   kMap,
 };
+constexpr std::array<std::string_view, 4> names_of(ActionSpace) {
+  return {"viewpoint", "six", "panoramic", "map"};
+}
 
 /// The reward of a step.
 enum class Reward {
@@ -138,7 +143,6 @@ class BatchEnvironment {
   void check_actions(std::span<const std::int64_t> actions) const;
   void begin(std::size_t agent, std::size_t episode);
   sim::Action action_of(std::size_t agent, std::int64_t number) const;
-  void walk(std::size_t agent, std::int64_t number);
   std::uint32_t plan(std::size_t agent, std::int64_t number);
   void look(std::size_t agent);
   std::optional<std::int64_t> map_action(std::size_t agent, ExpertRule rule) const;
@@ -159,7 +163,7 @@ class BatchEnvironment {
   std::unique_ptr<PanoramaCache> panoramas_;
   std::vector<const Panorama*> seen_;  // by agent
   std::vector<TopologicalMap> maps_;   // likewise
-  std::vector<ViewpointIndex> way_;    // of walk()
+  std::vector<ViewpointIndex> way_;    // of plan()
   bool started_ = false;
 };
 

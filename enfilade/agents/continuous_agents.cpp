@@ -2,7 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
+#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
@@ -71,15 +71,26 @@ continuous::FloorPoint on_floor(const ContinuousObservation& seen, Vec3d point) 
   return found.value_or(seen.floor);
 }
 
-class Follower : public ContinuousAgent {
+// Where an episode's walk leads, point by point.
+using PointsOf = std::function<std::vector<Vec3d>(const tasks::ContinuousEpisode& episode)>;
+
+class Follower final : public ContinuousAgent {
  public:
-  bool needs_goal() const override { return true; }
+  Follower(std::string name, PointsOf points_of, const continuous::FollowerConfig& distances,
+           bool needs_goal = true)
+      : name_(std::move(name)),
+        points_of_(std::move(points_of)),
+        distances_(distances),
+        needs_goal_(needs_goal) {}
+
+  std::string_view name() const override { return name_; }
+  bool needs_goal() const override { return needs_goal_; }
   void start(std::size_t slot, const ContinuousObservation& seen,
              const continuous::SimulatorConfig& config) override {
     if (followers_.size() <= slot) followers_.resize(slot + 1);
     std::vector<continuous::FloorPoint> points;
-    for (const Vec3d point : points_of(*seen.episode)) points.push_back(on_floor(seen, point));
-    followers_[slot].emplace(ways_of(seen), std::move(points), config, distances());
+    for (const Vec3d point : points_of_(*seen.episode)) points.push_back(on_floor(seen, point));
+    followers_[slot].emplace(ways_of(seen), std::move(points), config, distances_);
   }
   void act(std::span<const ContinuousObservation> batch, std::span<Action> actions) override {
     for (std::size_t a = 0; a < batch.size(); ++a) {
@@ -90,72 +101,36 @@ class Follower : public ContinuousAgent {
   }
 
  private:
-  virtual std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode) const = 0;
-  virtual continuous::FollowerConfig distances() const = 0;
-
+  std::string name_;
+  PointsOf points_of_;
+  continuous::FollowerConfig distances_;
+  bool needs_goal_;
   std::vector<std::optional<continuous::ReferenceFollower>> followers_;  // by slot
 };
 
-class Shortest final : public Follower {
- public:
-  std::string_view name() const override { return "shortest"; }
+constexpr continuous::FollowerConfig kToTheEnd{.reached = 0.5, .last_reached = 0.25};
 
- private:
-  std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode) const override {
-    return {episode.goals->front().position};
-  }
-  continuous::FollowerConfig distances() const override {
-    return {.reached = 0.5, .last_reached = 0.25};
-  }
-};
-
-class Reference final : public Follower {
- public:
-  explicit Reference(bool patient = false) : patient_(patient) {}
-  std::string_view name() const override { return "reference"; }
-
- private:
-  std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode) const override {
-    if (episode.reference_path) return *episode.reference_path;
-    return {episode.goals->front().position};
-  }
-  continuous::FollowerConfig distances() const override { return {.patient = patient_}; }
-
-  bool patient_;
-};
-
-class Route final : public Follower {
- public:
-  Route(std::string name, std::map<std::string, std::vector<Vec3d>, std::less<>> routes)
-      : name_(std::move(name)), routes_(std::move(routes)) {}
-  std::string_view name() const override { return name_; }
-  bool needs_goal() const override { return false; }
-
- private:
-  std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode) const override {
-    const auto route = routes_.find(tasks::text_of(episode.id));
-    if (route == routes_.end() || route->second.empty()) return {episode.start};
-    return route->second;
-  }
-  continuous::FollowerConfig distances() const override {
-    return {.reached = 0.5, .last_reached = 0.25};
-  }
-
-  std::string name_;
-  std::map<std::string, std::vector<Vec3d>, std::less<>> routes_;
-};
-
-using Maker = std::unique_ptr<ContinuousAgent> (*)();
-template <class A>
-std::unique_ptr<ContinuousAgent> make() {
-  return std::make_unique<A>();
+std::vector<Vec3d> goal_of(const tasks::ContinuousEpisode& episode) {
+  return {episode.goals->front().position};
 }
 
+std::vector<Vec3d> path_of(const tasks::ContinuousEpisode& episode) {
+  return episode.reference_path ? *episode.reference_path : goal_of(episode);
+}
+
+using Maker = std::unique_ptr<ContinuousAgent> (*)();
+
 const std::map<std::string_view, Maker>& makers() {
-  static const std::map<std::string_view, Maker> kMakers{{"random", make<RandomWalk>},
-                                                         {"forward", make<ForwardOnly>},
-                                                         {"reference", make<Reference>},
-                                                         {"shortest", make<Shortest>}};
+  using Made = std::unique_ptr<ContinuousAgent>;
+  static const std::map<std::string_view, Maker> kMakers{
+      {"random", []() -> Made { return std::make_unique<RandomWalk>(); }},
+      {"forward", []() -> Made { return std::make_unique<ForwardOnly>(); }},
+      {"reference",
+       []() -> Made {
+         return std::make_unique<Follower>("reference", path_of, continuous::FollowerConfig{});
+       }},
+      {"shortest",
+       []() -> Made { return std::make_unique<Follower>("shortest", goal_of, kToTheEnd); }}};
   return kMakers;
 }
 
@@ -171,12 +146,18 @@ std::unique_ptr<ContinuousAgent> make_continuous_agent(std::string_view name) {
 }
 
 std::unique_ptr<ContinuousAgent> make_patient_reference() {
-  return std::make_unique<Reference>(true);
+  return std::make_unique<Follower>("reference", path_of,
+                                    continuous::FollowerConfig{.patient = true});
 }
 
 std::unique_ptr<ContinuousAgent> make_route_agent(
     std::string name, std::map<std::string, std::vector<Vec3d>, std::less<>> routes) {
-  return std::make_unique<Route>(std::move(name), std::move(routes));
+  auto points_of = [routes = std::move(routes)](const tasks::ContinuousEpisode& episode) {
+    const auto route = routes.find(tasks::text_of(episode.id));
+    const bool none = route == routes.end() || route->second.empty();
+    return none ? std::vector<Vec3d>{episode.start} : route->second;
+  };
+  return std::make_unique<Follower>(std::move(name), std::move(points_of), kToTheEnd, false);
 }
 
 std::vector<std::string> continuous_agent_names() {

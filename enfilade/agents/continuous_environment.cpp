@@ -38,18 +38,6 @@ std::vector<Vec3d> points_of(const tasks::ContinuousEpisode& episode, Continuous
 
 }  // namespace
 
-/// An agent's episode.
-struct ContinuousEnvironment::Slot {
-  bool begun = false;
-  std::size_t building = 0;
-  std::optional<continuous::DistanceField> field;  // none: the goal is hidden
-  tasks::ContinuousResult walk;
-  std::optional<continuous::ReferenceFollower> teacher;
-  ContinuousExpert rule = ContinuousExpert::kReference;
-  std::size_t followed = 0;  // poses of the walk that the teacher has seen
-  Action advice = Action::kStop;
-};
-
 ContinuousEnvironment::ContinuousEnvironment(ContinuousWorld world,
                                              const continuous::SimulatorConfig& config)
     : world_(checked(std::move(world), config)),
@@ -57,10 +45,6 @@ ContinuousEnvironment::ContinuousEnvironment(ContinuousWorld world,
       slots_(config.batch_size),
       episode_(config.batch_size),
       distance_(config.batch_size, std::numeric_limits<double>::quiet_NaN()) {}
-
-ContinuousEnvironment::~ContinuousEnvironment() = default;
-ContinuousEnvironment::ContinuousEnvironment(ContinuousEnvironment&&) noexcept = default;
-ContinuousEnvironment& ContinuousEnvironment::operator=(ContinuousEnvironment&&) noexcept = default;
 
 void ContinuousEnvironment::begin(std::span<const std::int64_t> chosen) {
   if (chosen.size() != slots_.size()) {

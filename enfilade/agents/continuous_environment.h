@@ -32,9 +32,6 @@ class ContinuousEnvironment {
   /// \throws ArgumentError for nulls (experts may be), no episode, or as
   /// continuous::Simulator; what check_starts() and check_goals() throw
   ContinuousEnvironment(ContinuousWorld world, const continuous::SimulatorConfig& config);
-  ~ContinuousEnvironment();
-  ContinuousEnvironment(ContinuousEnvironment&&) noexcept;
-  ContinuousEnvironment& operator=(ContinuousEnvironment&&) noexcept;
 
   /// Begins episodes. If it throws, nothing has changed.
   /// \param chosen  an index of an episode per agent; below 0: no change
@@ -61,7 +58,17 @@ class ContinuousEnvironment {
   tasks::ContinuousScore score(std::size_t agent) const;
 
  private:
-  struct Slot;
+  // An agent's episode.
+  struct Slot {
+    bool begun = false;
+    std::size_t building = 0;
+    std::optional<continuous::DistanceField> field;  // none: the goal is hidden
+    tasks::ContinuousResult walk;
+    std::optional<continuous::ReferenceFollower> teacher;
+    ContinuousExpert rule = ContinuousExpert::kReference;
+    std::size_t followed = 0;  // poses of the walk that the teacher has seen
+    continuous::Action advice = continuous::Action::kStop;
+  };
   void begin_one(std::size_t agent, std::size_t episode);
   void record(std::size_t agent);
   const Slot& slot(std::size_t agent) const;

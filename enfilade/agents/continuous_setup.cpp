@@ -1,31 +1,17 @@
 #include "enfilade/agents/continuous_setup.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
-#include <optional>
-#include <vector>
+#include <system_error>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 
 namespace enfilade::agents {
 
-namespace {
-
 namespace fs = std::filesystem;
-
-std::optional<fs::path> first_there(const fs::path& data, const std::vector<fs::path>& places) {
-  for (const fs::path& place : places) {
-    if (file_exists(data / place)) return data / place;
-  }
-  return std::nullopt;
-}
-
-}  // namespace
 
 fs::path ContinuousSetup::navigation_folder() const {
   return fs::path("navmesh") / benchmark->name;
@@ -43,33 +29,20 @@ const ContinuousSetup& continuous_setup(const tasks::Benchmark& benchmark) {
 }
 
 const ContinuousSetup& continuous_setup(std::string_view name) {
-  return continuous_setup(tasks::benchmark(name, tasks::World::kContinuous));
+  return continuous_setup(tasks::benchmark(name, tasks::WorldKind::kContinuous));
 }
 
-std::optional<fs::path> find_continuous_split(const tasks::Benchmark& benchmark,
-                                              const fs::path& data, const std::string& split) {
-  return first_there(data, tasks::episode_places(benchmark, split));
-}
-
-tasks::ContinuousEpisodes load_continuous_split(const tasks::Benchmark& benchmark,
-                                                const fs::path& data, const std::string& split) {
-  if (const auto file = find_continuous_split(benchmark, data, split)) {
-    return tasks::load_continuous_episodes(*file, split);
+std::shared_ptr<const continuous::Buildings> open_buildings(const tasks::Benchmark& benchmark,
+                                                            const fs::path& data) {
+  if (!benchmark.continuous()) return nullptr;
+  const fs::path folder = data / continuous_setup(benchmark).navigation_folder();
+  std::error_code unknown;  // Buildings reports what else is wrong with it
+  if (!fs::exists(folder, unknown) && !unknown) {
+    throw FileError(
+        fmt::format("{}: no such folder of navigation meshes; `enfilade continuous {}` makes it",
+                    folder.string(), data.string()));
   }
-  std::vector<std::string> tried;
-  for (const fs::path& place : tasks::episode_places(benchmark, split)) {
-    tried.push_back((data / place).string());
-  }
-  throw FileError(
-      fmt::format("no episodes of {} {}: tried {}; `enfilade continuous {}` makes them "
-                  "of Room-to-Room's",
-                  benchmark.name, split, fmt::join(tried, ", "), data.string()));
-}
-
-tasks::ExpertWalks load_experts_of(const tasks::Benchmark& benchmark, const fs::path& data,
-                                   const std::string& split) {
-  const auto file = first_there(data, tasks::expert_places(benchmark, split));
-  return file ? tasks::load_expert_walks(*file) : tasks::ExpertWalks();
+  return std::make_shared<const continuous::Buildings>(folder);
 }
 
 }  // namespace enfilade::agents

@@ -2,15 +2,13 @@
 /// a simulator, navigation meshes.
 #pragma once
 #include <filesystem>
-#include <optional>
-#include <string>
+#include <memory>
 #include <string_view>
 
+#include "enfilade/continuous/buildings.h"
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/mesh/walkable.h"
 #include "enfilade/tasks/benchmark.h"
-#include "enfilade/tasks/continuous_episodes.h"
-#include "enfilade/tasks/continuous_results.h"
 
 namespace enfilade::agents {
 
@@ -29,16 +27,9 @@ const ContinuousSetup& continuous_setup(const tasks::Benchmark& benchmark);
 /// By the benchmark's name. \throws LookupError listing those in continuous space
 const ContinuousSetup& continuous_setup(std::string_view name);
 
-/// A split's file in a folder of data, by tasks::episode_places(); none if it has none.
-std::optional<std::filesystem::path> find_continuous_split(const tasks::Benchmark& benchmark,
-                                                           const std::filesystem::path& data,
-                                                           const std::string& split);
-/// A split's episodes in a folder of data, and its experts' walks where there are any.
-/// \throws FileError naming every place that was tried; InvalidInput
-tasks::ContinuousEpisodes load_continuous_split(const tasks::Benchmark& benchmark,
-                                                const std::filesystem::path& data,
-                                                const std::string& split);
-tasks::ExpertWalks load_experts_of(const tasks::Benchmark& benchmark,
-                                   const std::filesystem::path& data, const std::string& split);
+/// The buildings of a benchmark in a folder of data, opened at first use; null for one on graphs.
+/// \throws FileError naming the verb that makes a missing folder; as continuous::Buildings
+std::shared_ptr<const continuous::Buildings> open_buildings(const tasks::Benchmark& benchmark,
+                                                            const std::filesystem::path& data);
 
 }  // namespace enfilade::agents

@@ -6,6 +6,7 @@
 
 #include "enfilade/agents/panorama.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::agents {
 

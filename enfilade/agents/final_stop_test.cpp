@@ -1,4 +1,4 @@
-#include "enfilade/agents/final_stop.h"
+#include "enfilade/agents/topological_map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

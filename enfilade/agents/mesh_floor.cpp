@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <map>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -55,6 +58,66 @@ tasks::WalkedNodes MeshFloor::walk(const graph::NavGraph& graph,
     }
   }
   return {.obstacle = {}, .geodesic_distance = ways.distance(points.front(), points.back())};
+}
+
+namespace {
+
+using Routes = std::map<std::string, std::vector<Vec3d>, std::less<>>;
+
+// The episodes of each path, in order, by its id as text.
+using EpisodesOfPaths = std::map<std::string, std::vector<std::size_t>, std::less<>>;
+
+EpisodesOfPaths by_path(const tasks::EpisodeSet& set) {
+  EpisodesOfPaths found;
+  for (std::size_t e = 0; e < set.episodes.size(); ++e) {
+    found[fmt::to_string(set.path_of(set.episodes[e]).path_id)].push_back(e);
+  }
+  return found;
+}
+
+std::vector<Vec3d> route_of(const tasks::Trajectory& trajectory, const graph::NavGraph& graph,
+                            const MeshFloor& floor) {
+  std::vector<Vec3d> route;
+  std::optional<ViewpointIndex> last;
+  for (const tasks::TrajectoryPoint& pose : trajectory.points) {
+    if (last == pose.viewpoint) continue;
+    last = pose.viewpoint;
+    if (const auto node = floor.node_of(graph, pose.viewpoint)) route.push_back(*node);
+  }
+  return route;
+}
+
+}  // namespace
+
+std::unique_ptr<ContinuousAgent> make_graph_walker(std::string_view name,
+                                                   std::span<const tasks::Trajectory> trajectories,
+                                                   const tasks::EpisodeSet& graph_episodes,
+                                                   const tasks::ContinuousEpisodes& episodes,
+                                                   const MeshFloor& floor) {
+  std::map<std::size_t, const tasks::Trajectory*> of_episode;
+  for (const tasks::Trajectory& t : trajectories) of_episode[t.episode] = &t;
+  const EpisodesOfPaths paths = by_path(graph_episodes);
+  std::map<std::string, std::size_t> seen;  // episodes of each path so far
+  Routes routes;
+  for (const tasks::ContinuousEpisode& episode : episodes.episodes) {
+    const std::string path = tasks::text_of(episode.trajectory_id);
+    const std::size_t instruction = seen[path]++;
+    const auto found = paths.find(path);
+    const tasks::Trajectory* trajectory = nullptr;
+    if (found != paths.end() && instruction < found->second.size()) {
+      const auto made = of_episode.find(found->second[instruction]);
+      if (made != of_episode.end()) trajectory = made->second;
+    }
+    if (trajectory == nullptr) {
+      throw ArgumentError(fmt::format(
+          "episode {}: the graph's split {} has no trajectory of instruction {} of path "
+          "{}",
+          tasks::text_of(episode.id), graph_episodes.split, instruction, path));
+    }
+    const tasks::Episode& of = graph_episodes.episodes[trajectory->episode];
+    routes[tasks::text_of(episode.id)] = route_of(*trajectory, graph_episodes.graph_of(of), floor);
+  }
+  return make_route_agent(std::string(name), std::move(routes));
 }
 
 }  // namespace enfilade::agents

@@ -1,11 +1,16 @@
-/// \file  The floor of continuous episodes, from navigation meshes.
+/// \file  The floor of continuous episodes, from navigation meshes, and graph agents' trajectories
+/// on it: the loss between the two worlds.
 #pragma once
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 
+#include "enfilade/agents/continuous_agent.h"
 #include "enfilade/continuous/buildings.h"
+#include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/derive_continuous.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::agents {
 
@@ -37,5 +42,17 @@ class MeshFloor final : public tasks::EpisodeFloor {
   std::shared_ptr<const continuous::Buildings> buildings_;
   DetourLimit limit_;
 };
+
+/// An agent that follows, in each continuous episode, the viewpoints of a graph agent's trajectory
+/// for the same instruction. That is of the graph episode with its trajectory's path_id; for a path
+/// with several instructions, the one with the same number. Viewpoints that are on no floor are
+/// skipped.
+/// \param trajectories  of graph_episodes, in any order
+/// \throws ArgumentError for a continuous episode whose path or instruction has no trajectory
+std::unique_ptr<ContinuousAgent> make_graph_walker(std::string_view name,
+                                                   std::span<const tasks::Trajectory> trajectories,
+                                                   const tasks::EpisodeSet& graph_episodes,
+                                                   const tasks::ContinuousEpisodes& episodes,
+                                                   const MeshFloor& floor);
 
 }  // namespace enfilade::agents

@@ -1,9 +1,11 @@
 #include "enfilade/agents/panorama.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/render/renderer.h"
 
 namespace enfilade::agents {
@@ -75,6 +77,26 @@ sim::Action step_towards(const sim::Candidate& candidate, std::uint32_t view) {
   if (row != wanted) return {0, Radians(0), degrees(row < wanted ? kStep : -kStep)};
   if (view != candidate.view) return {0, degrees(kStep), Radians(0)};
   return {candidate.index, Radians(0), Radians(0)};
+}
+
+std::optional<Decision> Route::next(const Observation& seen, const Panorama& panorama) {
+  if (!way_.empty() && way_.front() == seen.viewpoint) way_.pop_front();
+  if (way_.empty()) return std::nullopt;
+  const auto candidate =
+      std::ranges::find(panorama.candidates, way_.front(), &sim::Candidate::viewpoint);
+  if (candidate == panorama.candidates.end()) {
+    throw ArgumentError(fmt::format("{}: the agent at {:?} cannot go to {:?}", seen.graph->scan(),
+                                    seen.graph->id(seen.viewpoint), seen.graph->id(way_.front())));
+  }
+  const sim::Action action = step_towards(*candidate, seen.view_index);
+  if (seen.view_index != candidate->view) {
+    double right = action.heading_change.value;
+    const std::uint32_t columns =
+        (candidate->view % kColumns + kColumns - seen.view_index % kColumns) % kColumns;
+    if (turning_ == Turning::kShorter && columns > kColumns / 2) right = -right;
+    return Decision::turn(right, action.elevation_change.value);
+  }
+  return Decision::go(action.index);
 }
 
 }  // namespace enfilade::agents

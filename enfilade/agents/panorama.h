@@ -1,13 +1,17 @@
-/// \file  Input of panoramic agents: the 36 views of a viewpoint, and its candidates.
+/// \file  Input of panoramic agents: the 36 views of a viewpoint, and its candidates. Their ways,
+/// in small steps of the simulator.
 #pragma once
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "enfilade/agents/agent.h"
 #include "enfilade/core/ids.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/sim/candidates.h"
@@ -65,5 +69,29 @@ std::optional<std::uint32_t> arrival_view(const Panorama& panorama, ViewpointInd
 /// \param view of the agent now
 /// \pre both views are below 36
 sim::Action step_towards(const sim::Candidate& candidate, std::uint32_t view);
+
+/// In which way an agent turns to the view that has its next viewpoint.
+enum class Turning {
+  kRight,    ///< always to the right, as in EnvDrop: its trajectories have one entry per turn
+  kShorter,  ///< the shorter way
+};
+
+/// The viewpoints ahead of an agent, one after another. It turns to the view that has the next one,
+/// view by view, and goes there.
+class Route {
+ public:
+  /// A way that is done, until set().
+  explicit Route(Turning turning) : turning_(turning) {}
+
+  /// Begins anew. \param way neighbours, one after another, without the present viewpoint
+  void set(std::span<const ViewpointIndex> way) { way_.assign(way.begin(), way.end()); }
+  /// The next turn or move; no value at the end of the route. To be called before each action.
+  /// \throws ArgumentError for a viewpoint that is not reachable from the agent's
+  std::optional<Decision> next(const Observation& seen, const Panorama& panorama);
+
+ private:
+  Turning turning_;
+  std::deque<ViewpointIndex> way_;
+};
 
 }  // namespace enfilade::agents

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "enfilade/agents/experts.h"
-#include "enfilade/agents/final_stop.h"
 #include "enfilade/agents/panorama.h"
 #include "enfilade/agents/topological_map.h"
 #include "enfilade/core/gzip.h"

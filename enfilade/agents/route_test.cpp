@@ -1,4 +1,4 @@
-#include "enfilade/agents/route.h"
+#include "enfilade/agents/panorama.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,10 +7,10 @@
 #include <utility>
 #include <variant>
 
+#include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/agents/episode_batch.h"
-#include "enfilade/agents/random.h"
-#include "enfilade/agents/reference.h"
-#include "enfilade/agents/shortest.h"
+#include "enfilade/agents/simple_agents.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::agents {
@@ -102,6 +102,36 @@ std::unique_ptr<Agent> make_agent(std::string_view name) {
   if (name == "shortest") return std::make_unique<ShortestAgent>();
   throw LookupError(fmt::format("agent {:?}: there is none of that name; there are: {}", name,
                                 fmt::join(agent_names(), ", ")));
+}
+
+AnyAgent make_agent(const tasks::Benchmark& benchmark, std::string_view name) {
+  if (benchmark.continuous()) return make_continuous_agent(name);
+  return make_agent(name);
+}
+
+tasks::Trajectories run(const AnyAgent& agent, const tasks::Split& split,
+                        const std::shared_ptr<const continuous::Buildings>& buildings,
+                        const RunOptions& options, const Progress& progress) {
+  if (const auto* on_graph = std::get_if<std::unique_ptr<Agent>>(&agent)) {
+    return run_agent(**on_graph, *split.on_graph(), options, progress);
+  }
+  return run_continuous(*std::get<std::unique_ptr<ContinuousAgent>>(agent), *split.continuous(),
+                        buildings,
+                        {.batch_size = options.batch_size,
+                         .seed = options.seed,
+                         .simulator = continuous_setup(split.benchmark()).simulator},
+                        progress);
+}
+
+tasks::ScoreTable compute_score(const tasks::Trajectories& trajectories, const tasks::Split& split,
+                                const continuous::Buildings* buildings, const tasks::Scorer& scorer,
+                                const Progress& progress) {
+  if (const auto* on_graph = std::get_if<std::vector<Trajectory>>(&trajectories)) {
+    return tasks::compute_score(*on_graph, *split.on_graph(), scorer);
+  }
+  return compute_score(std::get<std::vector<tasks::ContinuousResult>>(trajectories),
+                       *split.continuous(), *buildings, *split.experts(), split.benchmark(), scorer,
+                       progress);
 }
 
 std::vector<std::string> agent_names() { return {"random", "reference", "shortest"}; }

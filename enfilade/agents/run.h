@@ -1,16 +1,20 @@
-/// \file  Running an agent over the episodes of a split.
+/// \file  Running an agent over the episodes of a split of either world, and scoring it.
 #pragma once
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "enfilade/agents/agent.h"
+#include "enfilade/agents/continuous_agent.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/sim/simulator.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/results.h"
+#include "enfilade/tasks/score_table.h"
+#include "enfilade/tasks/split.h"
 
 namespace enfilade::agents {
 
@@ -34,7 +38,24 @@ std::vector<tasks::Trajectory> run_agent(Agent& agent, const tasks::EpisodeSet& 
                                          const RunOptions& options = {},
                                          const Progress& progress = {});
 
-/// An agent by its name: "random", "reference" or "shortest". \throws LookupError listing the names
+/// An agent of the split's world.
+using AnyAgent = std::variant<std::unique_ptr<Agent>, std::unique_ptr<ContinuousAgent>>;
+/// By its name, of a benchmark's world. \throws LookupError listing the names
+AnyAgent make_agent(const tasks::Benchmark& benchmark, std::string_view name);
+/// run_agent(), or run_continuous() with the benchmark's simulator. \param buildings  continuous:
+/// open_buildings(); null on graphs \pre the agent is of the split's world
+/// \throws as those
+tasks::Trajectories run(const AnyAgent& agent, const tasks::Split& split,
+                        const std::shared_ptr<const continuous::Buildings>& buildings,
+                        const RunOptions& options = {}, const Progress& progress = {});
+/// Scores results by one of the benchmark's scorers. \param buildings  as above
+/// \throws as tasks::compute_score(), score_continuous_walks()
+tasks::ScoreTable compute_score(const tasks::Trajectories& trajectories, const tasks::Split& split,
+                                const continuous::Buildings* buildings, const tasks::Scorer& scorer,
+                                const Progress& progress = {});
+
+/// An agent on graphs by its name: "random", "reference" or "shortest". \throws LookupError listing
+/// the names
 std::unique_ptr<Agent> make_agent(std::string_view name);
 std::vector<std::string> agent_names();
 

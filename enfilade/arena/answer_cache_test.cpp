@@ -1,4 +1,4 @@
-#include "enfilade/arena/answer_cache.h"
+#include "enfilade/arena/endpoint.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

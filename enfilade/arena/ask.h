@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/arena/answer_cache.h"
 #include "enfilade/arena/chat.h"
 #include "enfilade/arena/endpoint.h"
 #include "enfilade/arena/pictures.h"
@@ -27,7 +26,12 @@ struct AskConfig {
   /// No value: as in the folder's run. In a new folder as the prompt has it; JSON by a schema if
   /// the server refuses tools; text if it refuses that, too.
   std::optional<Answers> answers = {};
-  Limits limits;
+  /// The field of ChatConfig::most_tokens; no value: what the server accepts.
+  std::optional<LimitField> limit_field = {};
+  /// A conversation that is too long for the model goes on without its older steps, if
+  /// ChatConfig::window has no value. False: the episode ends.
+  bool shorten = true;
+  SessionLimits limits;
   std::uint32_t picture_size = 512;  ///< pixels
   std::string words = "none";        ///< source of the world's words; in run.json
   std::size_t parallel = 1;          ///< episodes at once, 1 to 256; changes nothing in results
@@ -57,16 +61,28 @@ struct AskReport {
   std::size_t episodes = 0;           ///< requested episodes
   std::size_t done = 0;               ///< of these, also in earlier runs
   Answers answers = Answers::kTools;  ///< the form of the answers
-  std::size_t mistakes = 0;           ///< invalid calls in all finished episodes
+  /// How requests differ from the usual ones, since the server refuses those: a phrase each.
+  std::vector<std::string> adjusted;
+  std::size_t mistakes = 0;  ///< invalid calls in all finished episodes, without `unanswered`
+  /// Responses without a call in all finished episodes, by the reason.
+  std::map<AnswerFlaw, std::size_t> unanswered;
   std::map<Ending, std::size_t> endings;
-  std::vector<std::string> given_up;  ///< one sentence per episode
+  std::size_t shortened = 0;          ///< finished episodes whose older steps were left out
+  std::vector<std::string> refused;   ///< one sentence per episode of Ending::kRefused
+  std::vector<std::string> given_up;  ///< one sentence per episode that is left for the next run
   Ledger ledger;
 };
 
 /// Evaluates a model on some episodes, step by step, and writes into a folder:
 /// - `transcripts/<id>.jsonl`: a line for the episode, one per step, one for the end
 /// - `results.json`: all finished episodes, in the benchmark's form
-/// - `run.json`: the run's settings
+/// - `run.json`: the run's settings, as they are sent, and what was asked for where that differs
+///
+/// The first step finds the Dialect of the server, if the folder has no transcript. A request that
+/// the server refuses is changed by remedy_for(), and sent again. A conversation that is too long,
+/// or that a filter refuses, ends its episode (Ending::kRefused), and others go on. So do responses
+/// without an answer (AnswerFlaw), SessionLimits::mistakes of them one after another. An episode
+/// without a response after all attempts is left; the next run begins with others (`left.json`).
 ///
 /// Their content does not depend on time, computer or other runs. A folder with some of it is
 /// continued: episodes with a transcript are skipped, and cached responses are not requested again.
@@ -74,10 +90,10 @@ struct AskReport {
 /// \param which indices of episodes, each once
 /// \param endpoint null: nothing is sent, and a response that is not in the cache is an error
 /// \throws ArgumentError for values out of range
-/// \throws InvalidInput for a folder of another run, naming the differences, and for a refusal that
-/// waiting does not change
+/// \throws InvalidInput for a folder of another run, naming the differences
+/// \throws RequestRefused for a refusal of something that has no remedy, in the server's words
 /// \throws FileError, also if another process works in the folder
-AskReport ask(const World& world, const Sights& sights, const std::vector<std::size_t>& which,
+AskReport ask(const World& world, const ViewSources& sights, const std::vector<std::size_t>& which,
               const Prompt& prompt, const AskConfig& config, Endpoint* endpoint, AnswerCache& cache,
               const std::filesystem::path& folder, const Progress& progress = {});
 

@@ -14,8 +14,8 @@
 
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/run.h"
-#include "enfilade/arena/rules.h"
 #include "enfilade/arena/stand_in.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
@@ -93,7 +93,7 @@ TEST_F(Ask, TheOracleReachesEveryGoalInEveryFormOfAnswers) {
     EXPECT_EQ(results(name), results("tools"));
   }
   for (const std::string& prompt : Prompt::names()) {
-    if (Prompt::named(prompt).pictures() != Pictures::kNone) continue;
+    if (Prompt::named(prompt).pictures() != PictureKind::kNone) continue;
     config_.answers.reset();
     const auto endpoint = make_http_endpoint({.url = stand_in.url()});
     EXPECT_EQ(run(endpoint.get(), "of-" + prompt, "cache", prompt).done, which_.size());
@@ -138,13 +138,12 @@ TEST_F(Ask, ReverieAsksForTheObject) {
 }
 
 // Every form of answers, and of results files; the goal is 4 m away, so stopping early would show.
-TEST_F(Ask, WalksFreely) {
+TEST_F(Ask, MovesOnTheFloor) {
   for (const char* task : {"r2r-ce", "rxr-ce"}) {
-    const agents::ContinuousSetup& setup = agents::continuous_setup(task);
-    const agents::ContinuousWorld room = testing::room(4);
-    auto named = std::make_shared<tasks::ContinuousEpisodes>(*room.episodes);
+    const FloorWorld room = testing::room(4);
+    auto named = std::make_shared<tasks::ContinuousEpisodes>(*room.episodes().continuous());
     for (tasks::ContinuousEpisode& one : named->episodes) one.instruction.id = one.id;
-    const FreeWorld world({named, nullptr, room.buildings}, setup);
+    const FloorWorld world(tasks::Split(tasks::benchmark(task), named), room.buildings());
     const StandIn stand_in(world.another(), {});
     const auto endpoint = make_http_endpoint({.url = stand_in.url()});
     config_.limits = usual_limits(task);
@@ -158,7 +157,7 @@ TEST_F(Ask, WalksFreely) {
       EXPECT_EQ(report.mistakes, 0U);
       EXPECT_EQ(report.endings.at(Ending::kStopped), 5U);
       const auto walks = tasks::load_continuous_results(run / "results.json", *named);
-      for (const auto& score : agents::score_continuous_walks(walks, *named, *room.buildings)) {
+      for (const auto& score : agents::score_continuous_walks(walks, *named, *room.buildings())) {
         EXPECT_EQ(score.success, 1);
         EXPECT_LT(score.distance_to_goal, 0.3);
       }
@@ -175,9 +174,10 @@ TEST_F(Ask, WalksFreely) {
 TEST_F(Ask, WhatFailsIsAskedAgainAndMistakesAreTold) {
   const StandIn plain(world(), {});
   run(plain, "plain");
-  const StandIn failing(world(), {.faults = {Fault::kServerError, Fault::kRateLimit, Fault::kCutOff,
-                                             Fault::kNotJson, Fault::kNoChoice},
-                                  .one_in = 2});
+  const StandIn failing(
+      world(), {.faults = {StandInFault::kServerError, StandInFault::kRateLimit,
+                           StandInFault::kCutOff, StandInFault::kNotJson, StandInFault::kNoChoice},
+                .one_in = 2});
   const auto endpoint = make_http_endpoint({.url = failing.url()});
   const AskReport report = run(endpoint.get(), "failing", "other-cache");
   EXPECT_GT(failing.requests(), failing.answers());
@@ -185,7 +185,8 @@ TEST_F(Ask, WhatFailsIsAskedAgainAndMistakesAreTold) {
   EXPECT_EQ(report.done, which_.size());
   EXPECT_EQ(files("failing"), files("plain"));  // nobody sees that something failed
 
-  const StandIn clumsy(world(), {.faults = {Fault::kUnknownPlace, Fault::kNoCall}, .one_in = 3});
+  const StandIn clumsy(
+      world(), {.faults = {StandInFault::kUnknownPlace, StandInFault::kNoCall}, .one_in = 3});
   const auto other = make_http_endpoint({.url = clumsy.url()});
   const AskReport made = run(other.get(), "clumsy", "clumsy-cache");
   EXPECT_EQ(made.done, which_.size());
@@ -195,7 +196,7 @@ TEST_F(Ask, WhatFailsIsAskedAgainAndMistakesAreTold) {
 
 TEST_F(Ask, SilenceIsNotWaitedForForEver) {
   which_ = {0, 1};
-  const StandIn silent(world(), {.faults = {Fault::kSilence}, .one_in = 1, .silence = 0.6});
+  const StandIn silent(world(), {.faults = {StandInFault::kSilence}, .one_in = 1, .silence = 0.6});
   const auto endpoint = make_http_endpoint({.url = silent.url(), .timeout = 0.2});
   EXPECT_EQ(run(endpoint.get()).done, 2U);
 }
@@ -296,7 +297,7 @@ TEST_F(Ask, ManyRequestsAreInFlight) {
   which_.resize(episodes_->episodes.size());
   std::iota(which_.begin(), which_.end(), 0U);
   config_.parallel = 32;
-  const StandIn slow(world(), {.faults = {Fault::kSilence}, .one_in = 1, .silence = 0.3});
+  const StandIn slow(world(), {.faults = {StandInFault::kSilence}, .one_in = 1, .silence = 0.3});
   run(slow);
   EXPECT_GE(slow.most_at_once(), 30U);
 }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "enfilade/arena/endpoint.h"
 #include "enfilade/arena/world.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/refusal.h"
@@ -57,7 +58,7 @@ class ChatTest : public ::testing::Test {
 };
 
 TEST_F(ChatTest, ToolsAreCalledAndToldInTheProtocol) {
-  Chat chat(prompt_, {.model = "m", .most_tokens = 50}, Answers::kTools, {});
+  Chat chat(prompt_, {.model = "m", .most_tokens = 50}, {.answers = Answers::kTools}, {});
   const json first = exchange(
       chat,
       {{"content", "East."},
@@ -97,14 +98,14 @@ TEST_F(ChatTest, ToolsAreCalledAndToldInTheProtocol) {
 }
 
 TEST_F(ChatTest, JsonAndTextAreAskedForAndRead) {
-  Chat with_json(prompt_, {.model = "m", .seed = std::nullopt}, Answers::kJson, {});
+  Chat with_json(prompt_, {.model = "m", .seed = std::nullopt}, {.answers = Answers::kJson}, {});
   const json request = exchange(
       with_json, {{"content", R"({"thought": "East.", "tool": "go_to", "argument": "C"})"}});
   EXPECT_EQ(request.at("response_format").at("type"), "json_schema");
   EXPECT_FALSE(request.contains("tools"));
   EXPECT_FALSE(request.contains("seed"));
   EXPECT_EQ(session_->observation().here, "C");
-  Chat with_text(prompt_, {.model = "m"}, Answers::kText, {});
+  Chat with_text(prompt_, {.model = "m"}, {.answers = Answers::kText}, {});
   const json plain = exchange(with_text, {{"content", "Back.\nAction: back_to A"}});
   EXPECT_FALSE(plain.contains("response_format"));
   EXPECT_THAT(plain.at("messages")[1].at("content")[0].at("text").get<std::string>(),
@@ -116,7 +117,7 @@ TEST_F(ChatTest, OfTheLastStepAloneIfThePromptSaysSo) {
   prompt_ = Prompt::parse(
       "memory: last\nanswers: text\n---\nS\n---\n{{#history}}{{call}}: {{told}} {{/history}}", "p",
       "p");
-  Chat chat(prompt_, {.model = "m"}, Answers::kText, {});
+  Chat chat(prompt_, {.model = "m"}, {.answers = Answers::kText}, {});
   exchange(chat, {{"content", "Action: go_to C"}});
   const json second = exchange(chat, {{"content", "Action: stop"}});
   ASSERT_EQ(second.at("messages").size(), 2U);
@@ -124,8 +125,73 @@ TEST_F(ChatTest, OfTheLastStepAloneIfThePromptSaysSo) {
               HasSubstr("go_to C: You went to C, 4.0 m."));
 }
 
+// Golden: a change of a usual request loses the caches of all earlier runs.
+TEST_F(ChatTest, UsualRequestsHaveTheirKeys) {
+  Chat chat(prompt_, {.model = "m", .most_tokens = 50}, {}, {});
+  const auto key = [&] { return AnswerCache::key_of(chat.ask(session_->observation(), {}, {})); };
+  EXPECT_EQ(key(), "87d32c754e4410c24ad1823c38c158dd");
+  exchange(chat, {{"content", nullptr},
+                  {"refusal", nullptr},
+                  {"tool_calls", {tool_call("go_to", {{"place", "C"}}, "one")}}});
+  EXPECT_EQ(key(), "29e29fcf436d3a0e9a97458318ab3c35");
+}
+
+TEST_F(ChatTest, PartsOfTheContentAreReadAndSentBack) {
+  Chat chat(prompt_, {.model = "m"}, {.answers = Answers::kText}, {});
+  const json parts{{{"type", "thinking"}, {"thinking", "hm"}, {"signature", "s"}},
+                   {{"type", "text"}, {"text", "East.\n"}},
+                   {{"type", "text"}, {"text", "Action: go_to C"}}};
+  exchange(chat, {{"content", parts}});
+  EXPECT_EQ(session_->observation().here, "C");
+  const json second = exchange(chat, {{"content", "Action: stop"}});
+  EXPECT_EQ(second.at("messages")[2].at("content"), parts);
+}
+
+TEST_F(ChatTest, OlderStepsAreLeftOut) {
+  Chat chat(prompt_, {.model = "m"}, {}, {});
+  for (int k = 0; k < 4; ++k) {
+    exchange(chat,
+             {{"content", "Turn."}, {"tool_calls", {tool_call("look", {{"direction", "left"}})}}});
+  }
+  const auto ask = [&] {
+    return json::parse(chat.ask(session_->observation(), {}, {})).at("messages").size();
+  };
+  const auto again = [&] { return json::parse(chat.request()).at("messages"); };
+  EXPECT_EQ(ask(), 2U + 4 * 3);
+  EXPECT_TRUE(chat.shorten());
+  EXPECT_EQ(again().size(), 2U + 2 * 3);
+  EXPECT_EQ(chat.left_out(), 2U);
+  EXPECT_TRUE(chat.shorten());
+  EXPECT_EQ(again()[1].at("role"), "user") << "whole steps are left out";
+  EXPECT_TRUE(chat.shorten());
+  ASSERT_EQ(again().size(), 2U);
+  EXPECT_THAT(again()[1].at("content").dump(), HasSubstr("You")) << "feedback came by the tool";
+  EXPECT_FALSE(chat.shorten());
+  Chat last(prompt_, {.model = "m", .window = 1}, {.answers = Answers::kText}, {});
+  exchange(last, {{"content", "Action: look left"}});
+  exchange(last, {{"content", "Action: look left"}});
+  EXPECT_EQ(exchange(last, {{"content", "Action: look left"}}).at("messages").size(), 4U);
+}
+
+TEST_F(ChatTest, TheSystemsTextMayBeTheUsers) {
+  Chat chat(prompt_, {.model = "m"}, {.answers = Answers::kText, .system = false}, {});
+  exchange(chat, {{"content", "Action: look left"}});
+  const json messages = exchange(chat, {{"content", "Action: stop"}}).at("messages");
+  ASSERT_EQ(messages.size(), 3U);
+  EXPECT_EQ(messages[0].at("role"), "user");
+  EXPECT_THAT(messages[0].at("content")[0].at("text").get<std::string>(),
+              HasSubstr("Start: Go to the desk.\n\nAt A."));
+}
+
+TEST_F(ChatTest, StreamsAskForTheCountOfTokens) {
+  Chat chat(prompt_, {.model = "m"}, {.stream = true}, {});
+  const json request = json::parse(chat.ask(session_->observation(), {}, {}));
+  EXPECT_EQ(request.at("stream"), true);
+  EXPECT_EQ(request.at("stream_options"), (json{{"include_usage", true}}));
+}
+
 TEST_F(ChatTest, UsageIsRead) {
-  const Chat chat(prompt_, {.model = "m"}, Answers::kText, {});
+  const Chat chat(prompt_, {.model = "m"}, {.answers = Answers::kText}, {});
   const ChatAnswer answer = chat.read(completion({{"content", "Action: stop"}}));
   EXPECT_EQ(answer.prompt_tokens, 120);
   EXPECT_EQ(answer.answer_tokens, 7);
@@ -134,7 +200,7 @@ TEST_F(ChatTest, UsageIsRead) {
 }
 
 TEST_F(ChatTest, WhatIsNoCompletionIsAFaultOfTheServer) {
-  const Chat chat(prompt_, {.model = "m"}, Answers::kTools, {});
+  const Chat chat(prompt_, {.model = "m"}, {.answers = Answers::kTools}, {});
   for (const char* body : {"", "<html>", "[]", "{}", R"({"choices": []})", R"({"choices": [3]})",
                            R"({"choices": [{"text": "x"}]})"}) {
     EXPECT_THAT(refusal<InvalidInput>([&] { chat.read(body); }), HasSubstr("no-chat-completion"))
@@ -147,12 +213,12 @@ TEST_F(ChatTest, WhatIsNoCompletionIsAFaultOfTheServer) {
     EXPECT_FALSE(answer.reading.call) << calls;
     EXPECT_FALSE(answer.reading.fault.empty()) << calls;
   }
-  EXPECT_THAT(refusal<ArgumentError>([&] { Chat(prompt_, {}, Answers::kTools, {}); }),
+  EXPECT_THAT(refusal<ArgumentError>([&] { Chat(prompt_, {}, {.answers = Answers::kTools}, {}); }),
               HasSubstr("model: empty"));
 }
 
 TEST_F(ChatTest, PicturesAreFilledIn) {
-  Chat chat(prompt_, {.model = "m"}, Answers::kTools, {});
+  Chat chat(prompt_, {.model = "m"}, {.answers = Answers::kTools}, {});
   const auto pictures = order_pictures(*session_, prompt_.pictures(), 64);
   const std::string request = chat.ask(session_->observation(), pictures, {"a/key"});
   EXPECT_NE(chat.find_picture("a/key"), nullptr);

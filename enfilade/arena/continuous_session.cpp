@@ -3,9 +3,10 @@
 #include <span>
 #include <utility>
 
-#include "enfilade/arena/detail/moves.h"
+#include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
+#include "enfilade/arena/detail/texts.h"
 #include "enfilade/arena/world.h"
-#include "enfilade/core/errors.h"
 
 namespace enfilade::arena {
 namespace {
@@ -22,37 +23,46 @@ continuous::SimulatorConfig one_walker(continuous::SimulatorConfig config) {
 
 std::string times(int n) { return n == 1 ? "once" : fmt::format("{} times", n); }
 
-class OneContinuousSession : public ContinuousSession {
+/// The tools of every step. \param looks whether the camera turns up and down
+std::vector<ToolUse> continuous_tools(bool looks) {
+  ToolUse move{Tool::kMove, "actions", {}, true};
+  const auto moves = std::span(detail::kMoves).subspan(1);
+  const auto allowed = moves.first(looks ? moves.size() : kMovesWithoutLooks);
+  move.allowed.assign(allowed.begin(), allowed.end());
+  return {std::move(move), {Tool::kStop, {}, {}}};
+}
+
+bool has_looks(const tasks::Benchmark& benchmark) {
+  return benchmark.form == tasks::ContinuousForm::kRxr;
+}
+
+class ContinuousSession : public Session {
  public:
-  OneContinuousSession(const agents::ContinuousWorld& world, const agents::ContinuousSetup& setup,
-                       std::size_t episode, const Limits& limits, Words* words)
-      : ContinuousSession(limits),
-        world_(world),
+  ContinuousSession(const FloorWorld& world, const agents::ContinuousSetup& setup,
+                    std::size_t episode, const SessionLimits& limits, Words* words)
+      : Session(limits),
+        episodes_(world.episodes().continuous()),
         words_(words),
-        looks_(setup.benchmark->form == tasks::ContinuousForm::kRxr),
+        looks_(has_looks(*setup.benchmark)),
         eye_height_(setup.simulator.eye_height),
         episode_(episode),
-        simulator_(world.buildings, one_walker(setup.simulator)) {
+        simulator_(world.buildings(), one_walker(setup.simulator)) {
     walk_.episode = episode;
     simulator_.new_episode(
-        0, agents::start_of(episode_of(), world_.buildings->at(episode_of().scan())));
+        0, agents::start_of(episode_of(), world.buildings()->at(episode_of().scan())));
     record();
     begin();
   }
 
-  continuous::Pose pose() const override {
-    const continuous::StateSpans now = simulator_.state();
-    return {now.position[0], Radians(now.heading[0]), Radians(now.elevation[0])};
-  }
   Walked walked() const override { return walk_; }
   std::size_t episode() const override { return episode_; }
   std::string episode_id() const override { return tasks::text_of(episode_of().id); }
   Standpoint standpoint() const override {
-    const continuous::Pose now = pose();
-    const Vec3d eye = to_double(now.position) + Vec3d{0, 0, eye_height_};
+    const continuous::StateSpans now = simulator_.state();
+    const Vec3d eye = to_double(now.position[0]) + Vec3d{0, 0, eye_height_};
     return {std::string(episode_of().scan()),
-            fmt::format("{:.6f}/{:.6f}/{:.6f}", eye.x, eye.y, eye.z), eye, now.heading,
-            now.elevation};
+            fmt::format("{:.6f}/{:.6f}/{:.6f}", eye.x, eye.y, eye.z), eye, Radians(now.heading[0]),
+            Radians(now.elevation[0])};
   }
 
  protected:
@@ -67,7 +77,7 @@ class OneContinuousSession : public ContinuousSession {
     std::size_t done = 0;
     for (const std::string& name : values) {
       const Vec3f before = simulator_.state().position[0];
-      step(std::ranges::find(detail::kMoves, name, &detail::Move::name)->action);
+      step(static_cast<Action>(std::ranges::find(detail::kMoves, name) - detail::kMoves.begin()));
       metres += length(simulator_.state().position[0] - before);
       collisions += simulator_.state().collided[0];
       ++done;
@@ -81,22 +91,16 @@ class OneContinuousSession : public ContinuousSession {
     }
   }
 
-  void look_around(Observation& seen) override {
+  void look_around(SessionObservation& seen) override {
     seen.instruction = episode_of().instruction.text;
     seen.heading = Radians(simulator_.state().heading[0]);
     seen.elevation = Radians(simulator_.state().elevation[0]);
     if (words_ != nullptr) seen.what = words_->of(standpoint());
-    if (!seen.tools.empty()) return;
-    ToolUse move{Tool::kMove, "actions", {}, true};
-    const std::size_t count = looks_ ? detail::kMoves.size() : kMovesWithoutLooks;
-    for (const detail::Move& one : std::span(detail::kMoves).first(count))
-      move.allowed.emplace_back(one.name);
-    seen.tools.push_back(std::move(move));
-    seen.tools.push_back({Tool::kStop, {}, {}});
+    if (seen.tools.empty()) seen.tools = continuous_tools(looks_);
   }
 
  private:
-  const tasks::ContinuousEpisode& episode_of() const { return world_.episodes->episodes[episode_]; }
+  const tasks::ContinuousEpisode& episode_of() const { return episodes_->episodes[episode_]; }
 
   void step(Action action) {
     simulator_.step({&action, 1});
@@ -109,7 +113,7 @@ class OneContinuousSession : public ContinuousSession {
     walk_.headings.emplace_back(simulator_.state().heading[0]);
   }
 
-  agents::ContinuousWorld world_;
+  std::shared_ptr<const tasks::ContinuousEpisodes> episodes_;
   Words* words_;  // null: none
   bool looks_;
   double eye_height_;
@@ -120,14 +124,14 @@ class OneContinuousSession : public ContinuousSession {
 
 }  // namespace
 
-std::unique_ptr<ContinuousSession> FreeWorld::start_free(std::size_t episode,
-                                                         const Limits& limits) {
-  validate(limits);
-  if (episode >= size()) {
-    throw ArgumentError(fmt::format("episode: {}; there are {}", episode, size()));
-  }
-  if (words_source_ && !words_) words_ = words_source_();
-  return std::make_unique<OneContinuousSession>(world_, *setup_, episode, limits, words_.get());
+std::vector<ToolUse> FloorWorld::tools() const {
+  return continuous_tools(has_looks(episodes().benchmark()));
+}
+
+std::unique_ptr<Session> FloorWorld::start(std::size_t episode, const SessionLimits& limits) {
+  check(episode, limits);
+  return std::make_unique<ContinuousSession>(
+      *this, agents::continuous_setup(episodes().benchmark()), episode, limits, words());
 }
 
 }  // namespace enfilade::arena

@@ -6,12 +6,13 @@
 
 #include "enfilade/agents/episode_batch.h"
 #include "enfilade/agents/topological_map.h"
-#include "enfilade/arena/detail/names.h"
+#include "enfilade/arena/detail/texts.h"
 #include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/outlines.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::arena {
 namespace {
@@ -28,27 +29,22 @@ constexpr std::array kLooks{Look{"left", -90}, Look{"right", 90}, Look{"behind",
                             Look{"up", 0, 30}, Look{"down", 0, -30}};
 constexpr double kSteepest = 30;  // degrees: the rows of the 36 views
 
+ToolUse look_tool() {
+  ToolUse use{Tool::kLook, "direction", {}};
+  for (const Look& one : kLooks) use.allowed.emplace_back(one.name);
+  return use;
+}
+
 sim::SimulatorConfig one_walker() {
   sim::SimulatorConfig config = sim::SimulatorConfig::room_to_room();
   config.batch_size = 1;
   return config;
 }
 
-void check(const tasks::EpisodeSet& episodes, std::size_t episode) {
-  if (episode >= episodes.episodes.size()) {
-    throw ArgumentError(
-        fmt::format("episode: {}; there are {}", episode, episodes.episodes.size()));
-  }
-  if (episodes.task == tasks::Task::kSoon) {
-    throw ArgumentError(fmt::format("{}: a session has no tool for the answer that it asks for",
-                                    tasks::benchmark(episodes.task).title));
-  }
-}
-
 class OneGraphSession : public GraphSession {
  public:
-  OneGraphSession(GraphWorld& world, std::size_t episode, const Limits& limits)
-      : GraphSession(limits), world_(world), batch_(world.episodes(), one_walker()) {
+  OneGraphSession(GraphWorld& world, std::size_t episode, const SessionLimits& limits)
+      : GraphSession(limits), world_(world), batch_(*world.episodes().on_graph(), one_walker()) {
     batch_.begin(0, episode);
     heading_ = wrap_heading(Radians(batch_.state().heading[0]));
     arrive();
@@ -93,7 +89,7 @@ class OneGraphSession : public GraphSession {
     end(Ending::kStopped);
   }
 
-  void look_around(Observation& seen) override {
+  void look_around(SessionObservation& seen) override {
     seen.instruction = batch_.episode(0).text;
     seen.heading = heading_;
     seen.elevation = elevation_;
@@ -144,7 +140,7 @@ class OneGraphSession : public GraphSession {
     tell(fmt::format("You look {}.", direction));
   }
 
-  void list_places(Observation& seen) const {
+  void list_places(SessionObservation& seen) const {
     seen.places.clear();
     for (const sim::Candidate& one : candidates()) {
       const Node node = map_.find(one.viewpoint).value();
@@ -152,9 +148,9 @@ class OneGraphSession : public GraphSession {
                              one.elevation, one.distance, map_.visited(node),
                              !new_here_.contains(one.viewpoint.value)});
     }
-    std::ranges::stable_sort(seen.places, {}, [](const Place& p) { return p.turn.value; });
+    std::ranges::stable_sort(seen.places, {}, [](const Neighbour& p) { return p.turn.value; });
     Standpoint from = standpoint();
-    for (Place& place : seen.places) {
+    for (Neighbour& place : seen.places) {
       from.heading = wrap_heading(heading_ + place.turn);
       from.elevation = place.elevation;
       place.what = world_.words_of(from);
@@ -169,7 +165,7 @@ class OneGraphSession : public GraphSession {
     return found;
   }
 
-  void list_things(Observation& seen) const {
+  void list_things(SessionObservation& seen) const {
     seen.things.clear();
     for (const tasks::ViewedObject* one : visible()) {
       const std::size_t box = draw::best_box(*one);
@@ -181,7 +177,7 @@ class OneGraphSession : public GraphSession {
     }
   }
 
-  void list_map(Observation& seen) const {
+  void list_map(SessionObservation& seen) const {
     seen.map.clear();
     for (const Node node : map_.visits()) {
       MappedPlace& place = seen.map.emplace_back();
@@ -196,25 +192,23 @@ class OneGraphSession : public GraphSession {
     }
   }
 
-  void list_tools(Observation& seen) const {
+  void list_tools(SessionObservation& seen) const {
     seen.tools.clear();
     ToolUse go{Tool::kGoTo, "place", {}};
-    for (const Place& place : seen.places) go.allowed.push_back(place.name);
+    for (const Neighbour& place : seen.places) go.allowed.push_back(place.name);
     ToolUse back{Tool::kBackTo, "place", {}};
     for (const Node node : map_.visits()) {
       if (node != here()) back.allowed.push_back(detail::letters(node));
     }
-    ToolUse look{Tool::kLook, "direction", {}};
-    for (const Look& one : kLooks) look.allowed.emplace_back(one.name);
     if (!go.allowed.empty()) seen.tools.push_back(std::move(go));
     if (!back.allowed.empty()) seen.tools.push_back(std::move(back));
-    seen.tools.push_back(std::move(look));
+    seen.tools.push_back(look_tool());
     if (batch_.episodes().task == tasks::Task::kR2rBack) {
       seen.tools.push_back({Tool::kTurnBack, {}, {}});
     }
     if (batch_.episodes().task == tasks::Task::kReverie) {
       ToolUse answer{Tool::kAnswer, "object", {}};
-      for (const Thing& thing : seen.things) answer.allowed.push_back(thing.name);
+      for (const VisibleObject& thing : seen.things) answer.allowed.push_back(thing.name);
       if (!answer.allowed.empty()) seen.tools.push_back(std::move(answer));
     }
     seen.tools.push_back({Tool::kStop, {}, {}});
@@ -229,10 +223,22 @@ class OneGraphSession : public GraphSession {
 
 }  // namespace
 
+std::vector<ToolUse> GraphWorld::tools() const {
+  std::vector<ToolUse> all{{Tool::kGoTo, "place", {}}, {Tool::kBackTo, "place", {}}, look_tool()};
+  const tasks::Task task = episodes().on_graph()->task;
+  if (task == tasks::Task::kR2rBack) all.push_back({Tool::kTurnBack, {}, {}});
+  if (task == tasks::Task::kReverie) all.push_back({Tool::kAnswer, "object", {}});
+  all.push_back({Tool::kStop, {}, {}});
+  return all;
+}
+
 std::unique_ptr<GraphSession> GraphWorld::start_on_graph(std::size_t episode,
-                                                         const Limits& limits) {
-  validate(limits);
-  check(*episodes_, episode);
+                                                         const SessionLimits& limits) {
+  check(episode, limits);
+  if (episodes().benchmark().task == tasks::Task::kSoon) {
+    throw ArgumentError(fmt::format("{}: a session has no tool for the answer that it asks for",
+                                    episodes().benchmark().title));
+  }
   return std::make_unique<OneGraphSession>(*this, episode, limits);
 }
 

@@ -1,7 +1,9 @@
-#include "enfilade/arena/mcp_http.h"
+#include "enfilade/arena/mcp.h"
 
 #include <fmt/format.h>
 #include <httplib.h>
+#include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -10,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::arena {
@@ -20,6 +23,12 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // of a message
 constexpr const char* kSessionHeader = "Mcp-Session-Id";
 constexpr const char* kStateless = "2026-07-28";
+constexpr const char* kPath = "/mcp/?";  // a regular expression
+constexpr const char* kMethods = "POST, DELETE, OPTIONS";
+/// Headers that the protocol's revisions have, for a page that does not say what it sends.
+constexpr const char* kHeaders =
+    "Accept, Authorization, Content-Type, Last-Event-ID, MCP-Protocol-Version, Mcp-Method, "
+    "Mcp-Name, Mcp-Session-Id";
 
 std::string new_session() {
   std::random_device random;
@@ -32,6 +41,13 @@ std::string_view host_in(std::string_view text) {
   if (scheme != std::string_view::npos) text.remove_prefix(scheme + 3);
   if (text.starts_with('[')) return text.substr(0, text.find(']') + 1);
   return text.substr(0, text.find(':'));
+}
+
+/// "content-type,mcp-session-id"
+bool is_list_of_headers(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == ',' || c == ' ';
+  });
 }
 
 }  // namespace
@@ -47,7 +63,8 @@ struct McpHttp::Impl {
   Impl(McpServer& played, McpHttpConfig settings) : server(played), config(std::move(settings)) {}
 
   bool is_own(std::string_view host) const {
-    return host == config.host || host == "localhost" || host == "127.0.0.1" || host == "[::1]";
+    return detail::is_same(host, config.host) || detail::is_same(host, "localhost") ||
+           host == "127.0.0.1" || host == "[::1]";
   }
 
   /// A page of another site, or a name that was made to point here, is no assistant's.
@@ -55,6 +72,30 @@ struct McpHttp::Impl {
     const std::string origin = request.get_header_value("Origin");
     return !is_own(host_in(request.get_header_value("Host"))) ||
            (!origin.empty() && !is_own(host_in(origin)));
+  }
+
+  /// Lets a page of this machine read the response: that page alone, whatever its port is.
+  void allow_page(const httplib::Request& request, httplib::Response& response) const {
+    const std::string origin = request.get_header_value("Origin");
+    if (origin.empty() || is_foreign(request)) return;
+    response.set_header("Access-Control-Allow-Origin", origin);
+    response.set_header("Access-Control-Expose-Headers", kSessionHeader);
+    response.set_header("Vary", "Origin");
+  }
+
+  /// What a browser asks before it sends a page's request.
+  void preflight(const httplib::Request& request, httplib::Response& response) const {
+    if (is_foreign(request)) {
+      response.status = 403;
+      return;
+    }
+    const std::string asked = request.get_header_value("Access-Control-Request-Headers");
+    response.status = 204;
+    response.set_header("Allow", kMethods);
+    response.set_header("Access-Control-Allow-Methods", kMethods);
+    response.set_header("Access-Control-Allow-Headers",
+                        is_list_of_headers(asked) ? asked : kHeaders);
+    response.set_header("Access-Control-Max-Age", "600");
   }
 
   void post(const httplib::Request& request, httplib::Response& response) {
@@ -68,8 +109,9 @@ struct McpHttp::Impl {
     };
     if (is_foreign(request)) return refuse(403, "pages of other sites may not play");
     const std::scoped_lock lock(mutex);
-    const Json message = Json::parse(request.body, nullptr, false);
-    const bool begins = message.is_object() && message.value("method", Json()) == "initialize";
+    // Not copied, as it may be nested deeply: the server refuses that.
+    const auto message = nlohmann::json::parse(request.body, nullptr, false);
+    const bool begins = message.contains("method") && message["method"] == "initialize";
     const bool stateless = request.get_header_value("MCP-Protocol-Version") == kStateless;
     if (begins) {
       session = new_session();
@@ -79,9 +121,11 @@ struct McpHttp::Impl {
       return refuse(404, "another session has begun; initialize again");
     }
     const std::vector<std::string> said = server.handle(request.body);
+    const bool takes_events =
+        request.get_header_value("Accept").find("text/event-stream") != std::string::npos;
     if (said.empty()) {
       response.status = 202;
-    } else if (said.size() == 1) {
+    } else if (said.size() == 1 || !takes_events) {
       response.set_content(said.front(), "application/json");
     } else {
       std::string events;  // the response last: after it the client need not listen
@@ -109,15 +153,21 @@ McpHttp::McpHttp(McpServer& server, const McpHttpConfig& config)
   Impl& all = *impl_;
   all.http.set_payload_max_length(kMostBytes);
   all.http.set_tcp_nodelay(true);
-  all.http.Post("/mcp", [&all](const httplib::Request& request, httplib::Response& response) {
-    all.post(request, response);
+  using Request = httplib::Request;
+  using Response = httplib::Response;
+  all.http.set_post_routing_handler([&all](const Request& request, Response& response) {
+    all.allow_page(request, response);  // also refusals, so that a page can tell them
   });
-  all.http.Delete("/mcp", [&all](const httplib::Request& request, httplib::Response& response) {
-    all.end(request, response);
+  all.http.Post(
+      kPath, [&all](const Request& request, Response& response) { all.post(request, response); });
+  all.http.Delete(
+      kPath, [&all](const Request& request, Response& response) { all.end(request, response); });
+  all.http.Options(kPath, [&all](const Request& request, Response& response) {
+    all.preflight(request, response);
   });
-  all.http.Get("/mcp", [](const httplib::Request&, httplib::Response& response) {
+  all.http.Get(kPath, [](const Request&, Response& response) {
     response.status = 405;  // the server sends no unrequested messages
-    response.set_header("Allow", "POST, DELETE");
+    response.set_header("Allow", kMethods);
   });
   const bool bound = config.port == 0
                          ? (all.config.port = all.http.bind_to_any_port(config.host)) > 0

@@ -8,9 +8,9 @@
 #include <span>
 #include <utility>
 
-#include "enfilade/arena/detail/sight.h"
+#include "enfilade/arena/detail/view_renderer.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/draw/picture_marks.h"
+#include "enfilade/draw/outlines.h"
 #include "enfilade/image/codecs.h"
 
 namespace enfilade::arena {
@@ -65,26 +65,26 @@ std::string PictureOrder::key() const {
   return key;
 }
 
-std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictures,
+std::vector<PictureOrder> order_pictures(const Session& session, PictureKind pictures,
                                          std::uint32_t size) {
   if (size < kSmallest || size > kLargest) {
     throw ArgumentError(
         fmt::format("size of pictures: {} pixels, {} to {}", size, kSmallest, kLargest));
   }
   std::vector<PictureOrder> orders;
-  if (pictures == Pictures::kNone || session.ending()) return orders;
+  if (pictures == PictureKind::kNone || session.ending()) return orders;
   const Standpoint here = session.standpoint();
-  const Observation& seen = session.observation();
+  const SessionObservation& seen = session.observation();
   const auto towards = [&here](Radians heading, Radians elevation) {
     Standpoint from = here;
     from.heading = heading;
     from.elevation = elevation;
     return from;
   };
-  if (pictures == Pictures::kStrip) {
+  if (pictures == PictureKind::kStrip) {
     PictureOrder& strip = orders.emplace_back();
     strip = {{}, towards(here.heading, Radians(0)), true, size, {}};
-    for (const Place& place : seen.places) {
+    for (const Neighbour& place : seen.places) {
       strip.marks.push_back({place.name, wrap_heading(here.heading + place.turn), place.elevation});
     }
     return orders;
@@ -93,7 +93,7 @@ std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictur
     orders.push_back({"ahead", here, false, size, {}});
     return orders;
   }
-  for (const Place& place : seen.places) {
+  for (const Neighbour& place : seen.places) {
     orders.push_back({place.name,
                       towards(wrap_heading(here.heading + place.turn), place.elevation),
                       false,
@@ -103,18 +103,19 @@ std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictur
   return orders;
 }
 
-struct Painter::Impl {
-  detail::Sight sight;
+struct PictureMaker::Impl {
+  detail::ViewRenderer sight;
   std::vector<std::uint8_t> pixels;
   std::deque<std::pair<std::string, std::string>> drawn;  // the latest at the end, by key
 
   std::string draw(const PictureOrder& order);
 };
 
-Painter::Painter(Sights sights) : impl_(new Impl{detail::Sight(std::move(sights)), {}, {}}) {}
-Painter::~Painter() = default;
+PictureMaker::PictureMaker(const ViewSources& sights)
+    : impl_(new Impl{detail::ViewRenderer(sights), {}, {}}) {}
+PictureMaker::~PictureMaker() = default;
 
-std::string Painter::draw(const PictureOrder& order) {
+std::string PictureMaker::draw(const PictureOrder& order) {
   std::string key = order.key();
   auto& drawn = impl_->drawn;
   const auto known = std::ranges::find_if(drawn, [&](const auto& one) { return one.first == key; });
@@ -123,7 +124,7 @@ std::string Painter::draw(const PictureOrder& order) {
   return drawn.emplace_back(std::move(key), impl_->draw(order)).second;
 }
 
-std::string Painter::Impl::draw(const PictureOrder& order) {
+std::string PictureMaker::Impl::draw(const PictureOrder& order) {
   const std::vector<Gaze> gazes = gazes_of(order);
   const auto count = static_cast<std::uint32_t>(gazes.size());
   const std::size_t row = std::size_t{3} * order.size, each = row * order.size;

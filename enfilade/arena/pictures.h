@@ -1,24 +1,23 @@
 /// \file  Pictures of a session: described first, rendered on request only.
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "enfilade/arena/session.h"
-#include "enfilade/continuous/scene.h"
+#include "enfilade/continuous/eyes.h"
 #include "enfilade/dataset/dataset.h"
 
 namespace enfilade::arena {
 
 /// Which pictures go with an observation.
-enum class Pictures : std::uint8_t {
+enum class PictureKind : std::uint8_t {
   kNone,
   kStrip,   ///< one: left, ahead, right and behind side by side, with the places' names in it
   kPlaces,  ///< one a place, looking there, 60 degrees wide; in continuous space one ahead, of 90
 };
-constexpr std::array<std::string_view, 3> names_of(Pictures /*enum*/) {
+constexpr std::array<std::string_view, 3> names_of(PictureKind /*enum*/) {
   return {"none", "strip", "places"};
 }
 
@@ -43,30 +42,26 @@ struct PictureOrder {
 
 /// The pictures of an observation, in the order of its places. \param size pixels, 64 to 2048
 /// \throws ArgumentError for another size
-std::vector<PictureOrder> order_pictures(const Session& session, Pictures pictures,
+std::vector<PictureOrder> order_pictures(const Session& session, PictureKind pictures,
                                          std::uint32_t size = 512);
 
-/// Gives the scene of a building, for pictures in continuous space. Called from several threads.
-using SceneSource =
-    std::function<std::shared_ptr<const continuous::Scene>(const std::string& scan)>;
-
 /// Source of pictures.
-struct Sights {
+struct ViewSources {
   std::shared_ptr<const dataset::Dataset> data = {};  ///< its panoramas, for graphs
-  SceneSource scene_of = {};                          ///< for continuous space
+  continuous::SceneSource scene_of = {};              ///< for continuous space; from any thread
 };
 
 /// Draws pictures of a data set. One thread at a time.
-class Painter {
+class PictureMaker {
  public:
   /// \throws as dataset::Dataset::faces()
-  explicit Painter(Sights sights);
-  ~Painter();
-  Painter(const Painter&) = delete;
-  Painter& operator=(const Painter&) = delete;
+  explicit PictureMaker(const ViewSources& sights);
+  ~PictureMaker();
+  PictureMaker(const PictureMaker&) = delete;
+  PictureMaker& operator=(const PictureMaker&) = delete;
 
   /// JPEG, quality 85. \throws ArgumentError if there is nothing to draw it from; as
-  /// render::Renderer::render(), SceneSource, continuous::Eyes::render()
+  /// render::Renderer::render(), continuous::SceneSource, Eyes::render()
   std::string draw(const PictureOrder& order);
 
  private:

@@ -54,10 +54,10 @@ image::Image8 decoded(const std::string& jpeg) {
 
 TEST_F(ArenaPictures, AStripHasTheNamesOfItsPlaces) {
   const auto session = world_->start_on_graph(0);  // one ahead and one behind
-  const auto orders = order_pictures(*session, Pictures::kStrip, 128);
+  const auto orders = order_pictures(*session, PictureKind::kStrip, 128);
   ASSERT_EQ(orders.size(), 1U);
   EXPECT_EQ(orders[0].marks.size(), 2U);
-  Painter painter({.data = data_});
+  PictureMaker painter({.data = data_});
   const std::string jpeg = painter.draw(orders[0]);
   const image::Image8 strip = decoded(jpeg);
   EXPECT_EQ(strip.width, 512U);
@@ -80,33 +80,33 @@ TEST_F(ArenaPictures, AStripHasTheNamesOfItsPlaces) {
 
 TEST_F(ArenaPictures, APlaceHasAPictureThatLooksThere) {
   const auto session = world_->start_on_graph(0);
-  const auto orders = order_pictures(*session, Pictures::kPlaces, 96);
+  const auto orders = order_pictures(*session, PictureKind::kPlaces, 96);
   ASSERT_EQ(orders.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_EQ(orders[k].caption, session->observation().places[k].name);
   }
-  Painter painter({.data = data_});
+  PictureMaker painter({.data = data_});
   EXPECT_EQ(decoded(painter.draw(orders[0])).width, 96U);
-  EXPECT_TRUE(order_pictures(*session, Pictures::kNone).empty());
+  EXPECT_TRUE(order_pictures(*session, PictureKind::kNone).empty());
   session->call({"stop", ""});
-  EXPECT_TRUE(order_pictures(*session, Pictures::kStrip).empty());
+  EXPECT_TRUE(order_pictures(*session, PictureKind::kStrip).empty());
 }
 
-TEST(FreePictures, LookAheadOrAllAround) {
-  FreeWorld world(testing::room(), agents::continuous_setup("r2r-ce"));
+TEST(FloorPictures, LookAheadOrAllAround) {
+  FloorWorld world = testing::room();
   const auto session = world.start(0);
-  const auto strip = order_pictures(*session, Pictures::kStrip, 64);
-  const auto ahead = order_pictures(*session, Pictures::kPlaces, 64);
+  const auto strip = order_pictures(*session, PictureKind::kStrip, 64);
+  const auto ahead = order_pictures(*session, PictureKind::kPlaces, 64);
   ASSERT_EQ(strip.size(), 1U);
   ASSERT_EQ(ahead.size(), 1U);
   EXPECT_TRUE(strip[0].marks.empty());
   EXPECT_EQ(ahead[0].caption, "ahead");
   int opened = 0;
-  Painter painter({.data = nullptr, .scene_of = [&opened](const std::string& scan) {
-                     EXPECT_EQ(scan, "room");
-                     ++opened;
-                     return continuous::Scene::photographed(testing::room_tracer());
-                   }});
+  PictureMaker painter({.data = nullptr, .scene_of = [&opened](const std::string& scan) {
+                          EXPECT_EQ(scan, "room");
+                          ++opened;
+                          return continuous::Scene::photographed(testing::room_tracer());
+                        }});
   const image::Image8 around = decoded(painter.draw(strip[0]));
   const image::Image8 one = decoded(painter.draw(ahead[0]));
   EXPECT_EQ(around.width, 256U);
@@ -116,19 +116,19 @@ TEST(FreePictures, LookAheadOrAllAround) {
   for (std::size_t x = 0; x < 64; x += 9) {
     EXPECT_NEAR(around.at(64 + x, 20)[0], one.at(x, 20)[0], 12) << x;
   }
-  Painter blind{Sights()};
+  PictureMaker blind{ViewSources()};
   EXPECT_THAT(refusal<ArgumentError>([&] { blind.draw(strip[0]); }), HasSubstr("no meshes"));
 }
 
 TEST_F(ArenaPictures, KeysNameWhatIsShown) {
   const auto session = world_->start_on_graph(0);
-  const auto orders = order_pictures(*session, Pictures::kPlaces, 96);
+  const auto orders = order_pictures(*session, PictureKind::kPlaces, 96);
   EXPECT_EQ(orders[1].key().substr(0, 12), "view/row/v1/");
   EXPECT_NE(orders[0].key(), orders[1].key());
-  EXPECT_NE(order_pictures(*session, Pictures::kPlaces, 97)[0].key(), orders[0].key());
-  const auto strip = order_pictures(*session, Pictures::kStrip, 96);
+  EXPECT_NE(order_pictures(*session, PictureKind::kPlaces, 97)[0].key(), orders[0].key());
+  const auto strip = order_pictures(*session, PictureKind::kStrip, 96);
   EXPECT_THAT(strip[0].key(), HasSubstr("/B:90.0000:"));
-  EXPECT_THAT(refusal<ArgumentError>([&] { order_pictures(*session, Pictures::kStrip, 12); }),
+  EXPECT_THAT(refusal<ArgumentError>([&] { order_pictures(*session, PictureKind::kStrip, 12); }),
               HasSubstr("12 pixels, 64 to 2048"));
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
@@ -11,7 +10,6 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/core/folder_lock.h"
 
 namespace enfilade::arena {
 namespace {
@@ -28,7 +26,7 @@ std::unique_ptr<World> checked(std::unique_ptr<World> world, const PlayConfig& c
 Reading read_tool_call(std::string_view text) {
   Reading unread;
   unread.fault = R"(the answer is no JSON object with "name" and "arguments")";
-  const auto answer = nlohmann::json::parse(text, nullptr, false);
+  const auto answer = nlohmann::json::parse(after_reasoning(text), nullptr, false);
   if (!answer.is_object()) return unread;
   const auto name = answer.find("name");
   if (name == answer.end() || !name->is_string()) return unread;
@@ -42,109 +40,86 @@ Reading read_tool_call(std::string_view text) {
 
 }  // namespace
 
-struct Play::Impl {
-  PlayConfig config;
-  Prompt prompt;
-  Answers answers;
-  Pictures pictures;
-  std::unique_ptr<World> world;
-  std::unique_ptr<Painter> painter;
-  std::unique_ptr<FolderLock> lock;
-  std::unique_ptr<Session> session;
-  std::optional<detail::Transcript> transcript;
-  std::vector<PastStep> past;
-  std::map<std::size_t, std::string> walked_here;  // what results files have of it, by episode
-
-  Impl(std::unique_ptr<World> walked, Sights sights, Prompt text, PlayConfig settings)
-      : config(std::move(settings)),
-        prompt(std::move(text)),
-        answers(config.answers.value_or(prompt.answers())),
-        pictures(config.pictures.value_or(prompt.pictures())),
-        world(checked(std::move(walked), config)) {
-    if (pictures != Pictures::kNone) {
-      if (!sights.data && !sights.scene_of) {
-        throw ArgumentError("pictures: there is no data set for them");
-      }
-      painter = std::make_unique<Painter>(std::move(sights));
+Play::Play(std::unique_ptr<World> world, ViewSources sights, Prompt prompt, PlayConfig config)
+    : config_(std::move(config)),
+      prompt_(std::move(prompt)),
+      answers_(config_.answers.value_or(prompt_.answers())),
+      pictures_(config_.pictures.value_or(prompt_.pictures())),
+      world_(checked(std::move(world), config_)) {
+  if (pictures_ != PictureKind::kNone) {
+    if (!sights.data && !sights.scene_of) {
+      throw ArgumentError("pictures: there is no data set for them");
     }
-    if (config.folder.empty()) return;
-    make_folder(config.folder / "transcripts");
-    lock = std::make_unique<FolderLock>(config.folder / "ask.lock");
+    painter_ = std::make_unique<PictureMaker>(std::move(sights));
   }
+  if (config_.folder.empty()) return;
+  make_folder(config_.folder / "transcripts");
+  lock_ = std::make_unique<FolderLock>(config_.folder / "ask.lock");
+}
 
-  std::filesystem::path file_of(std::size_t episode) const {
-    return detail::transcript_file(config.folder, *world, episode);
-  }
-  bool is_done(std::size_t episode) const {
-    return walked_here.contains(episode) ||
-           (!config.folder.empty() && file_exists(file_of(episode)));
-  }
+std::filesystem::path Play::file_of(std::size_t episode) const {
+  return detail::transcript_file(config_.folder, *world_, episode);
+}
 
-  void keep() {
-    const std::size_t episode = session->episode();
-    if (!config.folder.empty()) {
-      write_file_atomically(file_of(episode), std::move(*transcript).finish(*session, *world));
-      detail::write_results(config.folder, *world, config.episodes);
-    }
-    walked_here[episode] = world->result(session->walked());
-  }
+bool Play::is_done(std::size_t episode) const {
+  return walked_here_.contains(episode) ||
+         (!config_.folder.empty() && file_exists(file_of(episode)));
+}
 
-  void start(std::size_t episode) {
-    session = world->start(episode, config.limits);
-    transcript.emplace(*session);
-    past.clear();
+void Play::keep() {
+  const std::size_t episode = session_->episode();
+  if (!config_.folder.empty()) {
+    write_file_atomically(file_of(episode), transcript_ + detail::end_line(*session_, *world_));
+    detail::write_results(config_.folder, *world_, config_.episodes);
   }
-};
+  walked_here_[episode] = world_->result(session_->walked());
+}
 
-Play::Play(std::unique_ptr<World> world, Sights sights, Prompt prompt, PlayConfig config)
-    : impl_(std::make_unique<Impl>(std::move(world), std::move(sights), std::move(prompt),
-                                   std::move(config))) {}
-Play::~Play() = default;
+void Play::start(std::size_t episode) {
+  session_.reset();
+  session_ = world_->start(episode, config_.limits);
+  transcript_ = detail::first_line(*session_);
+  past_.clear();
+}
 
 bool Play::begin() {
-  impl_->session.reset();
-  const auto& all = impl_->config.episodes;
-  const auto next =
-      std::ranges::find_if_not(all, [this](std::size_t e) { return impl_->is_done(e); });
+  session_.reset();
+  const auto& all = config_.episodes;
+  const auto next = std::ranges::find_if_not(all, [this](std::size_t e) { return is_done(e); });
   if (next == all.end()) return false;
-  impl_->start(*next);
+  start(*next);
   return true;
 }
 
 void Play::begin_at(std::size_t episode) {
-  const auto& all = impl_->config.episodes;
+  const auto& all = config_.episodes;
   if (std::ranges::find(all, episode) == all.end()) {
     throw ArgumentError(fmt::format("episode: {} is not one of those that are walked", episode));
   }
-  impl_->session.reset();
-  impl_->start(episode);
+  start(episode);
 }
 
-const Session* Play::session() const noexcept { return impl_->session.get(); }
-
 std::string Play::start_text() const {
-  EN_CHECK(impl_->session != nullptr);
-  return impl_->prompt.start(impl_->session->observation(), impl_->answers, impl_->config.limits);
+  EN_CHECK(session_ != nullptr);
+  return prompt_.start(session_->observation(), answers_, config_.limits);
 }
 
 std::string Play::step_text() const {
-  EN_CHECK(impl_->session != nullptr);
-  return impl_->prompt.step(impl_->session->observation(), impl_->answers, impl_->config.limits,
-                            impl_->past);
+  EN_CHECK(session_ != nullptr);
+  return prompt_.step(session_->observation(), answers_, config_.limits, past_);
 }
 
 std::vector<std::string> Play::draw() {
-  EN_CHECK(impl_->session != nullptr);
+  EN_CHECK(session_ != nullptr);
   std::vector<std::string> drawn;
-  for (const PictureOrder& order :
-       order_pictures(*impl_->session, impl_->pictures, impl_->config.picture_size)) {
-    drawn.push_back(impl_->painter->draw(order));
+  for (const PictureOrder& order : order_pictures(*session_, pictures_, config_.picture_size)) {
+    drawn.push_back(painter_->draw(order));
   }
   return drawn;
 }
 
 Reading Play::read(std::string_view answer) const {
-  switch (impl_->answers) {
+  switch (answers_) {
     case Answers::kTools:
       return read_tool_call(answer);
     case Answers::kJson:
@@ -155,54 +130,51 @@ Reading Play::read(std::string_view answer) const {
   return read_answer_text(answer);
 }
 
-Outcome Play::call(const Reading& reading) {
-  EN_CHECK(impl_->session != nullptr);
-  Session& session = *impl_->session;
-  const Observation before = session.observation();
-  Outcome outcome;
+PlayOutcome Play::call(const Reading& reading) {
+  EN_CHECK(session_ != nullptr);
+  Session& session = *session_;
+  const SessionObservation before = session.observation();
+  PlayOutcome outcome;
   if (reading.call) {
     outcome.carried_out = session.call(*reading.call);
   } else {
     session.misread(reading.fault);
   }
-  impl_->transcript->add(before, reading.call ? &*reading.call : nullptr, session);
+  transcript_ += detail::call_line(before, reading.call, session);
   outcome.told = session.observation().told;
   outcome.ending = session.ending();
-  impl_->past.push_back(past_step(reading, outcome.told));
+  past_.push_back(past_step(reading, outcome.told));
   if (outcome.ending) {
-    impl_->keep();
-    impl_->session.reset();
+    keep();
+    session_.reset();
   }
   return outcome;
 }
 
-Answers Play::answers() const noexcept { return impl_->answers; }
-std::size_t Play::done() const noexcept {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      impl_->config.episodes, [this](std::size_t e) { return impl_->is_done(e); }));
+std::size_t Play::done() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(config_.episodes, [this](std::size_t e) { return is_done(e); }));
 }
-std::size_t Play::size() const noexcept { return impl_->config.episodes.size(); }
-const std::vector<std::size_t>& Play::episodes() const noexcept { return impl_->config.episodes; }
 
 std::string Play::result(std::size_t episode) const {
-  const auto found = impl_->walked_here.find(episode);
-  if (found == impl_->walked_here.end()) {
+  const auto found = walked_here_.find(episode);
+  if (found == walked_here_.end()) {
     throw ArgumentError(fmt::format("episode: {} has not been walked here", episode));
   }
-  return impl_->world->results(std::span(&found->second, 1));
+  return world_->results(std::span(&found->second, 1));
 }
 
 std::string Play::results() const {
-  if (impl_->config.folder.empty()) {
+  if (config_.folder.empty()) {
     std::vector<std::string> entries;
-    for (const std::size_t one : impl_->config.episodes) {
-      const auto found = impl_->walked_here.find(one);
-      if (found != impl_->walked_here.end()) entries.push_back(found->second);
+    for (const std::size_t one : config_.episodes) {
+      const auto found = walked_here_.find(one);
+      if (found != walked_here_.end()) entries.push_back(found->second);
     }
-    return impl_->world->results(entries);
+    return world_->results(entries);
   }
-  const auto file = impl_->config.folder / "results.json";
-  return file_exists(file) ? read_file(file) : impl_->world->results({});
+  const auto file = config_.folder / "results.json";
+  return file_exists(file) ? read_file(file) : world_->results({});
 }
 
 }  // namespace enfilade::arena

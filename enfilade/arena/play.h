@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,22 +16,23 @@
 #include "enfilade/arena/session.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/arena/world.h"
+#include "enfilade/core/part_file.h"
 
 namespace enfilade::arena {
 
 /// The episodes, and the files that are written.
 struct PlayConfig {
   std::vector<std::size_t> episodes;  ///< in this order; those with a transcript are left out
-  Limits limits = {};
-  std::optional<Answers> answers = {};    ///< none: as the prompt has it
-  std::optional<Pictures> pictures = {};  ///< none: as the prompt has it
-  std::uint32_t picture_size = 512;       ///< pixels, 64 to 2048
+  SessionLimits limits = {};
+  std::optional<Answers> answers = {};       ///< none: as the prompt has it
+  std::optional<PictureKind> pictures = {};  ///< none: as the prompt has it
+  std::uint32_t picture_size = 512;          ///< pixels, 64 to 2048
   /// For transcripts/ and results.json, as ask() writes them; empty: nothing is written.
   std::filesystem::path folder = {};
 };
 
 /// Result of a call.
-struct Outcome {
+struct PlayOutcome {
   bool carried_out = false;
   std::optional<Ending> ending = {};  ///< of the episode; no value: it goes on
   std::string told;                   ///< a sentence
@@ -50,10 +52,7 @@ class Play {
   /// \throws ArgumentError for null, no episode, an index, limits or sizes out of range, or
   /// pictures without sights
   /// \throws FileError, also if another process works in the folder
-  Play(std::unique_ptr<World> world, Sights sights, Prompt prompt, PlayConfig config);
-  ~Play();
-  Play(const Play&) = delete;
-  Play& operator=(const Play&) = delete;
+  Play(std::unique_ptr<World> world, ViewSources sights, Prompt prompt, PlayConfig config);
 
   /// Begins the next unfinished episode; false: all are finished. An episode in progress is dropped
   /// and begins again.
@@ -63,13 +62,16 @@ class Play {
   /// \throws ArgumentError for one that is not in PlayConfig::episodes; as begin()
   void begin_at(std::size_t episode);
   /// The session in progress; null before begin() and after its end.
-  const Session* session() const noexcept;
+  const Session* session() const noexcept { return session_.get(); }
+
+  /// World::tools()
+  std::vector<ToolUse> tools() const { return world_->tools(); }
 
   /// The prompt's texts for the session. \pre session() != nullptr
   std::string start_text() const;
   std::string step_text() const;
   /// The pictures that belong to step_text(), JPEG. \pre session() != nullptr
-  /// \throws as Painter
+  /// \throws as PictureMaker
   std::vector<std::string> draw();
 
   /// Reads an answer: for kTools a JSON object of `name` and `arguments`, as in a tool call of
@@ -79,12 +81,13 @@ class Play {
   /// end, transcript and results are written.
   /// \pre session() != nullptr
   /// \throws FileError if they cannot be written
-  Outcome call(const Reading& reading);
+  PlayOutcome call(const Reading& reading);
 
-  Answers answers() const noexcept;
-  std::size_t done() const noexcept;  ///< episodes, also by earlier processes in the folder
-  std::size_t size() const noexcept;  ///< episodes in all
-  const std::vector<std::size_t>& episodes() const noexcept;  ///< PlayConfig::episodes
+  Answers answers() const noexcept { return answers_; }
+  std::size_t done() const;  ///< episodes, also by earlier processes in the folder
+  std::size_t size() const noexcept { return config_.episodes.size(); }  ///< episodes in all
+  /// PlayConfig::episodes
+  const std::vector<std::size_t>& episodes() const noexcept { return config_.episodes; }
   /// The results of all finished episodes, in the form of the benchmark's results files.
   /// \throws FileError
   std::string results() const;
@@ -92,8 +95,22 @@ class Play {
   std::string result(std::size_t episode) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::filesystem::path file_of(std::size_t episode) const;
+  bool is_done(std::size_t episode) const;
+  void start(std::size_t episode);
+  void keep();
+
+  PlayConfig config_;
+  Prompt prompt_;
+  Answers answers_;
+  PictureKind pictures_;
+  std::unique_ptr<World> world_;
+  std::unique_ptr<PictureMaker> painter_;
+  std::unique_ptr<FolderLock> lock_;
+  std::unique_ptr<Session> session_;
+  std::string transcript_;
+  std::vector<PastStep> past_;
+  std::map<std::size_t, std::string> walked_here_;  // what results files have of it, by episode
 };
 
 }  // namespace enfilade::arena

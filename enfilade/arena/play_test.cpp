@@ -24,7 +24,7 @@ class PlayTest : public ::testing::Test {
 
   std::unique_ptr<Play> play(const char* prompt = "text", PlayConfig config = {}) {
     if (config.episodes.empty()) config.episodes = {0, 1};
-    return std::make_unique<Play>(std::make_unique<GraphWorld>(episodes_), Sights(),
+    return std::make_unique<Play>(std::make_unique<GraphWorld>(episodes_), ViewSources(),
                                   Prompt::named(prompt), std::move(config));
   }
 
@@ -39,7 +39,8 @@ TEST_F(PlayTest, EpisodesAreWalkedInTheirOrder) {
   EXPECT_THAT(walked->start_text(), HasSubstr("Go to the desk."));
   EXPECT_THAT(walked->step_text(), HasSubstr("You are at place A"));
   EXPECT_TRUE(walked->draw().empty());
-  Outcome outcome = walked->call(walked->read(R"({"name": "go_to", "arguments": {"place": "B"}})"));
+  PlayOutcome outcome =
+      walked->call(walked->read(R"({"name": "go_to", "arguments": {"place": "B"}})"));
   EXPECT_TRUE(outcome.carried_out);
   EXPECT_FALSE(outcome.ending);
   EXPECT_THAT(outcome.told, HasSubstr("You went to B"));
@@ -59,7 +60,7 @@ TEST_F(PlayTest, EpisodesAreWalkedInTheirOrder) {
 TEST_F(PlayTest, WhatCannotBeReadIsToldAndDoesNothing) {
   const auto walked = play("text", {.episodes = {0}, .limits = {.steps = 9, .mistakes = 3}});
   walked->begin();
-  Outcome outcome;
+  PlayOutcome outcome;
   for (const char* answer : {"I stop here.", "[1]", R"({"arguments": {}})"}) {
     ASSERT_FALSE(outcome.ending) << answer;
     outcome = walked->call(walked->read(answer));

@@ -4,19 +4,18 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <kainjow/mustache.hpp>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "enfilade/arena/detail/names.h"
 #include "enfilade/arena/detail/prompt_files.h"
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
 
 namespace enfilade::arena {
 namespace {
@@ -36,15 +35,6 @@ std::array<BuiltIn, 4> built_in() {
            {"mapgpt", detail::kMapgptPrompt}}};
 }
 
-/// What is read of a template's file.
-struct Parts {
-  Pictures pictures = Pictures::kNone;
-  Answers answers = Answers::kTools;
-  Memory memory = Memory::kAll;
-  std::uint32_t kept_pictures = 1;
-  std::string start, step;
-};
-
 [[noreturn]] void refuse(const std::string& file, std::size_t line, const char* code,
                          std::string text) {
   throw InvalidInput(
@@ -62,7 +52,8 @@ Enum read_name(std::string_view value, const std::string& file, std::size_t line
   return *found;
 }
 
-void read_head(std::string_view line, const std::string& file, std::size_t number, Parts& parts) {
+void read_head(std::string_view line, const std::string& file, std::size_t number,
+               PromptParts& parts) {
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos) {
     refuse(file, number, "bad-head", R"(not "name: value", nor "---")");
@@ -70,27 +61,26 @@ void read_head(std::string_view line, const std::string& file, std::size_t numbe
   const std::string_view name = detail::trimmed(line.substr(0, colon));
   const std::string_view value = detail::trimmed(line.substr(colon + 1));
   if (name == "pictures") {
-    parts.pictures = read_name<Pictures>(value, file, number);
+    parts.pictures = read_name<PictureKind>(value, file, number);
   } else if (name == "answers") {
     parts.answers = read_name<Answers>(value, file, number);
   } else if (name == "memory") {
-    parts.memory = read_name<Memory>(value, file, number);
+    parts.memory = read_name<PromptMemory>(value, file, number);
   } else if (name == "kept_pictures") {
-    const auto [end, error] =
-        std::from_chars(value.data(), value.data() + value.size(), parts.kept_pictures);
-    if (error != std::errc() || end != value.data() + value.size() ||
-        parts.kept_pictures > kMostKept) {
+    const auto kept = parse_number<std::uint32_t>(value);
+    if (!kept || *kept > kMostKept) {
       refuse(file, number, "bad-value",
              fmt::format("{:?}, not a whole number from 0 to {}", value.substr(0, 40), kMostKept));
     }
+    parts.kept_pictures = *kept;
   } else {
     refuse(file, number, "unknown-name",
            fmt::format("{:?}, not pictures, answers, memory or kept_pictures", name.substr(0, 40)));
   }
 }
 
-Parts read_parts(std::string_view text, const std::string& file) {
-  Parts parts;
+PromptParts read_parts(std::string_view text, const std::string& file) {
+  PromptParts parts;
   std::array<std::size_t, 2> begins{};  // lines
   std::size_t number = 0, section = 0;
   while (!text.empty()) {
@@ -142,20 +132,16 @@ std::string text_of_list(const std::vector<std::string>& list) {
 }
 
 std::string answer_rule(Answers answers) {
-  switch (answers) {
-    case Answers::kTools:
-      return "Each of your answers calls one tool.";
-    case Answers::kJson:
-      return R"(Answer with JSON alone: {"thought": what you think, "tool": one of the tools, "argument": its value, or null if it has none}.)";
-    case Answers::kText:
-      return "End each answer with a line of this form: \"Action: \", the tool, a blank, and its "
-             "value if it has one.";
-  }
-  return {};
+  constexpr std::array kRules{
+      "Each of your answers calls one tool.",
+      R"(Answer with JSON alone: {"thought": what you think, "tool": one of the tools, "argument": its value, or null if it has none}.)",
+      "End each answer with a line of this form: \"Action: \", the tool, a blank, and its value if "
+      "it has one."};
+  return kRules[static_cast<std::size_t>(answers)];
 }
 
 /// The tools in words, for models that get no tools from the protocol.
-std::string tools_text(const Observation& seen) {
+std::string tools_text(const SessionObservation& seen) {
   std::string text;
   for (const ToolUse& use : seen.tools) {
     text += std::string(name_of(use.tool));
@@ -170,9 +156,9 @@ std::string tools_text(const Observation& seen) {
   return text;
 }
 
-data places_data(const Observation& seen) {
+data places_data(const SessionObservation& seen) {
   data places(data::type::list);
-  for (const Place& one : seen.places) {
+  for (const Neighbour& one : seen.places) {
     data place;
     place["name"] = one.name;
     place["turn"] = fmt::format("{:.0f}", to_degrees(one.turn));
@@ -188,9 +174,9 @@ data places_data(const Observation& seen) {
   return places;
 }
 
-data things_data(const Observation& seen) {
+data things_data(const SessionObservation& seen) {
   data things(data::type::list);
-  for (const Thing& one : seen.things) {
+  for (const VisibleObject& one : seen.things) {
     data thing;
     thing["name"] = one.name;
     thing["category"] = one.category;
@@ -200,7 +186,7 @@ data things_data(const Observation& seen) {
   return things;
 }
 
-void add_map(const Observation& seen, data& all) {
+void add_map(const SessionObservation& seen, data& all) {
   data map(data::type::list);
   std::set<std::string> visited;
   std::vector<std::string> open;
@@ -223,7 +209,7 @@ void add_map(const Observation& seen, data& all) {
   all["unvisited"] = open.empty() ? data(false) : data(text_of_list(open));
 }
 
-data step_data(const Observation& seen, Answers answers, const Limits& limits,
+data step_data(const SessionObservation& seen, Answers answers, const SessionLimits& limits,
                std::span<const PastStep> past) {
   data all;
   all["instruction"] = seen.instruction;
@@ -259,17 +245,8 @@ std::string fill(const std::string& text, const data& values) {
 
 }  // namespace
 
-struct Prompt::Impl {
-  std::string name, text;
-  Parts parts;
-};
-
 Prompt Prompt::parse(std::string_view text, const std::string& file, std::string name) {
-  auto impl = std::make_unique<Impl>();
-  impl->name = std::move(name);
-  impl->text = text;
-  impl->parts = read_parts(text, file);
-  return Prompt(std::move(impl));
+  return {std::move(name), std::string(text), read_parts(text, file)};
 }
 
 Prompt Prompt::load(const std::filesystem::path& file) {
@@ -306,25 +283,14 @@ std::vector<std::string> Prompt::names() {
   return names;
 }
 
-Prompt::Prompt(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
-Prompt::~Prompt() = default;
-Prompt::Prompt(Prompt&&) noexcept = default;
-Prompt& Prompt::operator=(Prompt&&) noexcept = default;
-
-const std::string& Prompt::name() const noexcept { return impl_->name; }
-const std::string& Prompt::text() const noexcept { return impl_->text; }
-Pictures Prompt::pictures() const noexcept { return impl_->parts.pictures; }
-Answers Prompt::answers() const noexcept { return impl_->parts.answers; }
-Memory Prompt::memory() const noexcept { return impl_->parts.memory; }
-std::uint32_t Prompt::kept_pictures() const noexcept { return impl_->parts.kept_pictures; }
-
-std::string Prompt::start(const Observation& seen, Answers answers, const Limits& limits) const {
-  return fill(impl_->parts.start, step_data(seen, answers, limits, {}));
+std::string Prompt::start(const SessionObservation& seen, Answers answers,
+                          const SessionLimits& limits) const {
+  return fill(parts_.start, step_data(seen, answers, limits, {}));
 }
 
-std::string Prompt::step(const Observation& seen, Answers answers, const Limits& limits,
-                         std::span<const PastStep> past) const {
-  std::string text = fill(impl_->parts.step, step_data(seen, answers, limits, past));
+std::string Prompt::step(const SessionObservation& seen, Answers answers,
+                         const SessionLimits& limits, std::span<const PastStep> past) const {
+  std::string text = fill(parts_.step, step_data(seen, answers, limits, past));
   if (answers != Answers::kTools) text += "\n\nTools:\n" + tools_text(seen);
   return text;
 }

@@ -2,10 +2,10 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "enfilade/arena/pictures.h"
@@ -25,11 +25,13 @@ constexpr std::array<std::string_view, 3> names_of(Answers /*enum*/) {
 }
 
 /// The part of earlier steps that is sent again at each step.
-enum class Memory : std::uint8_t {
+enum class PromptMemory : std::uint8_t {
   kAll,   ///< the whole conversation
   kLast,  ///< nothing: the template itself must include it (`history`, `map`)
 };
-constexpr std::array<std::string_view, 2> names_of(Memory /*enum*/) { return {"all", "last"}; }
+constexpr std::array<std::string_view, 2> names_of(PromptMemory /*enum*/) {
+  return {"all", "last"};
+}
 
 /// A step that is past.
 struct PastStep {
@@ -40,6 +42,15 @@ struct PastStep {
 
 /// The step of `reading`. \param told its feedback
 PastStep past_step(const Reading& reading, std::string told);
+
+/// What is read of a template's file.
+struct PromptParts {
+  PictureKind pictures = PictureKind::kNone;
+  Answers answers = Answers::kTools;
+  PromptMemory memory = PromptMemory::kAll;
+  std::uint32_t kept_pictures = 1;
+  std::string start = {}, step = {};
+};
 
 /// A template: a head of lines "name: value", then two texts in Mustache (docs/arena.md lists the
 /// names). Each follows a line "---": the text of the start, and that of a step.
@@ -70,27 +81,27 @@ class Prompt {
   static Prompt load(const std::filesystem::path& file);
   /// \param file  for messages
   static Prompt parse(std::string_view text, const std::string& file, std::string name);
-  ~Prompt();
-  Prompt(Prompt&&) noexcept;
-  Prompt& operator=(Prompt&&) noexcept;
 
-  const std::string& name() const noexcept;
-  const std::string& text() const noexcept;  ///< of the whole file
-  Pictures pictures() const noexcept;
-  Answers answers() const noexcept;
-  Memory memory() const noexcept;
-  std::uint32_t kept_pictures() const noexcept;
+  const std::string& name() const noexcept { return name_; }
+  const std::string& text() const noexcept { return text_; }  ///< of the whole file
+  PictureKind pictures() const noexcept { return parts_.pictures; }
+  Answers answers() const noexcept { return parts_.answers; }
+  PromptMemory memory() const noexcept { return parts_.memory; }
+  std::uint32_t kept_pictures() const noexcept { return parts_.kept_pictures; }
 
   /// The message at the start. \param answers  the form of the model's answers
-  std::string start(const Observation& seen, Answers answers, const Limits& limits) const;
+  std::string start(const SessionObservation& seen, Answers answers,
+                    const SessionLimits& limits) const;
   /// The message of a step.
-  std::string step(const Observation& seen, Answers answers, const Limits& limits,
+  std::string step(const SessionObservation& seen, Answers answers, const SessionLimits& limits,
                    std::span<const PastStep> past) const;
 
  private:
-  struct Impl;
-  explicit Prompt(std::unique_ptr<const Impl> impl);
-  std::unique_ptr<const Impl> impl_;
+  Prompt(std::string name, std::string text, PromptParts parts)
+      : name_(std::move(name)), text_(std::move(text)), parts_(std::move(parts)) {}
+
+  std::string name_, text_;
+  PromptParts parts_;
 };
 
 /// "30 degrees to the right", "straight on", "behind you".

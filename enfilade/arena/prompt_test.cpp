@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using tests::refusal;
 
-Observation observation() {
-  Observation seen;
+SessionObservation observation() {
+  SessionObservation seen;
   seen.instruction = "Go past the sofa & stop at {{here}}.";
   seen.step = 1;
   seen.heading = degrees(90);
@@ -59,9 +59,9 @@ TEST(Prompts, TellWhatWasDone) {
 // Golden: what a change of a template or of its values changes.
 TEST(Prompts, MapGpt) {
   const Prompt made = Prompt::named("mapgpt");
-  EXPECT_EQ(made.pictures(), Pictures::kPlaces);
+  EXPECT_EQ(made.pictures(), PictureKind::kPlaces);
   EXPECT_EQ(made.answers(), Answers::kJson);
-  EXPECT_EQ(made.memory(), Memory::kLast);
+  EXPECT_EQ(made.memory(), PromptMemory::kLast);
   EXPECT_EQ(made.step(observation(), Answers::kTools, {},
                       std::vector<PastStep>{{"East first.", "go_to B", "You went to B, 2.3 m."}}),
             "Step 1: go_to B. You went to B, 2.3 m. You thought: East first.\n"

@@ -1,4 +1,4 @@
-#include "enfilade/arena/rules.h"
+#include "enfilade/arena/world.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "enfilade/agents/continuous_run.h"
-#include "enfilade/agents/random.h"
-#include "enfilade/arena/detail/moves.h"
+#include "enfilade/agents/simple_agents.h"
+#include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
@@ -22,55 +22,22 @@ namespace {
 
 constexpr std::uint64_t kHeadings = 12;
 
-Call go_to(const Place& place) { return {std::string(name_of(Tool::kGoTo)), place.name}; }
+Call go_to(const Neighbour& place) { return {std::string(name_of(Tool::kGoTo)), place.name}; }
 Call stop() { return {std::string(name_of(Tool::kStop)), {}}; }
 
-class StopAtOnce : public Follower {
- public:
-  Call next() override { return stop(); }
-};
-
-class GoToFirst : public Follower {
- public:
-  explicit GoToFirst(const Session& session) : session_(session) {}
-  Call next() override {
-    const auto& places = session_.observation().places;
-    return places.empty() ? Call{std::string(name_of(Tool::kLook)), "left"} : go_to(places[0]);
+/// As many of the actions from `at` on as one call may have; stops behind the last.
+Call next_moves(const std::vector<std::uint8_t>& actions, std::size_t& at) {
+  std::vector<std::string_view> names;
+  for (; names.size() < kMostMoves && at < actions.size(); ++at) {
+    if (actions[at] == static_cast<std::uint8_t>(continuous::Action::kStop)) break;
+    names.push_back(detail::kMoves.at(actions[at]));
   }
-
- private:
-  const Session& session_;
-};
-
-class ForwardForEver : public Follower {
- public:
-  Call next() override { return {std::string(name_of(Tool::kMove)), "forward"}; }
-};
-
-/// In calls of as many actions as one may have.
-class RecordedActions : public Follower {
- public:
-  explicit RecordedActions(std::vector<std::uint8_t> actions) : actions_(std::move(actions)) {}
-
-  Call next() override {
-    std::vector<std::string_view> names;
-    for (; names.size() < kMostMoves && at_ < actions_.size(); ++at_) {
-      const auto move = std::ranges::find(
-          detail::kMoves, static_cast<continuous::Action>(actions_[at_]), &detail::Move::action);
-      if (move == detail::kMoves.end()) break;  // it stops
-      names.push_back(move->name);
-    }
-    if (names.empty()) return stop();
-    return {std::string(name_of(Tool::kMove)), fmt::format("{}", fmt::join(names, ","))};
-  }
-
- private:
-  std::vector<std::uint8_t> actions_;
-  std::size_t at_ = 0;
-};
+  if (names.empty()) return stop();
+  return {std::string(name_of(Tool::kMove)), fmt::format("{}", fmt::join(names, ","))};
+}
 
 /// Keeps the heading that the agent "random" has, which is not where a session looks.
-class RandomRule : public Follower {
+class RandomRule {
  public:
   RandomRule(const GraphSession& session, std::uint64_t seed) : session_(session) {
     const std::string id = session.episode_id();
@@ -78,10 +45,10 @@ class RandomRule : public Follower {
     heading_ = session.pose().heading + degrees(30.0 * static_cast<double>(rng.below(kHeadings)));
   }
 
-  Call next() override {
+  Call operator()() {
     if (moves_ == 0) return stop();
     for (std::uint64_t turns = 0; turns < kHeadings; ++turns) {
-      if (const Place* ahead = nearest_ahead()) {
+      if (const Neighbour* ahead = nearest_ahead()) {
         --moves_;
         return go_to(*ahead);
       }
@@ -91,12 +58,12 @@ class RandomRule : public Follower {
   }
 
  private:
-  const Place* nearest_ahead() const {
+  const Neighbour* nearest_ahead() const {
     static const double half_width = horizontal_field_of_view(Camera{}).value / 2;
-    const Observation& seen = session_.observation();
-    const Place* nearest = nullptr;
+    const SessionObservation& seen = session_.observation();
+    const Neighbour* nearest = nullptr;
     double least = 0;
-    for (const Place& place : seen.places) {
+    for (const Neighbour& place : seen.places) {
       const double aside = wrap_difference(seen.heading + place.turn - heading_).value;
       if (std::abs(aside) > half_width) continue;
       const double away = std::hypot(aside, place.elevation.value);
@@ -112,19 +79,19 @@ class RandomRule : public Follower {
   int moves_ = agents::RandomAgent::kMoves;
 };
 
-class Oracle : public Follower {
+class Oracle {
  public:
   Oracle(const GraphWorld& world, const GraphSession& session)
       : session_(session),
-        path_(world.episodes().path_of(world.episodes().episodes[session.episode()])),
-        graph_(world.episodes().graphs->graph(path_.scan)) {
+        path_(episodes_of(world).path_of(episodes_of(world).episodes[session.episode()])),
+        graph_(episodes_of(world).graphs->graph(path_.scan)) {
     if (tasks::goal_hidden(path_)) {
       throw ArgumentError(
           fmt::format("the goal of {} is hidden; an oracle needs it", session.episode_id()));
     }
   }
 
-  Call next() override {
+  Call operator()() {
     const ViewpointIndex here = session_.pose().location.viewpoint;
     auto goal = tasks::nearest_goal(graph_, path_, here, leg_);
     const bool goes_back = std::holds_alternative<tasks::TurningPoint>(path_.goal);
@@ -133,8 +100,8 @@ class Oracle : public Follower {
       return {std::string(name_of(Tool::kTurnBack)), {}};
     }
     if (!goal || *goal == here) return finish();
-    const Observation& seen = session_.observation();
-    const auto way = [&](const Place& place) {
+    const SessionObservation& seen = session_.observation();
+    const auto way = [&](const Neighbour& place) {
       const ViewpointIndex there = session_.viewpoint_of(place.name);
       return graph_.distance(there, *goal) + graph_.distance(here, there);
     };
@@ -143,10 +110,13 @@ class Oracle : public Follower {
   }
 
  private:
+  static const tasks::EpisodeSet& episodes_of(const World& world) {
+    return *world.episodes().on_graph();
+  }
   Call finish() const {
     const auto* object = std::get_if<tasks::SeenObject>(&path_.goal);
     if (object == nullptr) return stop();
-    for (const Thing& thing : session_.observation().things) {
+    for (const VisibleObject& thing : session_.observation().things) {
       if (session_.object_of(thing.name) == object->id) {
         return {std::string(name_of(Tool::kAnswer)), thing.name};
       }
@@ -168,35 +138,41 @@ Rule rule_named(std::string_view name) {
       fmt::format("no rule {:?}; there are {}", name, fmt::join(names_of(Rule()), ", ")));
 }
 
-std::unique_ptr<Follower> GraphWorld::follow(Rule rule, const Session& session,
-                                             std::uint64_t seed) const {
+Follower GraphWorld::follow(Rule rule, const Session& session, std::uint64_t seed) const {
   const auto& walked = dynamic_cast<const GraphSession&>(session);
   switch (rule) {
     case Rule::kRandom:
-      return std::make_unique<RandomRule>(walked, seed);
+      return RandomRule(walked, seed);
     case Rule::kOracle:
-      return std::make_unique<Oracle>(*this, walked);
+      return Oracle(*this, walked);
     case Rule::kStop:
-      return std::make_unique<StopAtOnce>();
+      return stop;
     case Rule::kFirst:
       break;
   }
-  return std::make_unique<GoToFirst>(session);
+  return [&places = session.observation().places]() -> Call {
+    return places.empty() ? Call{std::string(name_of(Tool::kLook)), "left"} : go_to(places[0]);
+  };
 }
 
-std::unique_ptr<Follower> FreeWorld::follow(Rule rule, const Session& session,
-                                            std::uint64_t seed) const {
-  if (rule == Rule::kStop) return std::make_unique<StopAtOnce>();
-  if (rule == Rule::kFirst) return std::make_unique<ForwardForEver>();
+Follower FloorWorld::follow(Rule rule, const Session& session, std::uint64_t seed) const {
+  if (rule == Rule::kStop) return stop;
+  if (rule == Rule::kFirst) {
+    return [] { return Call{std::string(name_of(Tool::kMove)), "forward"}; };
+  }
   // The agent's walk through this episode alone: what it does depends on nothing else.
   auto alone = std::make_shared<tasks::ContinuousEpisodes>();
   alone->split = split();
-  alone->episodes.push_back(world_.episodes->episodes[session.episode()]);
+  alone->episodes.push_back(episodes().continuous()->episodes[session.episode()]);
   const auto agent = agents::make_continuous_agent(rule == Rule::kOracle ? "shortest" : "random");
-  auto walks =
-      agents::run_continuous(*agent, *alone, world_.buildings,
-                             {.batch_size = 1, .seed = seed, .simulator = setup_->simulator});
-  return std::make_unique<RecordedActions>(std::move(walks[0].actions));
+  auto walks = agents::run_continuous(
+      *agent, *alone, buildings_,
+      {.batch_size = 1,
+       .seed = seed,
+       .simulator = agents::continuous_setup(episodes().benchmark()).simulator});
+  return [actions = std::move(walks[0].actions), at = std::size_t{0}]() mutable {
+    return next_moves(actions, at);
+  };
 }
 
 }  // namespace enfilade::arena

@@ -1,4 +1,4 @@
-#include "enfilade/arena/rules.h"
+#include "enfilade/arena/world.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 tasks::Trajectory walk(GraphWorld& world, std::size_t episode, Rule rule, std::uint64_t seed = 1) {
   const auto session = world.start_on_graph(episode);
   const auto follower = world.follow(rule, *session, seed);
-  while (!session->ending()) EXPECT_TRUE(session->call(follower->next()));
+  while (!session->ending()) EXPECT_TRUE(session->call(follower()));
   return std::get<tasks::Trajectory>(session->walked());
 }
 
@@ -40,7 +40,7 @@ TEST(Rules, RandomWalksAsTheAgentDoes) {
   GraphWorld world(episodes(tasks::Task::kR2r, 40));
   for (const std::uint64_t seed : {1U, 2U}) {
     const auto agent = agents::make_agent("random");
-    const auto walked = agents::run_agent(*agent, world.episodes(), {.seed = seed});
+    const auto walked = agents::run_agent(*agent, *world.episodes().on_graph(), {.seed = seed});
     for (std::size_t e = 0; e < walked.size(); ++e) {
       EXPECT_EQ(places(walk(world, e, Rule::kRandom, seed)), places(walked[e])) << e;
     }
@@ -49,8 +49,8 @@ TEST(Rules, RandomWalksAsTheAgentDoes) {
 
 TEST(Rules, TheOracleSucceedsOnTheShortestWay) {
   GraphWorld world(episodes(tasks::Task::kR2r, 20));
-  for (std::size_t e = 0; e < world.episodes().episodes.size(); ++e) {
-    const auto& all = world.episodes();
+  for (std::size_t e = 0; e < world.size(); ++e) {
+    const auto& all = *world.episodes().on_graph();
     std::vector<ViewpointIndex> walked;
     for (const std::uint32_t v : places(walk(world, e, Rule::kOracle))) walked.emplace_back(v);
     const auto metrics = tasks::compute_metrics(all.graph_of(all.episodes[e]), walked,
@@ -77,23 +77,23 @@ TEST(Rules, TheOracleSaysWhereItTurnsBack) {
   EXPECT_EQ(way[4], 0U);
 }
 
-std::vector<std::uint8_t> actions(FreeWorld& world, std::size_t episode, Rule rule,
+std::vector<std::uint8_t> actions(FloorWorld& world, std::size_t episode, Rule rule,
                                   std::uint64_t seed = 1) {
   const auto session = world.start(episode, usual_limits(world.task()));
   const auto follower = world.follow(rule, *session, seed);
-  while (!session->ending()) EXPECT_TRUE(session->call(follower->next()));
+  while (!session->ending()) EXPECT_TRUE(session->call(follower()));
   return std::get<tasks::ContinuousResult>(session->walked()).actions;
 }
 
-TEST(Rules, WalkFreelyAsTheAgentsDo) {
+TEST(Rules, MoveOnTheFloorAsTheAgentsDo) {
   const agents::ContinuousSetup& setup = agents::continuous_setup("r2r-ce");
-  const agents::ContinuousWorld room = testing::room(6);
-  FreeWorld world(room, setup);
+  FloorWorld world = testing::room(6);
   for (const auto& [rule, name] :
        {std::pair{Rule::kOracle, "shortest"}, {Rule::kRandom, "random"}}) {
     const auto agent = agents::make_continuous_agent(name);
-    const auto walks = agents::run_continuous(*agent, *room.episodes, room.buildings,
-                                              {.seed = 3, .simulator = setup.simulator});
+    const auto walks =
+        agents::run_continuous(*agent, *world.episodes().continuous(), world.buildings(),
+                               {.seed = 3, .simulator = setup.simulator});
     for (std::size_t e = 0; e < walks.size(); ++e) {
       EXPECT_EQ(actions(world, e, rule, 3), walks[e].actions) << name << e;
     }
@@ -107,7 +107,7 @@ TEST(Rules, OthersStopOrNeverDo) {
   EXPECT_EQ(walk(world, 0, Rule::kStop).points.size(), 1U);
   const auto session = world.start_on_graph(0);
   const auto follower = world.follow(Rule::kFirst, *session);
-  while (!session->ending()) session->call(follower->next());
+  while (!session->ending()) session->call(follower());
   EXPECT_EQ(session->ending(), Ending::kOutOfSteps);
   EXPECT_THAT(tests::refusal<LookupError>([] { rule_named("second"); }),
               HasSubstr("no rule \"second\"; there are first, random, oracle, stop"));

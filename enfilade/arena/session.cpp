@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "enfilade/arena/detail/texts.h"
-#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::arena {
@@ -58,10 +57,7 @@ std::string read_values(const ToolUse& use, std::string_view argument,
 
 }  // namespace
 
-std::string_view name_of(Tool tool) noexcept { return enum_name(tool); }
-std::string_view name_of(Ending ending) noexcept { return enum_name(ending); }
-
-void validate(const Limits& limits) {
+void validate(const SessionLimits& limits) {
   if (limits.steps == 0) throw ArgumentError("limits.steps: 0, at least 1");
   if (limits.mistakes == 0) throw ArgumentError("limits.mistakes: 0, at least 1");
 }
@@ -94,6 +90,10 @@ bool Session::call(const Call& call) {
 
 void Session::misread(std::string_view why) {
   if (!ending_) refuse(why);
+}
+
+void Session::break_off() {
+  if (!ending_ || ending_ == Ending::kMistakes) end(Ending::kRefused);
 }
 
 void Session::refuse(std::string_view why) {

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "enfilade/continuous/pose.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/results.h"
@@ -31,7 +31,7 @@ enum class Tool : std::uint8_t {
 constexpr std::array<std::string_view, 7> names_of(Tool /*enum*/) {
   return {"go_to", "back_to", "look", "move", "turn_back", "answer", "stop"};
 }
-std::string_view name_of(Tool tool) noexcept;
+inline std::string_view name_of(Tool tool) noexcept { return enum_name(tool); }
 
 /// A tool as it can be used now.
 struct ToolUse {
@@ -51,7 +51,7 @@ struct Call {
 };
 
 /// A neighbour of the current viewpoint. Angles relative to the current view.
-struct Place {
+struct Neighbour {
   std::string name;          ///< "A", ..., "Z", "AA", ...: in the order of first sight, to the end
   Radians turn;              ///< to the right positive, [-pi, pi)
   Radians elevation;         ///< from the horizon, up positive
@@ -62,52 +62,53 @@ struct Place {
 };
 
 /// Something that may be named where one stands.
-struct Thing {
+struct VisibleObject {
   std::string name;         ///< "1", "2", ...: at this place
   std::string category;     ///< "plant"
   Radians turn, elevation;  ///< of the middle of its box in the first view that has it
 };
 
-/// A visited place, and the places that were seen from it. \see Observation::map
+/// A visited place, and the places that were seen from it. \see SessionObservation::map
 struct MappedPlace {
   std::string name;
   std::vector<std::string> leads_to;
 };
 
 /// The observation at a step. Angles in radians, lengths in metres.
-struct Observation {
+struct SessionObservation {
   std::string instruction;
-  std::uint32_t step = 0;        ///< accepted calls
-  Radians heading;               ///< clockwise from the building's +y, [0, 2 pi)
-  Radians elevation;             ///< of the view, up positive
-  std::string what;              ///< the view ahead in words (continuous); empty: unknown
-  std::string here;              ///< the name of the place; empty in continuous space
-  std::vector<Place> places;     ///< in the order of their turns, from left to right
-  std::vector<Thing> things;     ///< REVERIE only
-  std::vector<MappedPlace> map;  ///< in the order of first visits
-  std::string told;              ///< feedback on the last call, a sentence; empty at the start
-  std::vector<ToolUse> tools;    ///< possible calls; none after the end
+  std::uint32_t step = 0;             ///< accepted calls
+  Radians heading;                    ///< clockwise from the building's +y, [0, 2 pi)
+  Radians elevation;                  ///< of the view, up positive
+  std::string what;                   ///< the view ahead in words (continuous); empty: unknown
+  std::string here;                   ///< the name of the place; empty in continuous space
+  std::vector<Neighbour> places;      ///< in the order of their turns, from left to right
+  std::vector<VisibleObject> things;  ///< REVERIE only
+  std::vector<MappedPlace> map;       ///< in the order of first visits
+  std::string told;                   ///< feedback on the last call, a sentence; empty at the start
+  std::vector<ToolUse> tools;         ///< possible calls; none after the end
 };
 
 /// When a session ends on its own.
-struct Limits {
+struct SessionLimits {
   std::uint32_t steps = 30;     ///< accepted calls, >= 1
   std::uint32_t mistakes = 10;  ///< calls that were not, one after another, >= 1
 };
 
 /// \throws ArgumentError naming the field
-void validate(const Limits& limits);
+void validate(const SessionLimits& limits);
 
 /// How it ended.
 enum class Ending : std::uint8_t {
   kStopped,     ///< stop or answer
-  kOutOfSteps,  ///< Limits::steps, or the benchmark's actions in continuous space
-  kMistakes,    ///< Limits::mistakes
+  kOutOfSteps,  ///< SessionLimits::steps, or the benchmark's actions in continuous space
+  kMistakes,    ///< SessionLimits::mistakes
+  kRefused,     ///< break_off(): the model or its server gives no answer
 };
-constexpr std::array<std::string_view, 3> names_of(Ending /*enum*/) {
-  return {"stopped", "out-of-steps", "mistakes"};
+constexpr std::array<std::string_view, 4> names_of(Ending /*enum*/) {
+  return {"stopped", "out-of-steps", "mistakes", "refused"};
 }
-std::string_view name_of(Ending ending) noexcept;
+inline std::string_view name_of(Ending ending) noexcept { return enum_name(ending); }
 
 /// The trajectory, in the form of results files.
 using Walked = std::variant<tasks::Trajectory, tasks::ContinuousResult>;
@@ -136,13 +137,16 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// Valid until the next call().
-  const Observation& observation() const noexcept { return seen_; }
+  const SessionObservation& observation() const noexcept { return seen_; }
   /// Performs a call. An impossible or unknown one counts as a mistake. It changes nothing except
-  /// Observation::told, which lists the possible calls.
+  /// SessionObservation::told, which lists the possible calls.
   /// \returns whether it was accepted; false also after the end
   bool call(const Call& call);
   /// An answer from which no call could be read: a mistake. \param why a sentence for its author
   void misread(std::string_view why);
+  /// Ends the session where it is, without a stop: no more calls can be had for it. Also one that
+  /// SessionLimits::mistakes ended.
+  void break_off();
 
   std::optional<Ending> ending() const noexcept { return ending_; }  ///< no value: it goes on
   std::uint32_t mistakes() const noexcept { return mistakes_; }      ///< in all
@@ -153,11 +157,11 @@ class Session {
   virtual Standpoint standpoint() const = 0;
 
  protected:
-  explicit Session(const Limits& limits) : limits_(limits) {}
+  explicit Session(const SessionLimits& limits) : limits_(limits) {}
   /// Performs a call that observation().tools allow, and reports its result.
   virtual void carry_out(Tool tool, const std::vector<std::string>& values) = 0;
   /// Fills places, tools, ... from the current position. `told` is kept.
-  virtual void look_around(Observation& seen) = 0;
+  virtual void look_around(SessionObservation& seen) = 0;
   void begin() { look_around(seen_); }
   void tell(std::string text) { seen_.told = std::move(text); }
   void end(Ending ending);
@@ -165,8 +169,8 @@ class Session {
  private:
   void refuse(std::string_view why);
 
-  Limits limits_;
-  Observation seen_;
+  SessionLimits limits_;
+  SessionObservation seen_;
   std::optional<Ending> ending_;
   std::uint32_t mistakes_ = 0, in_a_row_ = 0;
 };
@@ -182,18 +186,9 @@ class GraphSession : public Session {
  public:
   virtual GraphPose pose() const = 0;
   /// The viewpoint or object of a name, for oracles and maps.
-  /// \pre the place was seen; the object is one of Observation::things
+  /// \pre the place was seen; the object is one of SessionObservation::things
   virtual ViewpointIndex viewpoint_of(std::string_view place) const = 0;
   virtual std::int64_t object_of(std::string_view thing) const = 0;
-
- protected:
-  using Session::Session;
-};
-
-/// A session in a continuous environment. `walked()` is a tasks::ContinuousResult.
-class ContinuousSession : public Session {
- public:
-  virtual continuous::Pose pose() const = 0;
 
  protected:
   using Session::Session;

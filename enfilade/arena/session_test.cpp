@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/arena/detail/names.h"
+#include "enfilade/arena/detail/texts.h"
 #include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
 #include "tests/support/grid_world.h"
@@ -22,13 +22,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using tests::refusal;
 
-std::vector<std::string> names_of_places(const Observation& seen) {
+std::vector<std::string> names_of_places(const SessionObservation& seen) {
   std::vector<std::string> names;
-  for (const Place& place : seen.places) names.push_back(place.name);
+  for (const Neighbour& place : seen.places) names.push_back(place.name);
   return names;
 }
 
-std::vector<std::string> tools_of(const Observation& seen) {
+std::vector<std::string> tools_of(const SessionObservation& seen) {
   std::vector<std::string> names;
   for (const ToolUse& use : seen.tools) names.emplace_back(name_of(use.tool));
   return names;
@@ -42,7 +42,7 @@ class GraphSessions : public ::testing::Test {
  protected:
   GraphWorld world_{episodes()};
   std::unique_ptr<GraphSession> session_ = world_.start_on_graph(0, {.steps = 6, .mistakes = 3});
-  const Observation& seen_ = session_->observation();
+  const SessionObservation& seen_ = session_->observation();
 };
 
 TEST_F(GraphSessions, ThePlacesAroundHaveNamesAnglesAndDistances) {
@@ -68,7 +68,7 @@ TEST_F(GraphSessions, NamesStayAndTheMapGrows) {
   EXPECT_EQ(seen_.told, "You went to C, 4.0 m.");
   // v4 to the left, v2 straight on, v0 behind.
   ASSERT_EQ(seen_.places.size(), 3U);
-  for (const Place& place : seen_.places) {
+  for (const Neighbour& place : seen_.places) {
     EXPECT_EQ(place.visited, place.name == "A");
     EXPECT_EQ(place.seen_before, place.name == "A");
   }
@@ -150,7 +150,7 @@ TEST_F(GraphSessions, TheSameCallsGiveTheSame) {
 TEST(Sessions, OfReverieNameAnObject) {
   GraphWorld world(episodes(tasks::Task::kReverie));
   const auto session = world.start_on_graph(0);
-  const Observation& seen = session->observation();
+  const SessionObservation& seen = session->observation();
   EXPECT_TRUE(seen.things.empty());
   EXPECT_THAT(tools_of(seen), ElementsAre("go_to", "look", "stop"));
   ASSERT_TRUE(session->call({"go_to", "C"}));
@@ -184,8 +184,8 @@ TEST(Sessions, NamesAreLetters) {
 }
 
 TEST(ContinuousSessions, MoveBySeveralActionsAtOnce) {
-  const auto session = FreeWorld(room(), agents::continuous_setup("r2r-ce")).start_free(0);
-  const Observation& seen = session->observation();
+  const auto session = room().start(0);
+  const SessionObservation& seen = session->observation();
   EXPECT_EQ(seen.instruction, "Walk east.");
   ASSERT_EQ(seen.tools.size(), 2U);
   EXPECT_THAT(seen.tools[0].allowed, ElementsAre("forward", "left", "right"));
@@ -208,9 +208,9 @@ TEST(ContinuousSessions, MoveBySeveralActionsAtOnce) {
 }
 
 TEST(ContinuousSessions, WallsAreToldAndTheBenchmarksActionsAreLimited) {
-  FreeWorld world(room(), agents::continuous_setup("rxr-ce"));
-  const auto session = world.start_free(0, {.steps = 1000, .mistakes = 3});
-  const Observation& seen = session->observation();
+  FloorWorld world = room(0, "rxr-ce");
+  const auto session = world.start(0, {.steps = 1000, .mistakes = 3});
+  const SessionObservation& seen = session->observation();
   EXPECT_THAT(seen.tools[0].allowed, ElementsAre("forward", "left", "right", "up", "down"));
   for (int k = 0; k < 6; ++k) session->call({"move", "forward,forward,forward,forward"});
   EXPECT_THAT(seen.told, HasSubstr("a wall was in the way 4 times"));

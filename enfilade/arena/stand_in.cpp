@@ -100,19 +100,19 @@ struct StandIn::Impl {
     const auto session = own->start(*found, {.steps = 100'000, .mistakes = 1});
     const auto follower = own->follow(config.rule, *session, config.seed);
     for (const Call& call : done) {
-      follower->next();  // so that it knows how far it is
+      follower();  // so that it knows how far it is
       if (!session->call(call)) throw ArgumentError("calls that cannot be carried out");
     }
-    return follower->next();
+    return follower();
   }
 
   /// The fault of a request, if it has one now.
-  std::optional<Fault> fault_of(const std::string& body) {
+  std::optional<StandInFault> fault_of(const std::string& body) {
     if (config.faults.empty()) return std::nullopt;
     const std::uint64_t hash = stream_of(body.data(), body.size());
     if (hash % config.one_in != 0) return std::nullopt;
-    const Fault fault = config.faults[hash / config.one_in % config.faults.size()];
-    if (fault == Fault::kUnknownPlace || fault == Fault::kNoCall) return fault;
+    const StandInFault fault = config.faults[hash / config.one_in % config.faults.size()];
+    if (fault == StandInFault::kUnknownPlace || fault == StandInFault::kNoCall) return fault;
     const std::scoped_lock lock(mutex);
     if (!failed.insert(hash).second) return std::nullopt;
     return fault;
@@ -142,12 +142,12 @@ struct StandIn::Impl {
     if (!asked.is_object() || !asked.contains("messages")) return refuse(400, "no messages");
     if (asked.contains("tools") && !config.with_tools) return refuse(400, "no tools here");
     const auto fault = fault_of(request.body);
-    if (fault == Fault::kServerError) return refuse(500, "out of order");
-    if (fault == Fault::kRateLimit) {
+    if (fault == StandInFault::kServerError) return refuse(500, "out of order");
+    if (fault == StandInFault::kRateLimit) {
       response.set_header("Retry-After", "0");
       return refuse(429, "too many requests");
     }
-    if (fault == Fault::kSilence) {
+    if (fault == StandInFault::kSilence) {
       std::this_thread::sleep_for(std::chrono::duration<double>(config.silence));
     }
     const std::string origin = request.get_header_value("X-Enfilade-Episode");
@@ -165,16 +165,18 @@ struct StandIn::Impl {
     } catch (const Error& error) {
       return refuse(400, error.what());
     }
-    if (fault == Fault::kUnknownPlace) call = {"go_to", "QQ"};
+    if (fault == StandInFault::kUnknownPlace) call = {"go_to", "QQ"};
     Json message = message_of(asked, call);
-    if (fault == Fault::kNoCall) message = {{"role", "assistant"}, {"content", "Let me see."}};
+    if (fault == StandInFault::kNoCall)
+      message = {{"role", "assistant"}, {"content", "Let me see."}};
     Json completion = completion_of(asked, message);
-    if (fault == Fault::kNoChoice) completion["choices"] = Json::array();
-    std::string body = fault == Fault::kNotJson ? "<html>Bad gateway</html>" : completion.dump();
-    if (fault == Fault::kCutOff) body.resize(body.size() / 2);
+    if (fault == StandInFault::kNoChoice) completion["choices"] = Json::array();
+    std::string body =
+        fault == StandInFault::kNotJson ? "<html>Bad gateway</html>" : completion.dump();
+    if (fault == StandInFault::kCutOff) body.resize(body.size() / 2);
     response.set_content(body, "application/json");
-    const bool whole =
-        fault != Fault::kNoChoice && fault != Fault::kNotJson && fault != Fault::kCutOff;
+    const bool whole = fault != StandInFault::kNoChoice && fault != StandInFault::kNotJson &&
+                       fault != StandInFault::kCutOff;
     if (!whole) return;
     ++answers;
     const std::scoped_lock lock(mutex);

@@ -6,13 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/arena/rules.h"
 #include "enfilade/arena/world.h"
 
 namespace enfilade::arena {
 
 /// Faults of a response.
-enum class Fault : std::uint8_t {
+enum class StandInFault : std::uint8_t {
   kServerError,   ///< status 500, the first time
   kRateLimit,     ///< status 429 with Retry-After: 0, the first time
   kCutOff,        ///< half of the body, the first time
@@ -28,7 +27,7 @@ struct StandInConfig {
   Rule rule = Rule::kOracle;
   std::uint64_t seed = 1;  ///< for Rule::kRandom.
   /// One request in this many has a fault, in the order of this list; empty: none.
-  std::vector<Fault> faults = {};
+  std::vector<StandInFault> faults = {};
   std::uint32_t one_in = 3;
   double silence = 1;  ///< seconds
   /// Answers before it refuses every request with status 503; 0: no limit.

@@ -1,4 +1,4 @@
-#include "enfilade/arena/subsets.h"
+#include "enfilade/arena/world.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -46,6 +46,12 @@ TEST(Subsets, FilesNameEpisodes) {
   };
   write_file_atomically(file, "# two\n3_1\n 1_0 \n\n");
   EXPECT_THAT(listed_subset(all, file), ElementsAre(0, 4));
+  for (const char* saved : {"\xEF\xBB\xBF"
+                            "3_1\r\n1_0\r\n\r\n",
+                            "\xEF\xBB\xBF# two\r3_1\r1_0\t\r"}) {
+    write_file_atomically(file, saved);
+    EXPECT_THAT(listed_subset(all, file), ElementsAre(0, 4)) << saved;
+  }
   EXPECT_THAT(fault("1_0\n9_9\n1_0"), HasSubstr("line 2: \"9_9\" is no episode of the split"));
   EXPECT_THAT(fault("1_0\n9_9\n1_0"), HasSubstr("line 3: \"1_0\" is there twice"));
   EXPECT_THAT(fault("# none"), HasSubstr("no id in it"));
@@ -57,7 +63,7 @@ TEST(Subsets, OfRoomToRoomAreWhatTheyWere) {
   if (!data || !data->has_split("val_unseen"))
     GTEST_SKIP() << "ENFILADE_DATA has no R2R val_unseen";
   const GraphWorld world(std::make_shared<const tasks::EpisodeSet>(data->episodes("val_unseen")));
-  const tasks::EpisodeSet& all = world.episodes();
+  const tasks::EpisodeSet& all = *world.episodes().on_graph();
   ASSERT_EQ(world.size(), 2349U);
   for (const std::size_t count : {100U, 216U, 1000U}) {
     const auto chosen = spread_subset(world, count);

@@ -11,34 +11,11 @@
 
 namespace enfilade::arena::detail {
 
+namespace {
+
 using Json = nlohmann::ordered_json;
 
-Transcript::Transcript(const Session& session)
-    : text_(Json{{"episode", session.episode_id()},
-                 {"instruction", session.observation().instruction}}
-                .dump() +
-            "\n") {}
-
-void Transcript::add(const Observation& before, const Call* call, const Session& after,
-                     const Json& more) {
-  Json step{{"observation", Json::parse(to_json(before))}};
-  step["call"] =
-      call == nullptr ? Json() : Json{{"tool", call->tool}, {"argument", call->argument}};
-  step.update(more);
-  step["told"] = after.observation().told;
-  text_ += step.dump() + "\n";
-}
-
-std::string Transcript::finish(const Session& session, const World& world) && {
-  return std::move(text_) +
-         Json{{"ending", name_of(*session.ending())},
-              {"steps", session.observation().step},
-              {"mistakes", session.mistakes()},
-              {"result", Json::parse(world.result(session.walked()))}}
-             .dump() +
-         "\n";
-}
-
+/// The last line of a whole transcript.
 Json end_of_transcript(const std::filesystem::path& file) {
   const std::string text = read_file(file);
   const std::size_t before = text.find_last_not_of('\n');
@@ -53,6 +30,32 @@ Json end_of_transcript(const std::filesystem::path& file) {
                          "no end of an episode; remove the file, and it is walked again"}});
   }
   return end;
+}
+
+}  // namespace
+
+std::string first_line(const Session& session) {
+  return Json{{"episode", session.episode_id()}, {"instruction", session.observation().instruction}}
+             .dump() +
+         "\n";
+}
+
+std::string call_line(const SessionObservation& before, const std::optional<Call>& call,
+                      const Session& after, const Json& more) {
+  Json step{{"observation", Json::parse(to_json(before))}};
+  step["call"] = call ? Json{{"tool", call->tool}, {"argument", call->argument}} : Json();
+  step.update(more);
+  step["told"] = after.observation().told;
+  return step.dump() + "\n";
+}
+
+std::string end_line(const Session& session, const World& world, const std::string& reason) {
+  Json end{{"ending", name_of(*session.ending())},
+           {"steps", session.observation().step},
+           {"mistakes", session.mistakes()}};
+  if (!reason.empty()) end["reason"] = reason;
+  end["result"] = Json::parse(world.result(session.walked()));
+  return end.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::vector<Json> write_results(const std::filesystem::path& folder, const World& world,
@@ -72,7 +75,7 @@ std::vector<Json> write_results(const std::filesystem::path& folder, const World
 std::filesystem::path transcript_file(const std::filesystem::path& folder, const World& world,
                                       std::size_t episode) {
   std::string name;
-  for (const char c : world.episode_id(episode)) {
+  for (const char c : world.episodes().id(episode)) {
     const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
                        c == '-' || c == '_' || c == '.';
     name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));

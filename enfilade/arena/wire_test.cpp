@@ -11,8 +11,8 @@ namespace EN_UNIT {
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-Observation observation() {
-  Observation seen;
+SessionObservation observation() {
+  SessionObservation seen;
   seen.instruction = "Go to \"the\" desk.";
   seen.step = 2;
   seen.heading = degrees(270);
@@ -61,11 +61,29 @@ TEST(Wire, ToolsHaveSchemasOfWhatIsPossible) {
   EXPECT_EQ(choices[2].at("type"), "null");
 }
 
+TEST(Wire, PlainToolsHaveStringsAlone) {
+  const std::vector<ToolUse> uses{{Tool::kGoTo, "place", {}},
+                                  {Tool::kMove, "actions", {"forward", "left"}, true},
+                                  {Tool::kStop, {}, {}}};
+  const json tools = json::parse(plain_functions_json(uses));
+  ASSERT_EQ(tools.size(), 3U);
+  EXPECT_EQ(tools[0].at("parameters"),
+            json::parse(R"({"type": "object", "additionalProperties": false, "required": ["place"],
+                            "properties": {"place": {"type": "string", "description":
+                            "One of the values that the last result lists for go_to."}}})"));
+  EXPECT_EQ(tools[1].at("parameters").at("properties").at("actions").at("description"),
+            "One to 4 of forward, left, with commas between them.");
+  EXPECT_TRUE(tools[2].at("parameters").at("properties").empty());
+}
+
 TEST(Wire, CallsAreReadFromArguments) {
   EXPECT_EQ(read_call("go_to", R"({"place": "B"})").call, (Call{"go_to", "B"}));
   EXPECT_EQ(read_call(" stop ", "").call, (Call{"stop", ""}));
   EXPECT_EQ(read_call("move", R"({"actions": ["forward", "left"]})").call,
             (Call{"move", "forward,left"}));
+  EXPECT_EQ(read_call("move", R"({"actions": "[\"forward\", \"left\"]"})").call,
+            (Call{"move", "forward,left"}));
+  EXPECT_EQ(read_call("move", R"({"actions": "[forward"})").call, (Call{"move", "[forward"}));
   EXPECT_EQ(read_call("answer", R"({"object": 3, "why": {}})").call, (Call{"answer", "3"}));
   EXPECT_EQ(read_call("go_to", "{\"place\":").fault, "the arguments of \"go_to\" are no JSON");
   EXPECT_EQ(read_call("go_to", "[]").fault, "the arguments of \"go_to\" are no JSON object");
@@ -94,6 +112,39 @@ TEST(Wire, CallsAreReadFromAnswers) {
   EXPECT_EQ(read_answer_text("I would stop here.").fault, "no line begins with \"Action:\"");
   EXPECT_EQ(read_answer_text("Action:").fault, "nothing stands after \"Action:\"");
   EXPECT_FALSE(read_answer_text("").call);
+}
+
+TEST(Wire, ReasoningIsTheThought) {
+  constexpr const char* kStop = R"({"thought": "", "tool": "stop", "argument": null})";
+  struct Row {
+    std::string text, thought;
+  };
+  const Row rows[] = {
+      {std::string("<think>Draft: {\"tool\": \"look\"}.</think>\n") + kStop,
+       "Draft: {\"tool\": \"look\"}."},
+      {std::string("No {brace here.</think>\n```json\n") + kStop + "\n```", "No {brace here."},
+      {std::string("a</think>b</think>") + kStop, "a</think>b"},
+      {std::string("[THINK]x[/THINK]") + kStop, "x"},
+      {std::string(R"({"tool": "go_to", "argument": "B"} or rather )") + kStop + " {\"a\": 1} {",
+       ""},
+      {std::string(R"(Braces {like "these} and )") + kStop, ""},
+  };
+  for (const Row& row : rows) {
+    const Reading reading = read_answer_json(row.text);
+    EXPECT_EQ(reading.call, (Call{"stop", ""})) << row.text << reading.fault;
+    EXPECT_EQ(reading.thought, row.thought) << row.text;
+  }
+  EXPECT_FALSE(read_answer_json("<think>Maybe {\"tool\": \"stop\"}").call) << "cut off";
+  EXPECT_EQ(
+      read_answer_json(R"({"thought": "t", "tool": "go_to", "argument": {"place": "B"}})").call,
+      (Call{"go_to", "B"}));
+  EXPECT_EQ(read_call("go_to", R"("{\"place\": \"B\"}")").call, (Call{"go_to", "B"}));
+  EXPECT_EQ(read_call("stop", "null").call, (Call{"stop", ""}));
+  const Reading text = read_answer_text("Action: go_to B?</think>Action: stop");
+  EXPECT_EQ(text.call, (Call{"stop", ""}));
+  EXPECT_EQ(text.thought, "Action: go_to B?");
+  EXPECT_FALSE(read_answer_text("Action: stop</think>Well.").call);
+  EXPECT_FALSE(read_answer_json(std::string(100'000, '{')).call);
 }
 
 }  // namespace EN_UNIT

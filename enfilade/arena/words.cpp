@@ -11,9 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/arena/detail/patience.h"
-#include "enfilade/arena/detail/sight.h"
 #include "enfilade/arena/detail/texts.h"
+#include "enfilade/arena/detail/view_renderer.h"
+#include "enfilade/arena/dialect.h"
+#include "enfilade/arena/wire.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/utf8.h"
 #include "enfilade/mesh/mpcat40.h"
@@ -38,8 +39,8 @@ bool is_a_thing(std::size_t category) {
 
 class LabelWords : public Words {
  public:
-  explicit LabelWords(Sights sights)
-      : sight_(std::move(sights)), classes_(kSize * kSize), instances_(kSize * kSize) {}
+  explicit LabelWords(const ViewSources& sights)
+      : sight_(sights), classes_(kSize * kSize), instances_(kSize * kSize) {}
 
   std::string of(const Standpoint& from) override {
     render::Outputs outputs;
@@ -75,42 +76,58 @@ class LabelWords : public Words {
   }
 
  private:
-  detail::Sight sight_;
+  detail::ViewRenderer sight_;
   std::vector<std::uint16_t> classes_;
   std::vector<std::uint32_t> instances_;
 };
 
 class CaptionWords : public Words {
  public:
-  CaptionWords(Sights sights, CaptionConfig config, Endpoint* endpoint, AnswerCache& cache)
-      : painter_(std::move(sights)),
-        config_(std::move(config)),
-        endpoint_(endpoint),
-        cache_(cache) {}
+  CaptionWords(const ViewSources& sights, CaptionConfig config, Endpoint* endpoint,
+               AnswerCache& cache)
+      : painter_(sights), config_(std::move(config)), endpoint_(endpoint), cache_(cache) {}
 
   std::string of(const Standpoint& from) override {
     const PictureOrder order{{}, from, false, config_.picture_size, {}};
     const std::string key = order.key();
-    const std::string request = picture_request(config_.chat, config_.question, key);
-    const KeptAnswer kept = cache_.get(request, [&] {
-      if (endpoint_ == nullptr) {
-        throw detail::GivenUp(
-            fmt::format("the caption {} is not in the cache", AnswerCache::key_of(request)));
-      }
-      const std::string body =
-          with_pictures(request, [&](std::string_view) { return painter_.draw(order); });
-      const detail::Patience patience{
-          config_.attempts, config_.first_wait, [](double seconds) {
-            std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-            return true;
-          }};
-      return post_patiently(*endpoint_, body, {"caption/" + key, {}}, patience,
-                            [](std::string_view answer) { read_completion(answer); });
-    });
-    return one_line(read_completion(kept.answer).text);
+    // From the usual form, so that equal pictures have equal requests in every order of requests.
+    Dialect dialect{.answers = Answers::kText, .limit = config_.limit};
+    for (;;) {
+      const std::string request = picture_request(config_.chat, dialect, config_.question, key);
+      const KeptAnswer kept = cache_.get(request, [&] { return ask(request, order, dialect); });
+      const auto refusal = find_refusal(kept.answer);
+      if (!refusal) return one_line(after_reasoning(read_completion(kept.answer).text));
+      if (kind_of(*refusal) == RefusalKind::kFilter) return {};
+      const auto changed = remedy_for(*refusal, request, dialect, {});
+      if (!changed) throw GivenUp(words_in(refusal->body));
+      dialect = *changed;
+    }
   }
 
  private:
+  /// The response to a request, or the refusal that has a remedy.
+  KeptAnswer ask(const std::string& request, const PictureOrder& order, const Dialect& dialect) {
+    if (endpoint_ == nullptr) {
+      throw GivenUp(
+          fmt::format("the caption {} is not in the cache", AnswerCache::key_of(request)));
+    }
+    const std::string body =
+        with_pictures(request, [&](std::string_view) { return painter_.draw(order); });
+    const Patience patience{config_.attempts, config_.first_wait, [](double seconds) {
+                              std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+                              return true;
+                            }};
+    try {
+      return post_patiently(*endpoint_, body, {"caption/" + order.key(), {}}, patience,
+                            [](std::string_view answer) { read_completion(answer); });
+    } catch (const RequestRefused& error) {
+      const bool kept = kind_of(error.refusal()) == RefusalKind::kFilter ||
+                        remedy_for(error.refusal(), request, dialect, {});
+      if (!kept) throw;
+      return {kept_refusal(error.refusal())};
+    }
+  }
+
   static std::string one_line(std::string_view text) {
     constexpr std::size_t kMost = 300;
     std::string line;
@@ -125,7 +142,7 @@ class CaptionWords : public Words {
     return std::string(utf8_prefix(line, kMost));
   }
 
-  Painter painter_;
+  PictureMaker painter_;
   CaptionConfig config_;
   Endpoint* endpoint_;
   AnswerCache& cache_;
@@ -133,7 +150,7 @@ class CaptionWords : public Words {
 
 }  // namespace
 
-WordsSource caption_words(Sights sights, CaptionConfig config, Endpoint* endpoint,
+WordsSource caption_words(ViewSources sights, CaptionConfig config, Endpoint* endpoint,
                           AnswerCache& cache) {
   if (config.chat.model.empty()) throw ArgumentError("captions: no model");
   return [sights = std::move(sights), config = std::move(config), endpoint, &cache] {
@@ -141,7 +158,7 @@ WordsSource caption_words(Sights sights, CaptionConfig config, Endpoint* endpoin
   };
 }
 
-WordsSource label_words(Sights sights) {
+WordsSource label_words(ViewSources sights) {
   return [sights = std::move(sights)] { return std::make_unique<LabelWords>(sights); };
 }
 

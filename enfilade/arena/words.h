@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "enfilade/arena/answer_cache.h"
 #include "enfilade/arena/chat.h"
 #include "enfilade/arena/endpoint.h"
 #include "enfilade/arena/pictures.h"
@@ -17,7 +16,7 @@ namespace enfilade::arena {
 class Words {
  public:
   virtual ~Words() = default;
-  /// Description of a view of Pictures::kPlaces at `from`; empty if no object in it has a name.
+  /// Description of a view of PictureKind::kPlaces at `from`; empty if no object in it has a name.
   /// Equal views give equal words.
   virtual std::string of(const Standpoint& from) = 0;
 };
@@ -29,12 +28,13 @@ using WordsSource = std::function<std::unique_ptr<Words>()>;
 /// Walls, floors, ceilings, objects without a name, and those below a two-hundredth of the view are
 /// left out.
 /// \throws from of(): ArgumentError without such pictures, naming what is missing; as
-/// Painter::draw()
-WordsSource label_words(Sights sights);
+/// PictureMaker::draw()
+WordsSource label_words(ViewSources sights);
 
 /// Settings of the captions.
 struct CaptionConfig {
-  ChatConfig chat = {};  ///< its model
+  ChatConfig chat = {};                       ///< its model
+  LimitField limit = LimitField::kMaxTokens;  ///< of ChatConfig::most_tokens
   std::string question =
       "Say in one short sentence what this picture of the inside of a building shows.";
   std::uint32_t picture_size = 512;  ///< pixels, 64 to 2048
@@ -48,7 +48,7 @@ struct CaptionConfig {
 /// \param endpoint null: nothing is sent, and a caption that is not in the cache is an error.
 /// Endpoint and cache outlive all words
 /// \throws from of(): errors for which arena::ask() gives up an episode
-WordsSource caption_words(Sights sights, CaptionConfig config, Endpoint* endpoint,
+WordsSource caption_words(ViewSources sights, CaptionConfig config, Endpoint* endpoint,
                           AnswerCache& cache);
 
 }  // namespace enfilade::arena

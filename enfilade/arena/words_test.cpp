@@ -96,16 +96,18 @@ TEST_F(WordsTest, LabelsAreCountedAndTheLargestComesFirst) {
   EXPECT_EQ(said[""], 1);
 }
 
-/// Says what it was asked; the first time it is out of order.
+/// Says what it was asked; the first time it refuses.
 class Captioner : public Endpoint {
  public:
   std::string post(std::string_view body, const RequestOrigin& origin) override {
     bodies.emplace_back(body);
     origins.push_back(origin.episode);
-    if (bodies.size() == 1) throw EndpointError(503, "out of order");
+    if (bodies.size() == 1) throw EndpointError(status, refusal, {}, refusal);
     const nlohmann::json message{{"role", "assistant"}, {"content", text}};
     return nlohmann::json{{"choices", {{{"index", 0}, {"message", message}}}}}.dump();
   }
+  int status = 503;
+  std::string refusal = "out of order";
   std::string text = " A bed,\n\n<b>two</b> chairs. ";
   std::vector<std::string> bodies, origins;
 };
@@ -139,6 +141,38 @@ TEST_F(WordsTest, CaptionsAreAskedForOnceAndKept) {
   EXPECT_EQ(words->of(other), std::string(299, 'a')) << "no half of a character";
 }
 
+TEST_F(WordsTest, CaptionersRefuseLikeModels) {
+  const auto data = std::make_shared<const dataset::Dataset>(folder_.path());
+  const Standpoint from{"row", "v1", graph::Location{ScanIndex(0), ViewpointIndex(1)}, degrees(90),
+                        Radians(0)};
+  const CaptionConfig config{.chat = {.model = "m", .most_tokens = 50},
+                             .limit = LimitField::kMaxCompletionTokens,
+                             .picture_size = 64};
+  struct Row {
+    const char *refusal, *caption;
+    std::size_t requests;
+  };
+  constexpr Row kRows[] = {
+      {R"({"error": {"message": "temperature: only 1 is supported"}})", "A bed.", 2},
+      {R"({"error": {"code": "content_filter"}})", "", 1},
+  };
+  for (const Row& row : kRows) {
+    AnswerCache cache(folder_.path() / ("cache" + std::to_string(row.requests)));
+    Captioner captioner;
+    captioner.status = 400;
+    captioner.refusal = row.refusal;
+    captioner.text = "A bed.";
+    EXPECT_EQ(caption_words({.data = data}, config, &captioner, cache)()->of(from), row.caption);
+    ASSERT_EQ(captioner.bodies.size(), row.requests);
+    const auto first = nlohmann::json::parse(captioner.bodies.front());
+    EXPECT_TRUE(first.contains("temperature"));
+    EXPECT_EQ(first.at("max_completion_tokens"), 50);
+    const auto last = nlohmann::json::parse(captioner.bodies.back());
+    EXPECT_EQ(last.contains("temperature"), row.requests == 1);
+    EXPECT_EQ(caption_words({.data = data}, config, nullptr, cache)()->of(from), row.caption);
+  }
+}
+
 TEST_F(WordsTest, EachPlaceHasThoseOfItsDirection) {
   const dataset::Dataset data(folder_.path());
   GraphWorld world(std::make_shared<const tasks::EpisodeSet>(data.episodes("val_seen")),
@@ -146,7 +180,7 @@ TEST_F(WordsTest, EachPlaceHasThoseOfItsDirection) {
   const auto session = world.start(0);
   ASSERT_EQ(asked_.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
-    const Place& place = session->observation().places[k];
+    const Neighbour& place = session->observation().places[k];
     EXPECT_EQ(place.what, "view " + std::to_string(k + 1));
     EXPECT_NEAR(wrap_difference(asked_[k].heading - degrees(90) - place.turn).value, 0, 1e-9);
     EXPECT_EQ(asked_[k].place, "v1");
@@ -157,10 +191,11 @@ TEST_F(WordsTest, EachPlaceHasThoseOfItsDirection) {
   EXPECT_EQ(session->observation().places[0].what, "view 1");
 }
 
-TEST(FreeWords, SayWhatIsAhead) {
+TEST(FloorWords, SayWhatIsAhead) {
   std::vector<Standpoint> asked;
-  FreeWorld world(testing::room(), agents::continuous_setup("r2r-ce"),
-                  [&asked] { return std::make_unique<Recorder>(asked); });
+  const FloorWorld silent = testing::room();
+  FloorWorld world(silent.episodes(), silent.buildings(),
+                   [&asked] { return std::make_unique<Recorder>(asked); });
   const auto session = world.start(0);
   EXPECT_EQ(session->observation().what, "view 1");
   session->call({"move", "left"});
@@ -168,7 +203,7 @@ TEST(FreeWords, SayWhatIsAhead) {
   EXPECT_NEAR(to_degrees(asked[1].heading), 75, 1e-6);
 }
 
-TEST(FreeWords, LabelsNameWhatTheMeshHas) {
+TEST(FloorWords, LabelsNameWhatTheMeshHas) {
   // A room whose walls have no class: nothing to name.
   const Standpoint from{"room", "1/1/1", Vec3d{1, 1, 1.25}, degrees(90), Radians(0)};
   const auto words = label_words({.data = nullptr, .scene_of = [](const std::string&) {

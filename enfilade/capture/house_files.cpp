@@ -1,4 +1,4 @@
-#include "enfilade/capture/house_files.h"
+#include "enfilade/capture/scan_files.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/mpcat40.h"
-#include "enfilade/scan/matterport_writer.h"
+#include "enfilade/scan/matterport_cameras.h"
 
 namespace enfilade::capture {
 namespace {
@@ -37,23 +37,6 @@ HouseBox finite(const HouseBox& box) { return box.low.x <= box.high.x ? box : Ho
 
 // --- pieces ---------------------------------------------------------------------------------
 
-/// Numbers the positions, equal ones alike, as each face may have corners of its own.
-std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
-  std::vector<std::uint32_t> order(positions.size()), number(positions.size());
-  std::iota(order.begin(), order.end(), 0U);
-  const auto key = [&](std::uint32_t i) {
-    const Vec3f p = positions[i];
-    return std::tuple(p.x, p.y, p.z);
-  };
-  std::ranges::sort(order, std::less<>(), key);
-  std::uint32_t next = 0;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i > 0 && key(order[i]) != key(order[i - 1])) ++next;
-    number[order[i]] = next;
-  }
-  return number;
-}
-
 class Union {
  public:
   explicit Union(std::size_t size) : parent_(size) {
@@ -71,31 +54,28 @@ class Union {
 
 /// The connected piece of each triangle: corners at one place join triangles of one object.
 std::vector<std::int32_t> pieces(const Mesh& mesh) {
-  const std::vector<std::uint32_t> number = weld(mesh.positions);
-  const auto key = [&](std::size_t triangle, std::size_t corner) {
-    return std::uint64_t{object_of(mesh, triangle)} << 32 |
-           number[mesh.triangles[triangle][corner]];
-  };
   const std::size_t n = mesh.triangles.size();
-  std::vector<std::uint64_t> keys;
-  keys.reserve(3 * n);
-  for (std::size_t t = 0; t < n; ++t) {
-    for (std::size_t c = 0; c < 3; ++c) keys.push_back(key(t, c));
-  }
-  std::ranges::sort(keys);
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  const auto place = [&](std::size_t t, std::size_t c) {
-    return static_cast<std::uint32_t>(std::ranges::lower_bound(keys, key(t, c)) - keys.begin());
+  const auto key = [&mesh](std::uint32_t corner) {
+    const Vec3f p = mesh.positions[mesh.triangles[corner / 3][corner % 3]];
+    return std::tuple(object_of(mesh, corner / 3), p.x, p.y, p.z);
   };
-  Union joined(keys.size());
-  for (std::size_t t = 0; t < n; ++t) {
-    joined.join(place(t, 1), place(t, 0));
-    joined.join(place(t, 2), place(t, 0));
+  std::vector<std::uint32_t> order(3 * n), place(3 * n);  // of corners
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::sort(order, std::less<>(), key);
+  std::uint32_t last = 0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k > 0 && key(order[k]) != key(order[k - 1])) ++last;
+    place[order[k]] = last;
   }
-  std::vector<std::int32_t> of_root(keys.size(), -1), result(n);
+  Union joined(std::size_t{last} + 1);
+  for (std::size_t t = 0; t < n; ++t) {
+    joined.join(place[3 * t + 1], place[3 * t]);
+    joined.join(place[3 * t + 2], place[3 * t]);
+  }
+  std::vector<std::int32_t> of_root(std::size_t{last} + 1, -1), result(n);
   std::int32_t next = 0;
   for (std::size_t t = 0; t < n; ++t) {
-    std::int32_t& piece = of_root[joined.root(place(t, 0))];
+    std::int32_t& piece = of_root[joined.root(place[3 * t])];
     if (piece < 0) piece = next++;
     result[t] = piece;
   }
@@ -146,17 +126,6 @@ std::vector<Vec3f> vertex_colours(const Mesh& mesh) {
 
 // --- the house ------------------------------------------------------------------------------
 
-HouseBox box_of(const ScanRoom& room) {
-  return {{room.floor.x0, room.floor.y0, room.floor_z},
-          {room.floor.x1, room.floor.y1, room.floor_z + room.height}};
-}
-
-/// The whole building as one room, if its rooms are not known.
-ScanRoom everything(const HouseBox& box) {
-  return {
-      'z', {box.low.x, box.low.y, box.high.x, box.high.y}, box.low.z, box.high.z - box.low.z, 0};
-}
-
 std::int32_t region_below(const std::vector<ScanRoom>& rooms, Vec3d p) {
   const auto room = std::ranges::find_if(rooms, [&](const ScanRoom& r) {
     return r.floor.contains(p.x, p.y) && p.z >= r.floor_z && p.z <= r.floor_z + r.height;
@@ -173,7 +142,10 @@ class HouseMaker {
       for (const std::uint32_t v : corners) include(house_.box, to_double(mesh.positions[v]));
     }
     one_room_ = rooms.empty();
-    if (one_room_) rooms_.push_back(everything(house_.box));
+    if (one_room_) {  // the whole building
+      const auto& [low, high] = house_.box;
+      rooms_.push_back({'z', {low.x, low.y, high.x, high.y}, low.z, high.z - low.z, 0});
+    }
     house_.name = connectivity.scan;
   }
 
@@ -195,7 +167,8 @@ class HouseMaker {
   void add_rooms() {
     for (std::size_t k = 0; k < rooms_.size(); ++k) {
       const ScanRoom& room = rooms_[k];
-      const HouseBox box = box_of(room);
+      const HouseBox box{{room.floor.x0, room.floor.y0, room.floor_z},
+                         {room.floor.x1, room.floor.y1, room.floor_z + room.height}};
       const Vec3d at{middle(box).x, middle(box).y, room.floor_z};
       while (house_.levels.size() <= room.storey) house_.levels.push_back({"", {}, kNothing});
       include(house_.levels[room.storey].box, box.low);

@@ -1,4 +1,4 @@
-#include "enfilade/capture/house_files.h"
+#include "enfilade/capture/scan_files.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/scan/matterport_writer.h"
+#include "enfilade/scan/matterport_cameras.h"
 #include "enfilade/scan/panorama_source.h"
 #include "tests/support/furnished_room.h"
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/geometry/vec.h"
 
@@ -41,18 +42,24 @@ struct ImportOptions {
   /// Exposure of HDR pictures, stops; no value: the median luminance becomes mid-grey.
   std::optional<double> exposure;
   /// Direction of the pictures' middles (of front faces), degrees clockwise from north. Without
-  /// this and a heading in `positions`, new viewpoints have 0.
+  /// this and a heading in `positions`, new viewpoints have the picture's own (GPano) or 0.
   std::optional<double> heading;
-  /// File with a line `name x y z [heading]` per viewpoint, separated by blanks or commas. The
-  /// eye's position is in metres (x east, y north, z up), the heading in degrees. `#` begins a
-  /// comment; a first line that begins with "name" is a header. Empty: new viewpoints stand in a
-  /// line, kImportSpacing apart.
+  /// File with a line `name x y z [heading]` per viewpoint: the eye's position in metres (x east, y
+  /// north, z up), the heading in degrees. The name may be the picture's, with folder and suffix.
+  /// - Values are separated by blanks, tabs or commas, or by semicolons.
+  /// - Between tabs or semicolons, numbers may have decimal commas. Quotes are ignored.
+  /// - `#` begins a comment. A first line without numbers is a header.
+  ///
+  /// Empty: new viewpoints stand in a line, kImportSpacing apart.
   std::filesystem::path positions;
   double eye_height = 1.5;  ///< above the floor, metres
   ImportEdges edges = ImportEdges::kLine;
   double reach = 5;                                        ///< of ImportEdges::kNear, metres
   std::vector<std::pair<std::string, std::string>> pairs;  ///< viewpoints to connect
   bool force = false;                                      ///< replace viewpoints that are there
+  /// Apply GPano's pitch, roll and heading. False for pictures that were levelled after the camera
+  /// wrote these fields.
+  bool use_pose = true;
 };
 
 /// One panorama as it was written.
@@ -66,13 +73,20 @@ struct ImportReport {
   std::vector<ImportedPanorama> panoramas;  ///< in the order given
   std::size_t added = 0;                    ///< how many of them are new to the scan
   std::size_t viewpoints = 0, edges = 0;    ///< of the scan after the import
+  /// Warnings and notes:
+  /// - an orientation or a pose that was applied
+  /// - parts of a sphere that are missing
+  /// - harmless oddities of a file
+  /// - ids with "_"
+  std::vector<Diagnostic> findings;
 };
 
 /// Adds panoramas to a scan, or begins one. Writes
 /// `<folder>/<scan>/matterport_skybox_images/<viewpoint>_skybox_small.jpg`,
 /// `<folder>/connectivity/<scan>_connectivity.json` and the scan's line in `scans.txt`. Existing
-/// edges stay. All pictures and `scans.txt` are read before the first file is written, so that a
-/// broken one leaves the scan unchanged.
+/// edges stay. Pictures are turned by EXIF's orientation. Spheres are levelled by GPano's pitch and
+/// roll. Cropped ones are black where they have no picture. All pictures and `scans.txt` are read
+/// before the first file is written, so that a broken one leaves the scan unchanged.
 /// \throws ArgumentError or LookupError for invalid or repeated ids, or ids in the scan already
 /// (unless `force`)
 /// \throws ArgumentError or LookupError for pairs that do not name two viewpoints of the scan, and

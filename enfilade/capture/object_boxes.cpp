@@ -9,6 +9,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/geometry/angle.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::capture {
 namespace {

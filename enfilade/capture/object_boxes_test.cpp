@@ -15,6 +15,7 @@
 #include "enfilade/mesh/capture.h"
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/mesh/mesh_builder.h"
+#include "enfilade/tasks/objects.h"
 #include "tests/support/refusal.h"
 
 namespace enfilade::capture {

@@ -1,12 +1,10 @@
 #include "enfilade/capture/plain_room.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/image/textures.h"
 #include "enfilade/mesh/mesh_builder.h"
@@ -15,11 +13,13 @@
 namespace enfilade::capture {
 namespace {
 
-constexpr double kStanding = .3;  // metres above the lowest point of all
+constexpr double kStanding = .3;     // metres above the lowest point of all
+constexpr double kRoomMargin = 1.5;  // metres from the objects to the walls
+constexpr double kRoomHeight = 3;    // metres
 using enum mesh::Mpcat40::Category;
 
-/// Lowest point of each object, and of what belongs to none.
-std::vector<double> lowest_points(const mesh::Mesh& mesh) {
+double floor_height(const mesh::Mesh& mesh) {
+  // Lowest point of each object, and of what belongs to none.
   std::vector<double> lowest(mesh.objects.size() + 1, HUGE_VAL);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::uint32_t object = object_of(mesh, t);
@@ -28,11 +28,6 @@ std::vector<double> lowest_points(const mesh::Mesh& mesh) {
       low = std::min(low, static_cast<double>(mesh.positions[v].z));
     }
   }
-  return lowest;
-}
-
-double floor_height(const mesh::Mesh& mesh) {
-  std::vector<double> lowest = lowest_points(mesh);
   std::ranges::sort(lowest);
   std::size_t standing = 0;
   while (standing < lowest.size() && lowest[standing] <= lowest[0] + kStanding) ++standing;
@@ -49,17 +44,11 @@ mesh::Material textured(const image::Texture& texture, const char* name) {
 
 }  // namespace
 
-void add_plain_room(mesh::Mesh& mesh, const PlainRoomOptions& options) {
-  if (!(options.margin >= 0 && options.margin <= 1000 && options.height > 0 &&
-        options.height <= 1000)) {
-    throw ArgumentError(fmt::format("plain room: margin {} and height {} m, not within 1000 m",
-                                    options.margin, options.height));
-  }
+void add_plain_room(mesh::Mesh& mesh) {
   const mesh::Box box = mesh::bounds(mesh);
-  const double x0 = box.low.x - options.margin, x1 = box.high.x + options.margin,
-               y0 = box.low.y - options.margin, y1 = box.high.y + options.margin,
-               z0 = floor_height(mesh),
-               z1 = std::max(z0 + options.height, box.high.z + .3);  // nothing sticks out
+  const double x0 = box.low.x - kRoomMargin, x1 = box.high.x + kRoomMargin,
+               y0 = box.low.y - kRoomMargin, y1 = box.high.y + kRoomMargin, z0 = floor_height(mesh),
+               z1 = std::max(z0 + kRoomHeight, box.high.z + .3);  // nothing sticks out
   mesh::Mesh room;
   mesh::MeshBuilder b(room);
   Rng rng(1, stream_of("plain room", 10));

@@ -6,19 +6,12 @@
 
 namespace enfilade::capture {
 
-/// Size of the room around objects that were modelled without one.
-struct PlainRoomOptions {
-  double margin = 1.5;  ///< metres from the objects' box to the walls; >= 0
-  double height = 3;    ///< least metres from floor to ceiling; > 0
-};
-
 /// Puts a mesh into a plain room: a floor of planks, four plastered walls, a ceiling, each an
-/// object with its class. The floor is at the median of the standing objects' lowest points: those
-/// within 0.3 m of the lowest of all. So one object modelled a little low does not leave the others
-/// in the air.
+/// object with its class. Walls are 1.5 m from the objects' box, the ceiling is 3 m above the floor
+/// or more. The floor is at the median of the standing objects' lowest points: those within 0.3 m
+/// of the lowest of all. So one object modelled a little low does not leave the others in the air.
 /// \pre mesh has a triangle
-/// \throws ArgumentError for options out of range
-void add_plain_room(mesh::Mesh& mesh, const PlainRoomOptions& options = {});
+void add_plain_room(mesh::Mesh& mesh);
 
 /// Share of directions below the horizon, from the included viewpoints, in which rays meet
 /// nothing, [0, 1]; 0 without viewpoints. From one half on, the mesh probably lacks a floor, or has

@@ -23,8 +23,8 @@
 #include "enfilade/mesh/ray_tracer.h"
 #include "enfilade/mesh/read_mesh.h"
 #include "enfilade/mesh/segmentation.h"
-#include "enfilade/scan/matterport_names.h"
-#include "enfilade/scan/matterport_writer.h"
+#include "enfilade/scan/matterport_cameras.h"
+#include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/panorama_source.h"
 
 namespace enfilade::capture {
@@ -46,14 +46,11 @@ void validate(const scan::Connectivity& connectivity, const ScanFilesOptions& o)
   check(scan::is_scan_id(connectivity.scan),
         fmt::format("scan {:?}: letters, digits, _, - and . are allowed, not first a - or a .",
                     connectivity.scan));
-  check(o.face_size >= 1 && o.face_size <= 8192,
-        fmt::format("face_size: {}, not from 1 to 8192", o.face_size));
-  check(o.image_width >= 10 && o.image_width <= 8192,
-        fmt::format("image_width: {}, not from 10 to 8192", o.image_width));
+  check_range("face_size", o.face_size, 1, 8192);
+  check_range("image_width", o.image_width, 10, 8192);
   check(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16,
         fmt::format("samples: {}, not 1, 4, 9 or 16", o.samples));
-  check(o.jpeg_quality >= 1 && o.jpeg_quality <= 100,
-        fmt::format("jpeg_quality: {}, not from 1 to 100", o.jpeg_quality));
+  check_range("jpeg_quality", o.jpeg_quality, 1, 100);
 }
 
 // --- what pictures were made of -------------------------------------------------------------
@@ -240,15 +237,14 @@ class ScanWriter {
   }
 
   Task colour_task(const PanoramaPose& pose) const {
-    Task task;
+    std::vector<fs::path> files;
     if (o_.parts.colour_strip) {
-      task.files.push_back(skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kColour));
+      files.push_back(skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kColour));
     }
     for (std::size_t k = 0; o_.parts.faces && k < kCubeFaces; ++k) {
-      task.files.push_back(skybox() / scan::skybox_face_name(pose.viewpoint, k));
+      files.push_back(skybox() / scan::skybox_face_name(pose.viewpoint, k));
     }
-    task.weight = kCubeFaces * o_.face_size * o_.face_size / 100 * o_.samples + 1;
-    task.make = [this, &pose] {
+    const auto make = [this, &pose] {
       std::vector<std::string> contents;
       const auto pictures = capture(mesh_, pose, Layer::kColour).colour;
       if (o_.parts.colour_strip) {
@@ -259,51 +255,49 @@ class ScanWriter {
       }
       return contents;
     };
-    return task;
+    return {std::move(files), kCubeFaces * o_.face_size * o_.face_size / 100 * o_.samples + 1,
+            make};
   }
 
   Task depth_task(const PanoramaPose& pose) const {
-    Task task;
-    task.files = {skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kDepth)};
-    task.weight = kCubeFaces * o_.face_size * o_.face_size / 200 + 1;
-    task.make = [this, &pose] {
+    const auto make = [this, &pose] {
       const auto pictures = capture(mesh_, pose, Layer::kDepth).depth;
       return std::vector{text(image::encode_png(image::join_strip(pictures)))};
     };
-    return task;
+    return {{skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kDepth)},
+            kCubeFaces * o_.face_size * o_.face_size / 200 + 1,
+            make};
   }
 
   Task label_task(const PanoramaPose& pose) const {
-    Task task;
-    task.files = {skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kClass),
-                  skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kInstance)};
-    task.weight = kCubeFaces * o_.face_size * o_.face_size / 200 + 1;
-    task.make = [this, &pose] {
+    const auto make = [this, &pose] {
       const mesh::LitMesh& mesh = o_.label_mesh != nullptr ? *o_.label_mesh : mesh_;
       const mesh::CubeCapture pictures = capture(mesh, pose, Layer::kClass);
       return std::vector{text(image::encode_png(image::join_strip(pictures.classes))),
                          text(image::encode_ids(image::join_strip(pictures.instances)))};
     };
-    return task;
+    return {{skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kClass),
+             skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kInstance)},
+            kCubeFaces * o_.face_size * o_.face_size / 200 + 1,
+            make};
   }
 
   Task camera_task(const RigCamera& c) const {
-    Task task;
-    task.files = {folder_ / "undistorted_color_images" /
-                      scan::colour_image_name(c.viewpoint, c.camera, c.yaw),
-                  folder_ / "undistorted_depth_images" /
-                      scan::depth_image_name(c.viewpoint, c.camera, c.yaw)};
-    task.weight = std::size_t{c.width} * c.height / 100 * o_.samples + 1;
     const mesh::Pinhole pinhole{c.width,   c.height, c.fx, c.fy, c.cx, c.cy, c.world_from_camera,
                                 c.position};
-    task.make = [this, pinhole] {
+    const auto make = [this, pinhole] {
       mesh::CaptureOptions options = capture_;
       options.labels = false;
       const mesh::PinholeCapture pictures = capture_pinhole(mesh_, pinhole, options);
       return std::vector{jpeg(pictures.colour, o_.jpeg_quality),
                          text(image::encode_png(pictures.depth))};
     };
-    return task;
+    return {{folder_ / "undistorted_color_images" /
+                 scan::colour_image_name(c.viewpoint, c.camera, c.yaw),
+             folder_ / "undistorted_depth_images" /
+                 scan::depth_image_name(c.viewpoint, c.camera, c.yaw)},
+            std::size_t{c.width} * c.height / 100 * o_.samples + 1,
+            make};
   }
 
   void add_cameras(Texts& texts) const {

@@ -7,12 +7,49 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/capture/house_files.h"
 #include "enfilade/core/progress.h"
+#include "enfilade/geometry/rect.h"
+#include "enfilade/mesh/house.h"
 #include "enfilade/mesh/lighting.h"
+#include "enfilade/mesh/mesh.h"
+#include "enfilade/mesh/segmentation.h"
 #include "enfilade/scan/connectivity.h"
 
 namespace enfilade::capture {
+
+/// A room of a building, to be a region of its files.
+struct ScanRoom {
+  char type = 'z';           ///< Matterport3D's region letter
+  Rect floor;                ///< metres, world
+  double floor_z = 0;        ///< world
+  double height = 2.6;       ///< above the floor
+  std::uint32_t storey = 0;  ///< level in files
+};
+
+/// Content of the four files.
+struct HouseFiles {
+  mesh::House house;                       ///< `<scan>.house`
+  mesh::LabelledMesh labels;               ///< `<scan>.ply`
+  std::vector<std::int32_t> segments;      ///< `<scan>.fsegs.json`: of each triangle
+  std::vector<mesh::SegmentGroup> groups;  ///< `<scan>.semseg.json`
+};
+
+/// Makes the four files.
+/// - Regions are rooms, in their order; without rooms, one of type 'z' around everything.
+/// - Objects are the mesh's, in its order, each in the region that it names, its box along the
+///   axes. Classes are those of mpcat40.
+/// - Segments are connected pieces of objects (and of surfaces without an object), numbered as the
+///   triangles first meet them.
+/// - Panoramas are the included viewpoints, each in the region below it, with the 18 images of
+///   scan::rig_cameras().
+/// - Vertices have the mean colour of the surfaces around them.
+///
+/// \param image_width of those images, pixels
+/// \pre check(mesh) has no errors
+/// \throws ArgumentError for an object whose category is not in mpcat40
+/// \throws InvalidInput as scan::poses_of()
+HouseFiles make_house_files(const mesh::Mesh& mesh, const scan::Connectivity& connectivity,
+                            const std::vector<ScanRoom>& rooms, std::uint32_t image_width = 1280);
 
 /// The files that are written for a scan, below `<root>/v1/scans/<scan>/`.
 struct ScanParts {
@@ -75,8 +112,8 @@ std::unique_ptr<const mesh::LitMesh> read_label_mesh(
     const std::filesystem::path& house_segmentations, const std::string& scan);
 
 /// Writes `<root>/connectivity/<scan>_connectivity.json` and its line in scans.txt, and the parts.
-/// Then `root` is a data set that scan::DataRoot and scan::MatterportImages open. Each file is
-/// written whole or not at all.
+/// Then `root` is a data set that scan::DataRoot and scan::open_matterport_images() open. Each file
+/// is written whole or not at all.
 ///
 /// Existing pictures of the same mesh, lights, viewpoint and options are kept (baking options are
 /// not compared). So a killed run can be continued, and parts and viewpoints may be added later;

@@ -14,8 +14,8 @@
 #include "enfilade/image/codecs.h"
 #include "enfilade/mesh/capture.h"
 #include "enfilade/scan/depth_skybox.h"
+#include "enfilade/scan/matterport_cameras.h"
 #include "enfilade/scan/matterport_images.h"
-#include "enfilade/scan/undistorted_cameras.h"
 #include "tests/support/furnished_room.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
@@ -65,8 +65,8 @@ ScanFilesOptions small(const std::function<void(ScanParts&)>& wanted) {
 
 void all_parts(ScanParts& parts) { parts = {true, true, true, true, true, true, true}; }
 
-std::shared_ptr<const scan::MatterportImages> open(const fs::path& root) {
-  return scan::MatterportImages::open(root, root / "connectivity", "rooms");
+std::shared_ptr<const scan::PanoramaSource> open(const fs::path& root) {
+  return scan::open_matterport_images(root, root / "connectivity", "rooms");
 }
 
 std::size_t files_below(const fs::path& folder) {
@@ -182,13 +182,13 @@ Errors errors_of(const image::CubeMap<std::uint16_t>& found,
           static_cast<double>(errors.size()) / static_cast<double>(texels)};
 }
 
-/// As MatterportImages does it, less the holes' filling.
+/// As open_matterport_images() does it, less the holes' filling.
 image::CubeMap<std::uint16_t> rebuilt(const fs::path& folder, const scan::PanoramaPose& eye,
                                       std::uint32_t size) {
   const auto cameras = scan::parse_undistorted_cameras(
       read_file(folder / "undistorted_camera_parameters/rooms.conf"), "rooms.conf");
   std::vector<scan::DepthImage> images;
-  for (const scan::UndistortedCamera& camera : cameras.cameras) {
+  for (const scan::UndistortedCamera& camera : cameras) {
     if (camera.viewpoint() != eye.viewpoint) continue;
     const std::string png = read_file(folder / "undistorted_depth_images" / camera.depth_file);
     images.push_back({camera, image::decode_png16(image::bytes_of(png), camera.depth_file)});

@@ -11,31 +11,30 @@
 #include "enfilade/continuous/pixels/painter.h"
 #include "enfilade/continuous/pixels/photo.h"
 #include "enfilade/continuous/pixels/rasteriser.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
 
 namespace enfilade::continuous {
 
 using pixels::Eye;
-using pixels::Frame;
 using pixels::kBlock;
 using pixels::kTile;
 using pixels::Lattice;
-using pixels::Painter;
+using pixels::PixelPainter;
 using pixels::Pixels;
 using pixels::Sphere;
 using pixels::TileRows;
+using pixels::VisibilityBuffer;
 
 namespace {
 
-constexpr std::array<std::string_view, 3> kMethods{"raster", "rays", "plain"};  // by Method
-constexpr std::array<std::string_view, 2> kAppearances{"mesh", "panoramas"};    // by Appearance
 constexpr std::uint32_t kLargest = 8192;  // pixels along an edge
 constexpr double kFarthest = 1e7;         // metres: floats resolve one there
 
 // What one thread draws with.
 struct Workspace {
-  Frame frame;
+  VisibilityBuffer frame;
   std::vector<std::uint32_t> lines;
 };
 
@@ -73,24 +72,6 @@ void check(const MeshView& view, std::size_t place, std::size_t buildings) {
 }
 
 }  // namespace
-
-std::string_view to_string(Method method) { return kMethods[static_cast<std::size_t>(method)]; }
-
-std::optional<Method> parse_method(std::string_view name) {
-  const auto found = std::ranges::find(kMethods, name);
-  if (found == kMethods.end()) return std::nullopt;
-  return static_cast<Method>(found - kMethods.begin());
-}
-
-std::string_view to_string(Appearance appearance) {
-  return kAppearances[static_cast<std::size_t>(appearance)];
-}
-
-std::optional<Appearance> parse_appearance(std::string_view name) {
-  const auto found = std::ranges::find(kAppearances, name);
-  if (found == kAppearances.end()) return std::nullopt;
-  return static_cast<Appearance>(found - kAppearances.begin());
-}
 
 struct Eyes::Impl {
   std::vector<std::shared_ptr<const Scene>> buildings;
@@ -155,7 +136,7 @@ struct Eyes::Impl {
     // Before the threads start, so that none allocates.
     for (auto& workspace : workspaces) {
       workspace->frame.resize(blocks_across, block_rows);
-      const std::size_t lines = std::size_t{kTile} * Painter::line_pitch(pixels.width());
+      const std::size_t lines = std::size_t{kTile} * PixelPainter::line_pitch(pixels.width());
       if (workspace->lines.size() < lines) workspace->lines.resize(lines);
     }
     parallel_for(views.size() * bands, 1, threads, [&](std::size_t begin, std::size_t end) {
@@ -175,7 +156,7 @@ struct Eyes::Impl {
             const render::Outputs& outputs, Workspace& workspace) const {
     const pixels::SceneParts& scene = buildings[at.building]->parts();
     const Eye& eye = eyes[view];
-    const Painter painter(scene, pixels, eye, colouring, chosen[view].all());
+    const PixelPainter painter(scene, pixels, eye, colouring, chosen[view].all());
     if (pixels.sphere != nullptr || config.method == Method::kRays) {
       painter.trace(rows, workspace.frame);
     } else {
@@ -270,16 +251,30 @@ void Eyes::render_equirectangular(std::uint32_t width, std::uint32_t height,
   impl_->draw({nullptr, &sphere, static_cast<float>(kPi / height)}, views, outputs);
 }
 
-const std::vector<std::shared_ptr<const Scene>>& Eyes::buildings() const noexcept {
-  return impl_->buildings;
-}
-
 std::string Eyes::description() const {
   const std::string with =
       impl_->config.method == Method::kRaster
           ? pixels::rasteriser_variants().front().name
           : std::string(impl_->config.method == Method::kRays ? "Embree" : "scalar");
-  return fmt::format("{} ({}, {} threads)", to_string(impl_->config.method), with, impl_->threads);
+  return fmt::format("{} ({}, {} threads)", enum_name(impl_->config.method), with, impl_->threads);
+}
+
+EyesCache::Known::Known(std::string name, std::shared_ptr<const Scene> scene, int threads)
+    : scan(std::move(name)), eyes({std::move(scene)}, {.threads = threads}) {}
+
+EyesCache::EyesCache(SceneSource scene_of, int threads, std::size_t most)
+    : scene_of_(std::move(scene_of)), threads_(threads), most_(most) {}
+
+Eyes& EyesCache::of(const std::string& scan) {
+  const auto found = std::ranges::find(known_, scan, &Known::scan);
+  if (found != known_.end()) {
+    known_.splice(known_.begin(), known_, found);
+    return found->eyes;
+  }
+  // Before the next one is loaded, as they are what takes the memory.
+  while (most_ > 0 && known_.size() >= most_) known_.pop_back();
+  known_.emplace_front(scan, scene_of_(scan), threads_);
+  return known_.front().eyes;
 }
 
 }  // namespace enfilade::continuous

@@ -1,7 +1,10 @@
 /// \file  Pictures of meshes from any place, drawn in batches.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -32,8 +35,9 @@ enum class Method : std::uint8_t {
   kRays,    ///< a ray a pixel (Embree); equirectangular pictures are always drawn so
   kPlain,   ///< as kRaster to the bit, one pixel after another: slow; the reference
 };
-std::string_view to_string(Method method);                  ///< "raster", "rays", "plain"
-std::optional<Method> parse_method(std::string_view name);  ///< by such a name
+constexpr std::array<std::string_view, 3> names_of(Method /*enum*/) {
+  return {"raster", "rays", "plain"};
+}
 
 /// How pictures are drawn.
 struct EyesConfig {
@@ -49,8 +53,9 @@ enum class Appearance : std::uint8_t {
   kMesh,       ///< the mesh
   kPanoramas,  ///< EyesConfig::photographs, and the mesh where none sees
 };
-std::string_view to_string(Appearance appearance);                  ///< "mesh", "panoramas"
-std::optional<Appearance> parse_appearance(std::string_view name);  ///< by such a name
+constexpr std::array<std::string_view, 2> names_of(Appearance /*enum*/) {
+  return {"mesh", "panoramas"};
+}
 
 /// Draws batches of views of some buildings. Depth, class and instance are those at the pixel's
 /// middle, and so is colour, of textures averaged over the pixel. May be used by one thread at a
@@ -81,13 +86,44 @@ class Eyes {
   void render_equirectangular(std::uint32_t width, std::uint32_t height,
                               std::span<const MeshView> views, const render::Outputs& outputs);
 
-  const std::vector<std::shared_ptr<const Scene>>& buildings() const noexcept;
   /// "raster (AVX3, 2 threads)"
   std::string description() const;
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// Opens the scene of a building. Its users say from which threads they call it.
+using SceneSource = std::function<std::shared_ptr<const Scene>(const std::string& scan)>;
+
+/// Eyes per building, made at first use: those of the buildings used last are kept. One thread at a
+/// time.
+class EyesCache {
+ public:
+  /// \param most  buildings, up to 60 MB each; 0: all
+  EyesCache(SceneSource scene_of, int threads, std::size_t most = 0);
+
+  /// The only building of these eyes is `scan`. Valid until the next call.
+  /// \throws as the source; ArgumentError for a null scene
+  Eyes& of(const std::string& scan);
+  /// Forgets the buildings used longest ago down to `most`, up to one of those in use.
+  /// \param in_use  has contains(scan)
+  template <class Scans>
+  void keep(std::size_t most, const Scans& in_use) {
+    while (known_.size() > most && !in_use.contains(known_.back().scan)) known_.pop_back();
+  }
+
+ private:
+  struct Known {
+    Known(std::string name, std::shared_ptr<const Scene> scene, int threads);
+    std::string scan;
+    Eyes eyes;
+  };
+  SceneSource scene_of_;
+  int threads_;
+  std::size_t most_;
+  std::list<Known> known_;  // the last one first
 };
 
 }  // namespace enfilade::continuous

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "enfilade/continuous/eyes.h"
+#include "enfilade/core/enum_names.h"
 #include "tests/support/lit_rooms.h"
 
 // GCC defines __SANITIZE_*__, clang tells through __has_feature.
@@ -84,7 +85,7 @@ TEST(Eyes, DrawingAllocatesNothing) {
     draw();
     const std::size_t before = allocations;
     for (int k = 0; k < 3; ++k) draw();
-    EXPECT_EQ(allocations, before) << to_string(method);
+    EXPECT_EQ(allocations, before) << enum_name(method);
   }
   const std::size_t before = allocations;
   const std::vector<int> one(1);

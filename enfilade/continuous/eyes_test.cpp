@@ -6,13 +6,15 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/image/image.h"
-#include "enfilade/render/pictures.h"
+#include "enfilade/render/renderer.h"
 #include "tests/support/lit_rooms.h"
 
 namespace enfilade::continuous {
@@ -81,7 +83,7 @@ TEST(Eyes, DepthOfARoomIsExactAtAnyPose) {
           for (std::uint32_t j = 0; j < camera.width; ++j) {
             const Met met = side_met(view.eye, rays.at(i, j));
             ASSERT_NEAR(drawn.depth[i * camera.width + j], met.distance, kMillimetre)
-                << to_string(method) << ' ' << i << ' ' << j;
+                << enum_name(method) << ' ' << i << ' ' << j;
           }
         }
       }
@@ -349,14 +351,14 @@ TEST(Eyes, NothingIsLeftFromAnotherBuilding) {
     view.building = 1;
     draw(both, camera, {&view, 1});
     view.building = 0;
-    EXPECT_TRUE(draw(both, camera, {&view, 1}) == alone) << to_string(method);
+    EXPECT_TRUE(draw(both, camera, {&view, 1}) == alone) << enum_name(method);
     Drawn sphere(53 * 27), sphere_alone(53 * 27);
     one.render_equirectangular(53, 27, {&view, 1}, sphere_alone.outputs());
     view.building = 1;
     both.render_equirectangular(53, 27, {&view, 1}, sphere.outputs());
     view.building = 0;
     both.render_equirectangular(53, 27, {&view, 1}, sphere.outputs());
-    EXPECT_TRUE(sphere == sphere_alone) << to_string(method);
+    EXPECT_TRUE(sphere == sphere_alone) << enum_name(method);
   }
 }
 
@@ -411,10 +413,41 @@ TEST(Eyes, MistakesAreNamed) {
 
 TEST(Eyes, MethodsHaveNames) {
   for (const Method method : {Method::kRaster, Method::kRays, Method::kPlain}) {
-    EXPECT_EQ(parse_method(to_string(method)), method);
+    EXPECT_EQ(find_enum<Method>(enum_name(method)), method);
   }
-  EXPECT_FALSE(parse_method("gl"));
+  EXPECT_FALSE(find_enum<Method>("gl"));
   EXPECT_THAT(Eyes({room_scene()}, {Method::kRaster, 3}).description(), HasSubstr("3 threads"));
+}
+
+TEST(EyesCache, OpensABuildingOnceAndKeepsTheLast) {
+  std::string opened;
+  EyesCache cache(
+      [&opened](const std::string& scan) -> std::shared_ptr<const Scene> {
+        opened += scan;
+        return scan == "x" ? nullptr : room_scene();
+      },
+      1, 2);
+  Eyes& a = cache.of("a");
+  EXPECT_EQ(&cache.of("a"), &a);
+  cache.of("b");
+  cache.of("a");
+  EXPECT_EQ(opened, "ab");
+  cache.of("c");  // b goes, as a was used after it
+  EXPECT_EQ(&cache.of("a"), &a);
+  cache.of("b");
+  EXPECT_EQ(opened, "abcb");
+  EXPECT_THROW(cache.of("x"), ArgumentError);
+  cache.of("b");
+  cache.of("a");  // went before x was loaded
+  EXPECT_EQ(opened, "abcbxa");
+  // a was used last; b is in use, so it stays however few are kept.
+  cache.keep(0, std::set<std::string>{"b"});
+  cache.of("b");
+  cache.keep(1, std::set<std::string>{});
+  cache.of("b");
+  EXPECT_EQ(opened, "abcbxa");
+  cache.of("a");
+  EXPECT_EQ(opened, "abcbxaa");
 }
 
 }  // namespace EN_UNIT

@@ -7,7 +7,6 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::continuous {
-
 namespace {
 
 constexpr int kMostInVain = 40;   // actions: a full turn of 24, and a few steps
@@ -36,7 +35,6 @@ bool ReferenceFollower::advance(const FloorPoint& at) {
     const bool there = metres <= (last ? config_.last_reached : config_.reached);
     if (config_.patient && last) return !there;
     if (!there && (config_.patient || in_vain_ <= kMostInVain)) return true;
-    (there ? reached_ : given_up_) += 1;
     ++target_;
     fields_.clear();
     in_vain_ = 0;

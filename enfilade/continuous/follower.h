@@ -32,9 +32,6 @@ class ReferenceFollower {
 
   /// The next action of a body at this point. After kStop the episode is over.
   Action next(const FloorPoint& at, Radians heading);
-  /// Points that were reached so far, those given up not counted.
-  std::size_t reached() const noexcept { return reached_; }
-  std::size_t given_up() const noexcept { return given_up_; }
 
  private:
   bool advance(const FloorPoint& at);
@@ -44,7 +41,7 @@ class ReferenceFollower {
   std::vector<DistanceField> fields_;  // of the present point; at most one
   double turn_;
   FollowerConfig config_;
-  std::size_t target_ = 0, reached_ = 0, given_up_ = 0;
+  std::size_t target_ = 0;
   double nearest_ = 0;  // to the present point so far
   int in_vain_ = 0;     // steps that came no nearer
 };

@@ -83,7 +83,7 @@ class Fans {
     const std::size_t n = sides.size();
     std::size_t k = 0;
     while (sides[k].corner != corner_) ++k;
-    const FlatFloor::Side& before = sides[(k + n - 1) % n];
+    const FlatFloor::PolygonSide& before = sides[(k + n - 1) % n];
     return {sides[(k + 1) % n].corner, before.corner, sides[k].beyond, before.beyond};
   }
 
@@ -147,7 +147,7 @@ struct Geodesics::Impl {
   template <class Found>
   auto bend_finder(Flat eye, const Found& found) const {
     return [this, eye, &found](std::uint32_t polygon, const Cone& cone) {
-      for (const FlatFloor::Side& side : floor.sides(polygon)) {
+      for (const FlatFloor::PolygonSide& side : floor.sides(polygon)) {
         const std::uint32_t bend = bends.of_corner[side.corner];
         if (bend == kNone) continue;
         const Flat to = floor.corner(side.corner) - eye;
@@ -175,7 +175,7 @@ struct Geodesics::Impl {
         }
       };
       const auto visit = bend_finder(eye, found);
-      Sight(floor, eye, visit).look_around(bend.corner);
+      FloorSight(floor, eye, visit).look_around(bend.corner);
       std::ranges::sort(seen);
       seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
       for (const std::uint32_t other : seen) {
@@ -247,13 +247,13 @@ Found search(const Impl& own, const FloorPoint& a, const FloorPoint& b) {
     if (polygon == b.polygon && cone.holds(to - from)) best.metres = own.metres(start, goal);
     bends_from_start(polygon, cone);
   };
-  Sight(own.floor, from, visit_start).look_from(a.polygon);
+  FloorSight(own.floor, from, visit_start).look_from(a.polygon);
   if (best.metres < kFar) return best;  // nothing is shorter than straight
   const auto to_goal = [&](std::uint32_t bend) {
     search.rest[bend] = own.metres(own.place(bend), goal);
   };
   const auto visit_goal = own.bend_finder(to, to_goal);
-  Sight(own.floor, to, visit_goal).look_from(b.polygon);
+  FloorSight(own.floor, to, visit_goal).look_from(b.polygon);
   while (!search.open.empty()) {
     const auto [guess, bend] = search.next();
     if (guess >= best.metres) break;
@@ -275,16 +275,7 @@ Geodesics::Geodesics(std::shared_ptr<const NavigationMesh> mesh) {
 }
 
 const NavigationMesh& Geodesics::mesh() const noexcept { return *impl_->mesh; }
-const std::shared_ptr<const NavigationMesh>& Geodesics::shared_mesh() const noexcept {
-  return impl_->mesh;
-}
 std::size_t Geodesics::bends() const noexcept { return impl_->bends.list.size(); }
-
-std::size_t Geodesics::memory_bytes() const noexcept {
-  const Bends& b = impl_->bends;
-  return b.list.size() * sizeof(Bend) + b.lines.size() * sizeof(Line) +
-         impl_->floor.corners().size() * (sizeof(Vec3d) + 8) + impl_->floor.polygons() * 80;
-}
 
 double Geodesics::distance(const FloorPoint& a, const FloorPoint& b) const {
   return search(*impl_, a, b).metres;
@@ -321,7 +312,7 @@ DistanceField Geodesics::field(std::span<const FloorPoint> goals) const {
       search.reach(bend, impl_->metres(to_double(goal.point), impl_->place(bend)), kNone, 0);
     };
     const auto visit = impl_->bend_finder(flat(goal.point), found);
-    Sight(impl_->floor, flat(goal.point), visit).look_from(goal.polygon);
+    FloorSight(impl_->floor, flat(goal.point), visit).look_from(goal.polygon);
   }
   while (!search.open.empty()) {
     const auto [metres, bend] = search.next();
@@ -356,7 +347,7 @@ std::optional<DistanceField::Way> DistanceField::way(const FloorPoint& from) con
     }
     bends(polygon, cone);
   };
-  Sight(building.floor, eye, visit).look_from(from.polygon);
+  FloorSight(building.floor, eye, visit).look_from(from.polygon);
   if (best.metres == kFar) return std::nullopt;
   return best;
 }

@@ -46,9 +46,7 @@ class Geodesics {
   explicit Geodesics(std::shared_ptr<const NavigationMesh> mesh);
 
   const NavigationMesh& mesh() const noexcept;
-  const std::shared_ptr<const NavigationMesh>& shared_mesh() const noexcept;
   std::size_t bends() const noexcept;  ///< corners at which a shortest way can bend
-  std::size_t memory_bytes() const noexcept;
 
   /// Metres; +inf: there is no way.
   double distance(const FloorPoint& a, const FloorPoint& b) const;

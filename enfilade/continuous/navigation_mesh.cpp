@@ -96,8 +96,7 @@ std::pair<unsigned char*, int> make_tile(const FloorPolygons& floor) {
   return {data, size};
 }
 
-// The share of a segment at which it leaves a polygon's bounds is what Detour computes; we need
-// only whether two points are the same in the plane.
+// Seen from above.
 float apart(Vec3f a, Vec3f b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 }  // namespace
@@ -204,13 +203,6 @@ double NavigationMesh::area_m2(std::size_t area) const {
 Vec3f NavigationMesh::corner(std::size_t corner) const {
   EN_CHECK_LT(corner, impl_->floor.corners.size());
   return impl_->corner(corner);
-}
-
-std::size_t NavigationMesh::memory_bytes() const noexcept {
-  const FloorPolygons& f = impl_->floor;
-  return static_cast<std::size_t>(impl_->tile().dataSize) + f.corners.size() * sizeof f.corners[0] +
-         f.polygons.size() * (sizeof f.polygons[0] + sizeof f.heights[0] + 12) +
-         f.points.size() * sizeof f.points[0] + f.triangles.size() * sizeof f.triangles[0];
 }
 
 void NavigationMesh::Impl::set_height(FloorPoint& at) const {

@@ -65,10 +65,9 @@ class NavigationMesh {
   NavigationMesh& operator=(const NavigationMesh&) = delete;
 
   const mesh::FloorPolygons& floor() const noexcept;
-  std::size_t areas() const noexcept;         ///< connected parts, ranked as mesh::WalkableFloor's
-  double area_m2(std::size_t area) const;     ///< seen from above. \pre area < areas()
-  Vec3f corner(std::size_t corner) const;     ///< with its exact height. \pre it is one
-  std::size_t memory_bytes() const noexcept;  ///< about
+  std::size_t areas() const noexcept;      ///< connected parts, ranked as mesh::WalkableFloor's
+  double area_m2(std::size_t area) const;  ///< seen from above. \pre area < areas()
+  Vec3f corner(std::size_t corner) const;  ///< with its exact height. \pre it is one
 
   /// The point of the floor that is nearest to any point; none within reach: no value.
   std::optional<FloorPoint> nearest(Vec3f point, Reach reach = {}) const;

@@ -36,10 +36,7 @@ struct LinearCube {
 };
 
 LinearCube linear(const image::CubeMap<std::uint8_t>& cube) {
-  std::array<float, 256> table;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    table[i] = image::linear_from_srgb(static_cast<float>(i) / 255);
-  }
+  const std::array<float, 256>& table = image::linear_bytes();
   LinearCube made;
   made.size = cube[0].width;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
@@ -118,7 +115,7 @@ void add_colours(const image::CubeMap<std::uint8_t>& cube, std::uint32_t face_si
 void add_nearness(const pixels::SceneParts& scene, Vec3d position, Photo& photo) {
   const pixels::Lattice lattice(Camera{photo.size, photo.size, degrees(90)});
   const pixels::TileRows rows{0, lattice.blocks_down * pixels::kBlock};
-  std::array<pixels::Frame, kCubeFaces> frames;
+  std::array<pixels::VisibilityBuffer, kCubeFaces> frames;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     pixels::Eye eye(position, Radians(0), Radians(0));
     const auto turned = [&](Vec3d axis) {
@@ -265,7 +262,6 @@ Photographs::~Photographs() = default;
 
 std::size_t Photographs::size() const noexcept { return impl_->positions.size(); }
 const Scene& Photographs::scene() const noexcept { return *impl_->scene; }
-const PhotographsOptions& Photographs::options() const noexcept { return impl_->options; }
 std::span<const Vec3d> Photographs::positions() const noexcept { return impl_->positions; }
 
 void Photographs::load_all(int threads) const {

@@ -42,14 +42,13 @@ class Photographs {
 
   std::size_t size() const noexcept;  ///< panoramas with pictures
   const Scene& scene() const noexcept;
-  const PhotographsOptions& options() const noexcept;
   /// Where each was taken, metres, world frame; in the order of the scan.
   std::span<const Vec3d> positions() const noexcept;
   /// Reads all panoramas now. \throws as PanoramaSource::read_colour()
   void load_all(int threads = 0) const;
 
-  /// For this library. The nearest panoramas that see the eye, then others: options().nearest at
-  /// most. \returns how many
+  /// For this library. The nearest panoramas that see the eye, then others: as many as
+  /// the options say. \returns how many
   std::size_t choose(Vec3d eye, std::span<std::size_t> chosen) const;
   /// For this library. \throws as load_all()
   std::shared_ptr<const pixels::Photo> photo(std::size_t k) const;

@@ -11,6 +11,7 @@
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/continuous/pixels/painter.h"
 #include "enfilade/continuous/pixels/rasteriser.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/mesh/capture.h"
@@ -171,17 +172,18 @@ TEST(Photographs, EveryInstructionSetGivesTheSameColours) {
       photographs()->photo(0).get(), photographs()->photo(1).get(), photographs()->photo(2).get()};
   for (const MeshView& view : views()) {
     const pixels::Eye eye(view.eye, view.heading, view.elevation);
-    pixels::Frame frame;
+    pixels::VisibilityBuffer frame;
     frame.resize(lattice.blocks_across, lattice.blocks_down);
     frame.clear(lattice, rows);
     pixels::best_rasteriser()({parts.tree, parts.surfaces, lattice, eye}, rows, frame);
     std::vector<std::vector<std::byte>> pictures;
     for (const pixels::Reprojector reprojector : pixels::reprojector_variants()) {
-      const pixels::Painter painter(parts, of, eye, {nullptr, reprojector}, photos);
+      const pixels::PixelPainter painter(parts, of, eye, {nullptr, reprojector}, photos);
       auto& rgb = pictures.emplace_back(std::size_t{3} * kCamera.width * kCamera.height);
       render::Outputs outputs;
       outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, rgb};
-      std::vector<std::uint32_t> lines(pixels::kTile * pixels::Painter::line_pitch(kCamera.width));
+      std::vector<std::uint32_t> lines(pixels::kTile *
+                                       pixels::PixelPainter::line_pitch(kCamera.width));
       painter.paint(frame, rows, outputs, 0, lines);
       EXPECT_TRUE(rgb == pictures[0]) << pictures.size();
     }
@@ -269,9 +271,9 @@ TEST(Photographs, MistakesAreNamed) {
 
 TEST(Photographs, AppearancesHaveNames) {
   for (const Appearance appearance : {Appearance::kMesh, Appearance::kPanoramas}) {
-    EXPECT_EQ(parse_appearance(to_string(appearance)), appearance);
+    EXPECT_EQ(find_enum<Appearance>(enum_name(appearance)), appearance);
   }
-  EXPECT_FALSE(parse_appearance("photos"));
+  EXPECT_FALSE(find_enum<Appearance>("photos"));
 }
 
 }  // namespace EN_UNIT

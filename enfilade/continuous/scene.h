@@ -61,7 +61,6 @@ class Scene {
   Scene& operator=(const Scene&) = delete;
 
   const mesh::RayTracer& tracer() const noexcept;
-  bool is_lit() const noexcept;
   /// Memory beside the tracer's, bytes.
   std::size_t bytes() const noexcept;
 

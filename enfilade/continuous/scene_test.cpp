@@ -19,6 +19,7 @@
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/mesh/capture.h"
 #include "tests/support/lit_rooms.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::continuous {
 namespace EN_UNIT {
@@ -116,19 +117,20 @@ TEST(Scene, EveryInstructionSetGivesTheSameColours) {
   for (const MeshView& view : views()) {
     const pixels::Eye eye(view.eye, view.heading, view.elevation);
     const pixels::Pixels of{&lattice, nullptr, 1 / lattice.focal};
-    std::vector<pixels::Frame> frames;
+    std::vector<pixels::VisibilityBuffer> frames;
     std::vector<std::vector<std::byte>> pictures;
     for (std::size_t k = 0; k < pixels::shader_variants().size(); ++k) {
-      pixels::Frame& frame = frames.emplace_back();
+      pixels::VisibilityBuffer& frame = frames.emplace_back();
       frame.resize(lattice.blocks_across, lattice.blocks_down);
       frame.clear(lattice, rows);
       pixels::rasteriser_variants()[k].draw({parts.tree, parts.surfaces, lattice, eye}, rows,
                                             frame);
-      const pixels::Painter painter(parts, of, eye, {pixels::shader_variants()[k], nullptr});
+      const pixels::PixelPainter painter(parts, of, eye, {pixels::shader_variants()[k], nullptr});
       auto& rgb = pictures.emplace_back(std::size_t{3} * kCamera.width * kCamera.height);
       render::Outputs outputs;
       outputs.colour = render::ColourOutput{render::ColourFormat::kRgb8, {}, rgb};
-      std::vector<std::uint32_t> lines(pixels::kTile * pixels::Painter::line_pitch(kCamera.width));
+      std::vector<std::uint32_t> lines(pixels::kTile *
+                                       pixels::PixelPainter::line_pitch(kCamera.width));
       painter.paint(frame, rows, outputs, 0, lines);
       const std::string& name = pixels::rasteriser_variants()[k].name;
       EXPECT_TRUE(frame.nearness == frames[0].nearness && frame.triangle == frames[0].triangle)
@@ -161,9 +163,9 @@ TEST(Scene, ExposureBrightens) {
 
 class SceneFile : public ::testing::Test {
  protected:
-  std::filesystem::path path_ = std::filesystem::path(::testing::TempDir()) / "scene_test.light";
+  const TemporaryFolder folder_{"scene"};
+  const std::filesystem::path path_ = folder_.path() / "room.light";
   void SetUp() override { lit().scene->save(path_); }
-  void TearDown() override { std::filesystem::remove(path_); }
   std::string code(const std::shared_ptr<const mesh::RayTracer>& tracer) const {
     try {
       Scene::load(tracer, path_);
@@ -182,21 +184,19 @@ class SceneFile : public ::testing::Test {
 
 TEST_F(SceneFile, LoadedSceneGivesTheSamePictures) {
   const auto loaded = Scene::load(lit().tracer, path_);
-  EXPECT_TRUE(loaded->is_lit());
+  EXPECT_TRUE(loaded->parts().lit);
   for (const MeshView& view : views()) {
     EXPECT_EQ(picture(loaded, view), picture(lit().scene, view));
   }
 }
 
 TEST_F(SceneFile, MeshFilesAreOpenedWithTheirLight) {
-  const std::filesystem::path folder =
-      std::filesystem::path(::testing::TempDir()) / "scene_test_open";
-  std::filesystem::create_directories(folder);
-  const std::filesystem::path file = folder / "room.glb";
-  EXPECT_EQ(light_file(file), folder / "room.light");
+  const std::filesystem::path file = folder_.path() / "room.glb";
+  EXPECT_EQ(light_file(file), path_);
+  std::filesystem::remove(path_);
   mesh::write_glb(lit().tracer->mesh(), file);
   const auto bare = Scene::open(file);
-  EXPECT_FALSE(bare->is_lit());
+  EXPECT_FALSE(bare->parts().lit);
   // Its textures are its colours.
   const auto photographed = Scene::photographed(lit().tracer);
   EXPECT_GT(psnr(picture(bare, views()[1]), picture(photographed, views()[1])), 30);
@@ -206,9 +206,8 @@ TEST_F(SceneFile, MeshFilesAreOpenedWithTheirLight) {
   const mesh::LitMesh light(tracer, Lit::lights(), Lit::options());
   Scene::lit(tracer, light)->save(light_file(file));
   const auto opened = Scene::open(file);
-  EXPECT_TRUE(opened->is_lit());
+  EXPECT_TRUE(opened->parts().lit);
   EXPECT_GT(psnr(picture(opened, views()[2]), picture(lit().scene, views()[2])), 30);
-  std::filesystem::remove_all(folder);
 }
 
 TEST_F(SceneFile, BadFilesAreRefused) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -29,13 +28,6 @@ double wrapped(double heading) {
 }
 
 }  // namespace
-
-std::string_view to_string(Action action) noexcept {
-  constexpr std::array<std::string_view, kActions> kNames{"stop",  "forward", "left",
-                                                          "right", "look up", "look down"};
-  const auto number = static_cast<std::size_t>(action);
-  return number < kActions ? kNames[number] : "no action";
-}
 
 SimulatorConfig SimulatorConfig::room_to_room() { return {}; }
 
@@ -77,8 +69,8 @@ struct Simulator::Impl {
   std::vector<const NavigationMesh*> floors;
   std::vector<FloorPoint> at;
 
-  // Turns and looks are counted, so that twenty-four turns of 15 degrees are none.
-  std::vector<double> start_heading, start_elevation;
+  // Turns are counted, so that twenty-four turns of 15 degrees are none.
+  std::vector<double> start_heading;
   std::vector<std::int32_t> turns;
 
   std::vector<std::uint32_t> building, steps, collisions;
@@ -93,16 +85,9 @@ struct Simulator::Impl {
     const std::size_t n = c.batch_size;
     const std::size_t threads = static_cast<std::size_t>(threads_or_all(c.threads));
     walkers.resize(std::clamp<std::size_t>(n / kLeastChunk, 1, threads));
-    for (auto* list : {&building, &steps, &collisions}) list->assign(n, 0);
-    for (auto* list : {&heading, &elevation, &start_heading, &start_elevation}) list->assign(n, 0);
-    has_episode.assign(n, 0);
-    floors.assign(n, nullptr);
-    at.resize(n);
-    turns.assign(n, 0);
-    position.resize(n);
-    collided.assign(n, 0);
-    episode.assign(n, EpisodeState::kWalking);
-    off_floor.assign(n, 0);
+    const auto resize = [n](auto&... lists) { (lists.resize(n), ...); };
+    resize(building, steps, collisions, heading, elevation, start_heading, has_episode, floors, at,
+           turns, position, collided, episode, off_floor);
   }
 
   // Checks everything, changes nothing.
@@ -205,7 +190,6 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 const SimulatorConfig& Simulator::config() const noexcept { return impl_->config; }
-const Buildings& Simulator::buildings() const noexcept { return *impl_->buildings; }
 
 StateSpans Simulator::state() const noexcept {
   const Impl& s = *impl_;

@@ -5,21 +5,27 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "enfilade/continuous/buildings.h"
-#include "enfilade/continuous/pose.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/geometry/angle.h"
+#include "enfilade/geometry/vec.h"
 #include "enfilade/mesh/walkable.h"
 
 namespace enfilade::continuous {
+
+/// World frame. Single precision, as Habitat and VLN-CE's files have positions.
+struct Pose {
+  Vec3f position;     ///< of the feet: a point of the floor, metres
+  Radians heading;    ///< clockwise from +y, [0, 2 pi)
+  Radians elevation;  ///< of the camera, up positive
+};
 
 /// Actions of a body in one step. The first four have VLN-CE's numbers.
 enum class Action : std::uint8_t { kStop, kForward, kLeft, kRight, kLookUp, kLookDown };
 /// How many there are.
 inline constexpr std::size_t kActions = 6;
-std::string_view to_string(Action action) noexcept;  ///< "stop", "forward", "left", ...
 
 /// Everything that a Simulator is made from; nothing can be changed later.
 struct SimulatorConfig {
@@ -75,16 +81,7 @@ struct StateSpans {
   std::span<const float> off_floor;  ///< metres from the start's position to the floor under it
 };
 
-/// An invalid start or action; the whole batch is as it was before the call.
-class ActionError : public ArgumentError {
- public:
-  /// \param agent  its place in the batch
-  ActionError(std::size_t agent, const std::string& what) : ArgumentError(what), agent_(agent) {}
-  std::size_t agent() const noexcept { return agent_; }
-
- private:
-  std::size_t agent_;
-};
+using enfilade::ActionError;
 
 /// Properties of a start, to check it in advance.
 struct StartCheck {
@@ -111,7 +108,6 @@ class Simulator {
   Simulator& operator=(Simulator&&) noexcept;
 
   const SimulatorConfig& config() const noexcept;
-  const Buildings& buildings() const noexcept;
   std::size_t batch_size() const noexcept { return config().batch_size; }
   StateSpans state() const noexcept;
 

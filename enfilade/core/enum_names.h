@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace enfilade {
 
@@ -26,6 +28,13 @@ std::optional<Enum> find_enum(std::string_view name) {
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) return std::nullopt;
   return static_cast<Enum>(found - names.begin());
+}
+
+/// The names of all values, in their order.
+template <NamedEnum Enum>
+std::vector<std::string> enum_names() {
+  const auto names = names_of(Enum{});
+  return {names.begin(), names.end()};
 }
 
 }  // namespace enfilade

@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
 #include <utility>
+
+#include "enfilade/core/check.h"
 
 namespace enfilade {
 namespace {
@@ -34,15 +39,8 @@ void check_range(std::string_view name, double value, double least, double most)
 }
 
 std::string to_string(Severity severity) {
-  switch (severity) {
-    case Severity::kNote:
-      return "note";
-    case Severity::kWarning:
-      return "warning";
-    case Severity::kError:
-      return "error";
-  }
-  return "error";
+  constexpr std::array<const char*, 3> kNames{"note", "warning", "error"};
+  return kNames.at(static_cast<std::size_t>(severity));
 }
 
 std::string to_string(const Diagnostic& diagnostic) {
@@ -66,3 +64,13 @@ void refuse(std::string file, std::string where, std::string code, std::string m
 }
 
 }  // namespace enfilade
+
+namespace enfilade::detail {
+
+void check_failed(const char* file, int line, const char* expression, const std::string& values) {
+  std::fprintf(stderr, "%s:%d: Enfilade is broken: %s does not hold%s%s\n", file, line, expression,
+               values.empty() ? "" : ": ", values.c_str());
+  std::abort();
+}
+
+}  // namespace enfilade::detail

@@ -22,6 +22,18 @@ class ArgumentError : public Error {
   using Error::Error;
 };
 
+/// An invalid action or start of one agent of a simulator. The whole batch is as before the call.
+/// what() names agent, value and allowed range.
+class ActionError : public ArgumentError {
+ public:
+  /// \param agent  its place in the batch
+  ActionError(std::size_t agent, const std::string& what) : ArgumentError(what), agent_(agent) {}
+  std::size_t agent() const noexcept { return agent_; }
+
+ private:
+  std::size_t agent_;
+};
+
 /// \throws ArgumentError "NAME: VALUE, not from LEAST to MOST" for a value outside, NaN included
 void check_range(std::string_view name, double value, double least, double most);
 

@@ -4,6 +4,10 @@
 #include <zlib.h>
 #include <algorithm>
 #include <array>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
@@ -12,7 +16,8 @@
 namespace enfilade {
 namespace {
 
-constexpr int kGzipWindow = 15 + 16;  // zlib: + 16 selects the gzip format
+constexpr int kGzipWindow = 15 + 16;        // zlib: + 16 selects the gzip format
+constexpr unsigned char kFirstByte = 0x1F;  // of a member
 constexpr std::size_t kPiece = 1U << 15U;
 constexpr std::size_t kMostRatio = 1032;  // bytes that deflate can say with one
 
@@ -21,7 +26,7 @@ Bytef* bytes_of(std::string_view text) {
   return reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
 }
 
-// The size of the text modulo 2^32, which the last four bytes are; they may lie.
+// The size of the last member's text modulo 2^32, which the last four bytes are; they may lie.
 std::size_t claimed_size(std::string_view packed) {
   std::size_t size = 0;
   if (packed.size() < 4) return size;
@@ -76,10 +81,58 @@ std::string read_text_file(const std::filesystem::path& path, std::size_t most) 
   }
 }
 
+std::string text_beginning(const std::filesystem::path& path, std::size_t most) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  const std::size_t wanted = most + kMark.size();
+  std::ifstream file(path, std::ios::binary);
+  const auto read = [&](std::size_t bytes) {
+    std::string piece(bytes, '\0');
+    file.read(piece.data(), std::ssize(piece));
+    if (file.bad() || !file.is_open()) {
+      throw FileError(fmt::format("{}: cannot be read", path.string()));
+    }
+    piece.resize(static_cast<std::size_t>(file.gcount()));
+    return piece;
+  };
+  std::string content = read(wanted);
+  if (content.starts_with("\x1f\x8b")) {
+    std::string text;
+    Gunzip unpacked;
+    const auto take = [&](std::string_view piece) {
+      text += piece.substr(0, wanted - text.size());
+    };
+    try {
+      for (; !content.empty() && text.size() < wanted; content = read(kPiece)) {
+        unpacked.add(content, take);
+      }
+    } catch (const FileError&) {
+      throw;
+    } catch (const Error&) {
+      // It is damaged: who reads the whole file says so.
+    }
+    content = std::move(text);
+  }
+  if (content.starts_with(kMark)) content.erase(0, kMark.size());
+  content.resize(std::min(content.size(), most));
+  return content;
+}
+
 struct Gunzip::Impl {
   z_stream stream{};
-  bool ended = false;
+  bool ended = false;  // a member has, and no further one has begun
   std::array<char, kPiece> piece{};
+
+  // Behind a member: skips zeros, and begins the next one if there is a byte of it.
+  void begin_next() {
+    while (stream.avail_in > 0 && *stream.next_in == 0) {
+      ++stream.next_in;
+      --stream.avail_in;
+    }
+    if (stream.avail_in == 0) return;
+    if (*stream.next_in != kFirstByte) throw Error("bytes after the end of the compressed text");
+    EN_CHECK_EQ(inflateReset(&stream), Z_OK);
+    ended = false;
+  }
 };
 
 Gunzip::Gunzip() : impl_(std::make_unique<Impl>()) {
@@ -96,7 +149,10 @@ void Gunzip::add(std::string_view packed, const Take& take) {
   stream.avail_in = static_cast<uInt>(packed.size());
   // Output that did not fit into the last piece comes without further input.
   for (bool full = false; stream.avail_in > 0 || full;) {
-    if (impl_->ended) throw Error("bytes after the end of the compressed text");
+    if (impl_->ended) {
+      impl_->begin_next();
+      if (impl_->ended) return;
+    }
     stream.next_out = reinterpret_cast<Bytef*>(impl_->piece.data());
     stream.avail_out = kPiece;
     const int status = inflate(&stream, Z_NO_FLUSH);
@@ -107,6 +163,22 @@ void Gunzip::add(std::string_view packed, const Take& take) {
     full = stream.avail_out == 0 && !impl_->ended;
     if (stream.avail_out < kPiece) take({impl_->piece.data(), kPiece - stream.avail_out});
   }
+}
+
+TextFile::TextFile(const std::filesystem::path& path, std::size_t most) {
+  // What is small is read at once: mapping costs more. So are pipes, which have no size.
+  constexpr std::uintmax_t kLeastMapped = std::uintmax_t{1} << 20U;
+  std::error_code code;
+  if (std::filesystem::is_regular_file(path, code) &&
+      std::filesystem::file_size(path, code) >= kLeastMapped) {
+    mapped_.emplace(path);
+    const auto bytes = mapped_->bytes();
+    text_ = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    if (!text_.starts_with("\x1f\x8b")) return;
+    mapped_.reset();
+  }
+  read_ = read_text_file(path, most);
+  text_ = read_;
 }
 
 }  // namespace enfilade

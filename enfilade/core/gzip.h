@@ -4,16 +4,20 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "enfilade/core/mapped_file.h"
 
 namespace enfilade {
 
 /// gzip as in RFC 1952. \param level 1 (fast) to 9 (small)
 std::string gzip(std::string_view text, int level);
-/// Its inverse. \param most bytes of the text
-/// \throws Error for bytes that gzip() did not write, and for a text of more than `most` bytes;
-/// memory is never taken for more
+/// Its inverse. Several members (RFC 1952, 2.2) are one text; `cat a.gz b.gz`, bgzip and parallel
+/// writers make such files. Zeros behind a member are padding. \param most bytes of the text
+/// \throws Error for damaged bytes, for other bytes behind the end, and for a text of more than
+/// `most` bytes; memory is never taken for more
 std::string gunzip(std::string_view packed, std::size_t most);
 
 /// Largest size of a packed text file's content: ten times the largest annotations of the field
@@ -23,8 +27,11 @@ inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 32U;
 /// \throws FileError naming the path: as read_file(), and for gzip that is damaged or holds more
 /// than `most` bytes
 std::string read_text_file(const std::filesystem::path& path, std::size_t most = kMostTextBytes);
+/// The first `most` bytes of a text file without a byte-order mark, unpacked as read_text_file()
+/// does it. Of gzip that is damaged later, what comes before. \throws FileError naming the path
+std::string text_beginning(const std::filesystem::path& path, std::size_t most);
 
-/// Unpacks gzip as it arrives, in 100 kB of memory. Belongs to one thread.
+/// Unpacks gzip as it arrives, also of several members, in 100 kB of memory. Belongs to one thread.
 class Gunzip {
  public:
   /// Gets the next bytes that came out.
@@ -36,13 +43,33 @@ class Gunzip {
   Gunzip& operator=(const Gunzip&) = delete;
 
   /// Unpacks the next bytes and passes them to `take`, at most 32 KiB at a time. An exception of
-  /// take() ends the unpacking. \throws Error if the bytes are not gzip, or go on after its end
+  /// take() ends the unpacking.
+  /// \throws Error if the bytes are not gzip, or neither zeros nor a member follow on one
   void add(std::string_view packed, const Take& take);
-  bool ended() const noexcept;  ///< whether the end of the text has come
+  bool ended() const noexcept;  ///< whether a member has ended, and no further one has begun
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// The content of a text file, unpacked if it begins as gzip does, under any name. A plain file is
+/// mapped, and must not be truncated meanwhile (mapped_file.h); others are read. Any thread may
+/// read the text.
+class TextFile {
+ public:
+  /// \throws FileError naming the path: as read_text_file()
+  explicit TextFile(const std::filesystem::path& path, std::size_t most = kMostTextBytes);
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+
+  /// Valid as long as *this.
+  std::string_view text() const noexcept { return text_; }
+
+ private:
+  std::optional<MappedFile> mapped_;
+  std::string read_;
+  std::string_view text_;
 };
 
 }  // namespace enfilade

@@ -43,6 +43,50 @@ TEST(Gzip, WhatIsLongerThanAllowedOrDamagedIsRefused) {
   EXPECT_THROW(gunzip(damaged, 2 * text.size()), Error);
 }
 
+// As `cat a.gz b.gz`, `gzip -c >> f.gz`, bgzip (which ends with an empty one) and pigz make them.
+TEST(Gzip, SeveralMembersAreOneText) {
+  const std::string text = text_of(100'000), more = text_of(40'000);
+  const std::string two = gzip(text, 6) + gzip(more, 1);
+  EXPECT_EQ(gunzip(two, 140'000), text + more);
+  EXPECT_EQ(gunzip(two + gzip("", 6), 140'000), text + more);
+  EXPECT_EQ(gunzip(gzip("", 6) + two, 140'000), text + more);
+  EXPECT_THROW(gunzip(two, 139'999), Error);
+  EXPECT_THROW(gunzip(two.substr(0, two.size() - 1), 140'000), Error);
+  EXPECT_THROW(gunzip(two + "\x1f", 140'000), Error);  // one has begun
+  EXPECT_THROW(gunzip(two + "\x1f\x8c", 140'000), Error);
+  EXPECT_THROW(gunzip(two + text, 1'000'000), Error);
+  std::string many, all;
+  for (int k = 0; k < 300; ++k) {
+    const std::string part = text_of(static_cast<std::size_t>(k));
+    many += gzip(part, 6);
+    all += part;
+  }
+  EXPECT_EQ(gunzip(many, all.size()), all);
+}
+
+// Tapes and block devices fill up their last block.
+TEST(Gzip, ZerosBehindAMemberArePadding) {
+  const std::string text = text_of(1000), zeros(511, '\0');
+  EXPECT_EQ(gunzip(gzip(text, 6) + zeros, text.size()), text);
+  EXPECT_EQ(gunzip(gzip(text, 6) + zeros + gzip(text, 6), 2 * text.size()), text + text);
+  EXPECT_THROW(gunzip(gzip(text, 6) + zeros + "x", text.size()), Error);
+  EXPECT_THROW(gunzip(zeros + gzip(text, 6), text.size()), Error);
+  EXPECT_THROW(gunzip(zeros, 1000), Error);
+}
+
+TEST(Gzip, MembersAreUnpackedByTheByte) {
+  const std::string text = text_of(1000);
+  std::string unpacked;
+  Gunzip gunzip;
+  int ends = 0;
+  for (const char c : gzip(text, 6) + std::string(3, '\0') + gzip(text, 6)) {
+    gunzip.add({&c, 1}, [&unpacked](std::string_view piece) { unpacked += piece; });
+    ends += gunzip.ended() ? 1 : 0;
+  }
+  EXPECT_EQ(ends, 5);  // two, and the padding
+  EXPECT_EQ(unpacked, text + text);
+}
+
 TEST(Gzip, IsUnpackedByTheByte) {
   const std::string text = text_of(200'000);
   std::string unpacked;
@@ -56,6 +100,24 @@ TEST(Gzip, IsUnpackedByTheByte) {
   }
   EXPECT_TRUE(gunzip.ended());
   EXPECT_EQ(unpacked, text);
+}
+
+TEST(Gzip, TextFilesHaveABeginning) {
+  const tests::TemporaryFolder folder("beginning");
+  const auto file = folder.path() / "text";
+  const std::string text = text_of(50'000);
+  for (const std::string& mark : {std::string(), std::string("\xEF\xBB\xBF")}) {
+    for (const std::string& content : {mark + text, gzip(mark + text, 6)}) {
+      write_file_atomically(file, content);
+      EXPECT_EQ(text_beginning(file, 100), text.substr(0, 100));
+      EXPECT_EQ(text_beginning(file, 1'000'000), text);
+    }
+  }
+  write_file_atomically(file, "ab");
+  EXPECT_EQ(text_beginning(file, 100), "ab");
+  write_file_atomically(file, "");
+  EXPECT_EQ(text_beginning(file, 100), "");
+  EXPECT_THROW(text_beginning(folder.path() / "none", 100), FileError);
 }
 
 TEST(Gzip, TextFilesAreReadPackedOrPlain) {

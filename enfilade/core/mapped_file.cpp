@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <system_error>
 
-#include "enfilade/core/descriptor.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade {
@@ -49,6 +48,10 @@ void MappedFile::give_back(std::size_t offset, std::size_t count) const noexcept
   if (begin >= end) return;
   // Advice: if the system refuses it, the pages stay, and nothing is wrong.
   madvise(const_cast<std::uint8_t*>(bytes_.data()) + begin, end - begin, MADV_DONTNEED);
+}
+
+Descriptor::~Descriptor() {
+  if (number_ >= 0) close(number_);
 }
 
 }  // namespace enfilade

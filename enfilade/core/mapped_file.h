@@ -1,4 +1,4 @@
-/// \file  A file mapped into memory.
+/// \file  Files that the system has opened or mapped into memory.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +27,22 @@ class MappedFile {
 
  private:
   std::span<const std::uint8_t> bytes_;
+};
+
+/// Closes a file descriptor in its destructor. Does nothing for a negative one, which stands for a
+/// failure of open(). Not to be used by several threads at once.
+class Descriptor {
+ public:
+  /// Takes over `number`, as open() gives it.
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor();
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  /// For system calls; negative if open() failed.
+  int number() const noexcept { return number_; }
+
+ private:
+  int number_;
 };
 
 }  // namespace enfilade

@@ -1,4 +1,4 @@
-#include "enfilade/core/memory.h"
+#include "enfilade/core/threads.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 
 namespace enfilade {
 namespace EN_UNIT {
-
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kGiB = std::uint64_t{1} << 30;

@@ -105,4 +105,16 @@ void PartFile::finish() {
 
 void PartFile::remove() noexcept { unlink(part_.c_str()); }
 
+FolderLock::FolderLock(const std::filesystem::path& file)
+    : descriptor_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+  if (descriptor_.number() < 0) {
+    throw FileError(
+        fmt::format("{}: cannot write: {}", file.string(), std::generic_category().message(errno)));
+  }
+  // File systems without locks (some network ones) report other errors: goes on without a lock.
+  if (::flock(descriptor_.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw FileError(fmt::format("{}: another process works in this folder", file.string()));
+  }
+}
+
 }  // namespace enfilade

@@ -1,9 +1,12 @@
-/// \file  A file that is written under a temporary name, and can be continued after a crash.
+/// \file  Files that one process at a time writes: under a temporary name, to be continued after a
+/// crash. Lock files of folders.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
+
+#include "enfilade/core/mapped_file.h"
 
 namespace enfilade {
 
@@ -38,6 +41,17 @@ class PartFile {
 
   std::filesystem::path file_, part_;
   int descriptor_ = -1;
+};
+
+/// Holds the lock while it exists. The system releases it when the process ends, however it ends.
+class FolderLock {
+ public:
+  /// \param file created if it does not exist, and not removed
+  /// \throws FileError if another process holds the lock, or the file cannot be created
+  explicit FolderLock(const std::filesystem::path& file);
+
+ private:
+  Descriptor descriptor_;
 };
 
 }  // namespace enfilade

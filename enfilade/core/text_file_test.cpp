@@ -1,4 +1,4 @@
-#include "enfilade/core/text_file.h"
+#include "enfilade/core/gzip.h"
 
 #include <gtest/gtest.h>
 

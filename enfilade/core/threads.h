@@ -1,6 +1,8 @@
-/// \file  Parallel loops.
+/// \file  Parallel loops, and what this process may use of the machine: cores, memory.
 #pragma once
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <type_traits>
 
@@ -36,5 +38,12 @@ inline int threads_or_all(int threads) noexcept {
 /// split. With several threads the call may allocate.
 /// \throws the exception of one failing call, in the calling thread, after the others have ended
 void parallel_for(std::size_t count, std::size_t grain, int threads, RangeBody body);
+
+/// Bytes that are free, or can be freed without swapping. The smaller of the machine's
+/// (MemAvailable) and those left to the process's cgroup (version 2, as in a container). 0 if the
+/// system does not report it.
+/// \param proc, cgroup the system's folders; other folders in tests
+std::uint64_t available_memory(const std::filesystem::path& proc = "/proc",
+                               const std::filesystem::path& cgroup = "/sys/fs/cgroup");
 
 }  // namespace enfilade

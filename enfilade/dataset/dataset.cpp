@@ -13,6 +13,7 @@
 #include "enfilade/scan/store.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::dataset {
 namespace {
@@ -98,11 +99,13 @@ std::string count_panoramas(const Dataset& dataset) {
   return fmt::format("of {} of {} scans", found, panoramas.size());
 }
 
-bool has_boxes(const fs::path& folder) {
-  return std::ranges::any_of(tasks::object_places(), [&folder](const fs::path& place) {
+// The first of some files or folders that is there.
+std::optional<fs::path> first_there(const fs::path& folder, const std::vector<fs::path>& places) {
+  for (const fs::path& place : places) {
     std::error_code ignored;
-    return fs::exists(folder / place, ignored);
-  });
+    if (fs::exists(folder / place, ignored)) return folder / place;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -183,63 +186,71 @@ const scan::RegionMap& Dataset::regions() const {
   return opened_->regions.get([this] { return scan::RegionMap::load(regions_file()); });
 }
 
-std::vector<std::string> Dataset::splits() const {
-  std::vector<std::string> found;
-  for (const std::string_view split : kSplits) {
-    if (has_split(split)) found.emplace_back(split);
+std::optional<fs::path> Dataset::find_episodes(const tasks::Benchmark& benchmark,
+                                               std::string_view split) const {
+  if (!opened_->root || split.empty()) return std::nullopt;
+  return first_there(folder(), tasks::episode_places(benchmark, split));
+}
+
+fs::path Dataset::episodes_file(const tasks::Benchmark& benchmark, std::string_view split) const {
+  if (split.empty()) throw ArgumentError("annotations of a split without a name");
+  const std::vector<fs::path> places = tasks::episode_places(benchmark, split);
+  if (!benchmark.continuous()) {
+    return opened_->files().first_of(
+        fmt::format("annotations of split {:?} of {}", split, benchmark.title), places);
   }
-  return found;
+  if (auto file = first_there(opened_->files().folder(), places)) return *std::move(file);
+  std::vector<std::string> tried;
+  for (const fs::path& place : places) tried.push_back((folder() / place).string());
+  throw FileError(
+      fmt::format("no episodes of {} {}: tried {}; `enfilade continuous {}` makes them "
+                  "of Room-to-Room's",
+                  benchmark.name, split, fmt::join(tried, ", "), folder().string()));
 }
 
-bool Dataset::has_split(std::string_view split) const {
-  return opened_->root && opened_->root->has_annotations(split);
-}
-
-tasks::Annotations Dataset::annotations(std::string_view split) const {
-  return tasks::load_annotations(annotations_file(split), std::string(split));
-}
-
-tasks::EpisodeSet Dataset::episodes(std::string_view split,
-                                    tasks::Instructions instructions) const {
-  return tasks::make_episodes(annotations(split), graphs(), instructions);
+tasks::Split Dataset::split(const tasks::Benchmark& benchmark, std::string_view name,
+                            const SplitOptions& options) const {
+  if (!benchmark.continuous()) {
+    return tasks::Split(episodes(benchmark.task, name, options.instructions));
+  }
+  auto read = std::make_shared<const tasks::ContinuousEpisodes>(
+      tasks::load_continuous_episodes(episodes_file(benchmark, name), std::string(name)));
+  std::shared_ptr<const tasks::ExpertWalks> experts;
+  if (options.experts) {
+    if (const auto file = first_there(folder(), tasks::expert_places(benchmark, name))) {
+      experts = std::make_shared<const tasks::ExpertWalks>(tasks::load_expert_walks(*file));
+    }
+  }
+  return {benchmark, std::move(read), std::move(experts)};
 }
 
 tasks::Annotations Dataset::annotations(tasks::Task task, std::string_view split) const {
-  return tasks::load_annotations(annotations_file(task, split), std::string(split), task);
+  return tasks::load_annotations(episodes_file(tasks::benchmark(task), split), std::string(split),
+                                 task);
 }
 
 tasks::EpisodeSet Dataset::episodes(tasks::Task task, std::string_view split,
                                     tasks::Instructions instructions) const {
   const tasks::Annotations read = annotations(task, split);
-  const bool boxes =
-      task == tasks::Task::kReverie && (tasks::needs_boxes(read) || has_boxes(folder()));
+  const bool boxes = task == tasks::Task::kReverie &&
+                     (tasks::needs_boxes(read) || first_there(folder(), tasks::object_places()));
   auto set = tasks::make_episodes(read, graphs(), instructions, boxes ? &objects() : nullptr);
   if (boxes) set.objects = std::shared_ptr<const tasks::ObjectBoxes>(opened_, &objects());
   return set;
 }
 
-bool Dataset::has_split(tasks::Task task, std::string_view split) const {
-  if (!opened_->root || split.empty()) return false;
-  if (task == tasks::Task::kR2r && has_split(split)) return true;
-  const auto is_there = [this](const fs::path& place) {
-    std::error_code ignored;
-    return fs::is_regular_file(folder() / place, ignored);
-  };
-  return std::ranges::any_of(tasks::episode_places(tasks::benchmark(task), split), is_there);
-}
-
-std::vector<std::string> Dataset::splits(tasks::Task task) const {
+std::vector<std::string> Dataset::splits(const tasks::Benchmark& benchmark) const {
   std::vector<std::string> found;
-  for (const std::string_view split : tasks::benchmark(task).splits) {
-    if (has_split(task, split)) found.emplace_back(split);
+  for (const std::string_view split : benchmark.splits) {
+    if (has_split(benchmark, split)) found.emplace_back(split);
   }
   return found;
 }
 
-std::vector<tasks::Task> Dataset::benchmarks() const {
-  std::vector<tasks::Task> found;
+std::vector<const tasks::Benchmark*> Dataset::benchmarks() const {
+  std::vector<const tasks::Benchmark*> found;
   for (const tasks::Benchmark& one : tasks::benchmarks()) {
-    if (!one.continuous() && !splits(one.task).empty()) found.push_back(one.task);
+    if (!splits(one).empty()) found.push_back(&one);
   }
   return found;
 }
@@ -251,20 +262,9 @@ const tasks::ObjectBoxes& Dataset::objects() const {
   });
 }
 
-fs::path Dataset::annotations_file(tasks::Task task, std::string_view split) const {
-  if (split.empty()) throw ArgumentError("annotations of a split without a name");
-  return opened_->files().first_of(
-      fmt::format("{} annotations of split {:?}", tasks::benchmark(task).title, split),
-      tasks::episode_places(tasks::benchmark(task), split));
-}
-
 fs::path Dataset::connectivity_folder() const {
   const fs::path& named = opened_->config.connectivity;
   return named.empty() ? opened_->files().connectivity() : named;
-}
-
-fs::path Dataset::annotations_file(std::string_view split) const {
-  return opened_->files().annotations(split);
 }
 
 fs::path Dataset::regions_file() const { return opened_->files().regions(); }
@@ -283,7 +283,7 @@ std::vector<Part> Dataset::examine() const {
   parts.push_back(look_for(
       "connectivity", [&] { return fmt::format("{} scans", graphs()->size()); },
       "copy connectivity/ of github.com/peteanderson80/Matterport3DSimulator into the folder"));
-  for (const std::string_view split : kSplits) {
+  for (const std::string_view split : tasks::benchmark(tasks::Task::kR2r).splits) {
     parts.push_back(look_for(
         fmt::format("R2R {}", split), [&] { return count_instructions(annotations(split)); },
         fmt::format("R2R_{}.json is part of the R2R download; only work on it needs it", split)));

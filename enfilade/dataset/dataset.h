@@ -1,6 +1,5 @@
 /// \file  A data set: graphs, panoramas, episodes and regions of one folder behind one name.
 #pragma once
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,7 +12,9 @@
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/scan/regions.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/objects.h"
+#include "enfilade/tasks/split.h"
 
 namespace enfilade::dataset {
 
@@ -27,8 +28,11 @@ struct DatasetConfig {
   std::optional<render::SharedCacheConfig> shared_cache = {};
 };
 
-/// Room-to-Room's splits.
-inline constexpr std::array<std::string_view, 4> kSplits{"train", "val_seen", "val_unseen", "test"};
+/// What Dataset::split() opens beside the episodes.
+struct SplitOptions {
+  tasks::Instructions instructions = tasks::Instructions::kScored;
+  bool experts = true;  ///< continuous: the experts' walks, with which scorers compare
+};
 
 /// A part of a data set, for people: what is there, or what is missing and how to get it.
 struct Part {
@@ -80,37 +84,53 @@ class Dataset {
   /// Which region each viewpoint is in. \throws FileError, InvalidInput
   const scan::RegionMap& regions() const;
 
-  /// Those of kSplits that are there, in this order.
-  std::vector<std::string> splits() const;
-  bool has_split(std::string_view split) const;  ///< any name: `R2R_<split>.json`
-  /// The split as its file has it. Read anew by each call.
-  /// \throws FileError naming every place that was tried; InvalidInput
-  tasks::Annotations annotations(std::string_view split) const;
-  /// The split's episodes, to be walked in graphs(). Read anew by each call.
-  /// \throws as annotations(), graphs() and tasks::make_episodes()
-  tasks::EpisodeSet episodes(std::string_view split,
-                             tasks::Instructions instructions = tasks::Instructions::kScored) const;
+  /// A split of a benchmark of either world, from the places of tasks::episode_places(). Read anew
+  /// by each call.
+  /// \throws FileError naming every place that was tried; InvalidInput; as graphs(), objects() and
+  /// tasks::make_episodes()
+  tasks::Split split(const tasks::Benchmark& benchmark, std::string_view name,
+                     const SplitOptions& options = {}) const;
+  /// Whether there is a file of a split, of any name.
+  bool has_split(const tasks::Benchmark& benchmark, std::string_view split) const {
+    return find_episodes(benchmark, split).has_value();
+  }
+  bool has_split(std::string_view split) const {  ///< of Room-to-Room
+    return has_split(tasks::benchmark(tasks::Task::kR2r), split);
+  }
+  /// Those of tasks::Benchmark::splits that are there, in this order.
+  std::vector<std::string> splits(const tasks::Benchmark& benchmark) const;
+  /// Those that it has a usual split of, in the order of tasks::benchmarks().
+  std::vector<const tasks::Benchmark*> benchmarks() const;
 
-  /// The same for any benchmark, from the places of tasks::episode_places(). REVERIE's episodes
-  /// need the boxes of objects, objects().
-  /// \throws as annotations(), episodes() and objects()
+  /// \name A split on graphs \throws as split()
+  /// @{
+  /// The content of the file.
   tasks::Annotations annotations(tasks::Task task, std::string_view split) const;
+  /// The same of Room-to-Room.
+  tasks::Annotations annotations(std::string_view split) const {
+    return annotations(tasks::Task::kR2r, split);
+  }
+  /// The episodes.
   tasks::EpisodeSet episodes(tasks::Task task, std::string_view split,
                              tasks::Instructions instructions = tasks::Instructions::kScored) const;
-  /// Whether there are annotations of a split, of any name, of a benchmark.
-  bool has_split(tasks::Task task, std::string_view split) const;
-  /// Those of tasks::Benchmark::splits that are there, in this order.
-  std::vector<std::string> splits(tasks::Task task) const;
-  /// The benchmarks that it has a usual split of, in the order of tasks::Task.
-  std::vector<tasks::Task> benchmarks() const;
+  /// The same of Room-to-Room.
+  tasks::EpisodeSet episodes(std::string_view split, tasks::Instructions instructions =
+                                                         tasks::Instructions::kScored) const {
+    return episodes(tasks::Task::kR2r, split, instructions);
+  }
+  /// @}
   /// Which objects are seen from where: REVERIE's boxes.
   /// \throws FileError naming every place that was tried; InvalidInput
   const tasks::ObjectBoxes& objects() const;
 
   // Where the files are (scan::DataRoot). Each throws FileError naming every place that was tried.
-  std::filesystem::path connectivity_folder() const;                     ///< with scans.txt
-  std::filesystem::path annotations_file(std::string_view split) const;  ///< `R2R_<split>.json`
-  std::filesystem::path annotations_file(tasks::Task task, std::string_view split) const;
+  std::filesystem::path connectivity_folder() const;  ///< with scans.txt
+  /// The file of a split, in either world.
+  std::filesystem::path episodes_file(const tasks::Benchmark& benchmark,
+                                      std::string_view split) const;
+  /// The same; nothing if there is none.
+  std::optional<std::filesystem::path> find_episodes(const tasks::Benchmark& benchmark,
+                                                     std::string_view split) const;
   std::filesystem::path regions_file() const;  ///< region_to_panorama.json
   /// Where panoramas are looked for; never throws.
   scan::PanoramaPlaces panorama_places() const;

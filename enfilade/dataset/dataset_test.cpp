@@ -11,7 +11,10 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/scan/data_root.h"
 #include "enfilade/scan/store.h"
+#include "enfilade/tasks/benchmark.h"
 #include "tests/support/graphs.h"
 #include "tests/support/made_panoramas.h"
 #include "tests/support/temporary_folder.h"
@@ -69,9 +72,11 @@ TEST(Dataset, FindsFilesAsDataRootDoesButTakesWhatIsNamed) {
   write_square(made.path());
   const Dataset data(made.path());
   EXPECT_EQ(data.connectivity_folder(), made.path() / "connectivity");
-  EXPECT_EQ(data.annotations_file("val_unseen"), made.path() / "r2r/R2R_val_unseen.json");
-  EXPECT_THAT([&] { (void)data.annotations_file("val"); },
-              ThrowsMessage<FileError>(HasSubstr("tried: r2r/R2R_val.json, tasks/R2R/data/")));
+  EXPECT_EQ(data.episodes_file(tasks::benchmark(tasks::Task::kR2r), "val_unseen"),
+            made.path() / "r2r/R2R_val_unseen.json");
+  EXPECT_THAT([&] { (void)data.episodes_file(tasks::benchmark(tasks::Task::kR2r), "val"); },
+              ThrowsMessage<FileError>(
+                  HasSubstr("tried: r2r/R2R_val.json, r2r/R2R_val.json.gz, tasks/R2R/data/")));
   EXPECT_THAT([&] { Dataset gone(made.path() / "absent"); },
               ThrowsMessage<FileError>(HasSubstr("not a folder")));
   const Dataset named(DatasetConfig{made.path(), "graphs", {"images"}, {}});
@@ -85,7 +90,7 @@ TEST(Dataset, HasGraphsEpisodesAndRegions) {
   const Dataset data(made.path());
   EXPECT_FALSE(data.synthetic());
   EXPECT_EQ(data.graphs()->graph("square").size(), 4U);
-  EXPECT_THAT(data.splits(), ElementsAre("val_unseen"));
+  EXPECT_THAT(data.splits(tasks::benchmark(tasks::Task::kR2r)), ElementsAre("val_unseen"));
   EXPECT_TRUE(data.has_split("val_unseen"));
   EXPECT_FALSE(data.has_split("train"));
   EXPECT_FALSE(data.has_split(""));
@@ -96,6 +101,31 @@ TEST(Dataset, HasGraphsEpisodesAndRegions) {
   EXPECT_EQ(data.regions().find("square", "v1"), 0U);
   EXPECT_EQ(data.panoramas()->scans(), data.graphs()->scans());
   EXPECT_EQ(data.panoramas()->find_source(ScanIndex(0)), nullptr);
+}
+
+// As people unpack what was packed, and pack what was not.
+TEST(Dataset, FilesMayBePackedOrPlain) {
+  const tests::TemporaryFolder made("dataset_packed");
+  write_square(made.path());
+  for (const char* file : {"r2r/R2R_val_unseen.json", "regions/region_to_panorama.json"}) {
+    const std::string text = read_file(made.path() / file);
+    write(made.path() / (file + std::string(".gz")),
+          gzip(text.substr(0, 9), 6) + gzip(text.substr(9), 6));
+    fs::remove(made.path() / file);
+  }
+  const Dataset data(made.path());
+  EXPECT_EQ(data.regions().regions(), 1U);
+  EXPECT_EQ(data.annotations("val_unseen").paths.size(), 1U);
+  EXPECT_EQ(scan::DataRoot(made.path()).annotations("val_unseen"),
+            made.path() / "r2r/R2R_val_unseen.json.gz");
+  const tasks::Benchmark& vlnce = tasks::benchmark("r2r-ce");
+  EXPECT_EQ(data.find_episodes(vlnce, "val_seen"), std::nullopt);
+  for (const char* file : {"R2R_VLNCE_v1-3_preprocessed/val_seen/val_seen.json",
+                           "vlnce/val_seen.json", "vlnce/val_seen.json.gz"}) {
+    write(made.path() / file, R"({"episodes": []})");
+    EXPECT_EQ(data.find_episodes(vlnce, "val_seen"), made.path() / file);
+    EXPECT_EQ(data.split(vlnce, "val_seen").size(), 0U);
+  }
 }
 
 TEST(Dataset, CopiesShareWhatOneOfThemHasOpened) {

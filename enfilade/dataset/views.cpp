@@ -1,6 +1,6 @@
 #include "enfilade/dataset/views.h"
 
-#include "enfilade/render/pictures.h"
+#include "enfilade/render/renderer.h"
 
 namespace enfilade::dataset {
 namespace {

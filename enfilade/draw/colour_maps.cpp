@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/numbers.h"
+#include "enfilade/core/written_lists.h"
 #include "enfilade/draw/detail/bitmap_text.h"
 #include "enfilade/scan/panorama_source.h"  // kDepthUnitsPerMetre
 
@@ -74,13 +79,13 @@ std::vector<IdArea> counted(const image::Image<T>& ids) {
 }
 
 // Sizes of a legend below a picture, in pixels.
-struct Layout {
+struct PanelLayout {
   std::uint32_t scale;   // pixels along the edge of a letter's dot
   std::uint32_t margin;  // around everything
   std::uint32_t line;    // from a line of text to the next
   std::uint32_t width;   // of the sheet: a legend needs some, however small the picture
 
-  explicit Layout(const image::Image8& picture)
+  explicit PanelLayout(const image::Image8& picture)
       : scale(1U + (picture.width >= 480 ? 1 : 0) + (picture.width >= 2000 ? 1 : 0)),
         margin(6 * scale),
         line((detail::kLetterHeight + 4) * scale),
@@ -88,7 +93,8 @@ struct Layout {
 };
 
 // The picture with empty paper below.
-image::Image8 sheet_of(const image::Image8& picture, const Layout& layout, std::uint32_t below) {
+image::Image8 sheet_of(const image::Image8& picture, const PanelLayout& layout,
+                       std::uint32_t below) {
   EN_CHECK_EQ(picture.channels, 3U);
   image::Image8 sheet = detail::filled(layout.width, picture.height + below, detail::kPaper);
   detail::paste(sheet, picture, 0, 0);
@@ -104,8 +110,8 @@ double tick_step(double farthest, double most) {
 }
 
 // Numbers below a bar whose left end is at `left` and which is `length` pixels long.
-void draw_scale(image::Image8& sheet, const Layout& layout, std::uint32_t left, std::uint32_t top,
-                std::uint32_t length, double farthest) {
+void draw_scale(image::Image8& sheet, const PanelLayout& layout, std::uint32_t left,
+                std::uint32_t top, std::uint32_t length, double farthest) {
   const double number_width = 5.0 * detail::kLetterAdvance * layout.scale;
   const double step = tick_step(farthest, length / number_width);
   for (std::size_t i = 0; static_cast<double>(i) * step <= farthest * (1 + 1e-9); ++i) {
@@ -189,7 +195,7 @@ std::vector<IdArea> count_ids(const image::Image16& ids) { return counted(ids); 
 std::vector<IdArea> count_ids(const image::Image32& ids) { return counted(ids); }
 
 image::Image8 with_depth_legend(const image::Image8& picture, double farthest) {
-  const Layout layout(picture);
+  const PanelLayout layout(picture);
   const std::uint32_t bar = 10 * layout.scale;
   image::Image8 sheet = sheet_of(picture, layout, 2 * layout.margin + bar + layout.line);
   const std::uint32_t top = picture.height + layout.margin;
@@ -210,7 +216,7 @@ image::Image8 with_depth_legend(const image::Image8& picture, double farthest) {
 
 image::Image8 with_id_legend(const image::Image8& picture, std::span<const IdArea> ids,
                              const IdNames& names) {
-  const Layout layout(picture);
+  const PanelLayout layout(picture);
   const std::vector<std::string> labels = labels_of(ids, names);
   const std::uint32_t swatch = 10 * layout.scale;
   const std::uint32_t inner = layout.width - 2 * layout.margin;
@@ -239,6 +245,59 @@ image::Image8 with_id_legend(const image::Image8& picture, std::span<const IdAre
                       layout.scale);
   }
   return sheet;
+}
+
+using scan::Layer;
+
+LayerColours::LayerColours(const render::Pictures& pictures, IdNames class_names)
+    : farthest_(farthest_depth(pictures.depth)),
+      classes_(count_ids(pictures.classes)),
+      instances_(count_ids(pictures.instances)),
+      class_names_(std::move(class_names)) {}
+
+image::Image8 LayerColours::coloured(const render::Pictures& pictures, Layer layer) const {
+  switch (layer) {
+    case Layer::kColour:
+      return pictures.colour;
+    case Layer::kDepth:
+      return colour_depth(pictures.depth, farthest_);
+    case Layer::kClass:
+      return colour_ids(pictures.classes);
+    case Layer::kInstance:
+      return colour_ids(pictures.instances);
+  }
+  return {};
+}
+
+image::Image8 LayerColours::with_legend(const image::Image8& picture, Layer layer) const {
+  switch (layer) {
+    case Layer::kColour:
+      break;
+    case Layer::kDepth:
+      return with_depth_legend(picture, farthest_);
+    case Layer::kClass:
+      return with_id_legend(picture, classes_, class_names_);
+    case Layer::kInstance:
+      return with_id_legend(picture, instances_, {});
+  }
+  return picture;
+}
+
+IdNames load_class_names(const std::filesystem::path& file) {
+  const std::string text = read_plain_text(file);
+  IdNames names;
+  for (const auto& [line, row] : list_lines(text)) {
+    if (line == 1) continue;  // names the columns
+    const std::size_t tab = std::min(row.find('\t'), row.size());
+    const std::size_t next = std::min(row.find('\t', tab + 1), row.size());
+    const auto id = parse_number<std::uint32_t>(enfilade::trimmed(row.substr(0, tab)));
+    if (!id || next <= tab + 1) {
+      refuse(file.string(), fmt::format("line {}", line), "bad-label",
+             "not a whole number, a tab and a name, as mpcat40.tsv has them");
+    }
+    names[*id] = row.substr(tab + 1, next - tab - 1);
+  }
+  return names;
 }
 
 }  // namespace enfilade::draw

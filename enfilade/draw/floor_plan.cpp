@@ -10,11 +10,9 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/markup.h"
-#include "enfilade/draw/plan/marks.h"
 #include "enfilade/draw/plan/plan.h"
 #include "enfilade/draw/plan/sheet.h"
 #include "enfilade/draw/plan/trace.h"
-#include "enfilade/draw/plan/underlay.h"
 
 namespace enfilade::draw {
 namespace {
@@ -23,11 +21,10 @@ using plan::append;
 using plan::Colour;
 using plan::LegendItem;
 using plan::Panel;
-using plan::Plan;
 using plan::Point;
 using plan::Step;
-using GoalKind = PlannedGoal::Kind;
-using Role = PlannedPath::Role;
+using plan::StoreyPlan;
+using GoalKind = PlannedGoal::GoalMark;
 
 constexpr double kRegion = 0.8;  // metres of floor around a region's viewpoints
 constexpr std::array kReferenceColours{plan::kBlue, plan::kSky};
@@ -35,14 +32,14 @@ constexpr std::array kAgentColours{plan::kVermilion, plan::kPurple};
 
 // A path as it is drawn: with its colour, its steps placed beside those of other paths.
 struct Overlay {
-  Role role = Role::kAgent;
+  PathRole role = PathRole::kAgent;
   ViewpointIndex start, end;
   std::size_t length = 0;  // viewpoints
   Colour colour;
   std::string label;
   std::vector<Step> steps;
 
-  bool has_goal() const { return role == Role::kReference && length > 1; }
+  bool has_goal() const { return role == PathRole::kReference && length > 1; }
 };
 
 void check_arguments(const graph::NavGraph& graph, const std::vector<PlannedPath>& paths,
@@ -79,8 +76,8 @@ void check_arguments(const graph::NavGraph& graph, const std::vector<PlannedPath
 // Reference paths first, so that agents are seen over them.
 std::vector<Overlay> make_overlays(const std::vector<PlannedPath>& paths) {
   std::vector<Overlay> overlays;
-  for (const Role role : {Role::kReference, Role::kAgent}) {
-    const bool reference = role == Role::kReference;
+  for (const PathRole role : {PathRole::kReference, PathRole::kAgent}) {
+    const bool reference = role == PathRole::kReference;
     const auto& colours = reference ? kReferenceColours : kAgentColours;
     std::vector<std::vector<ViewpointIndex>> routes;
     const std::size_t first = overlays.size();
@@ -175,10 +172,10 @@ class Painter {
     for (const ViewpointIndex v : circled()) out += draw_success_circle(panel, v);
     out += draw_edges(panel);
     for (const Overlay& o : overlays_) {
-      if (o.role == Role::kReference) out += plan::draw_band(plan_, panel, o.steps, o.colour);
+      if (o.role == PathRole::kReference) out += plan::draw_band(plan_, panel, o.steps, o.colour);
     }
     for (const Overlay& o : overlays_) {
-      if (o.role == Role::kAgent) out += plan::draw_line(plan_, panel, o.steps, o.colour);
+      if (o.role == PathRole::kAgent) out += plan::draw_line(plan_, panel, o.steps, o.colour);
     }
     if (options_.underlay != nullptr) {
       out += plan::draw_texts(options_.underlay->storeys[panel.storey], panel);
@@ -262,7 +259,7 @@ class Painter {
     std::string out;
     const auto here = [&](ViewpointIndex v) { return plan_.storey_of[v.at()] == panel.storey; };
     for (const Overlay& o : overlays_) {
-      if (o.role == Role::kAgent && here(o.end)) {
+      if (o.role == PathRole::kAgent && here(o.end)) {
         out += plan::stop_mark(place(panel, o.end), o.colour);
       }
     }
@@ -300,7 +297,7 @@ class Painter {
     bool excluded = false, alone = false;
     for (std::size_t i = 0; i < graph_.size(); ++i) {
       const ViewpointIndex v(i);
-      if (plan_.storey_of[i] == Plan::kNowhere) continue;
+      if (plan_.storey_of[i] == StoreyPlan::kNowhere) continue;
       excluded = excluded || !graph_.included(v);
       alone = alone || (graph_.included(v) && isolated(v));
     }
@@ -315,7 +312,7 @@ class Painter {
   }
 
   static std::string sample(const Overlay& o) {
-    if (o.role == Role::kReference) {
+    if (o.role == PathRole::kReference) {
       return fmt::format(
           "<path d=\"M-12,0h24\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\" "
           "opacity=\"0.4\"/>",
@@ -350,7 +347,7 @@ class Painter {
                            ? fmt::format("goal, {:g} m around it", options_.success_distance)
                            : "end of the reference path"});
     }
-    const auto agent = std::ranges::find(overlays_, Role::kAgent, &Overlay::role);
+    const auto agent = std::ranges::find(overlays_, PathRole::kAgent, &Overlay::role);
     if (agent != overlays_.end()) {
       items.push_back({plan::stop_mark({}, agent->colour), 28, "agent stops"});
     }
@@ -358,9 +355,9 @@ class Painter {
 
   const graph::NavGraph& graph_;
   const FloorPlanOptions& options_;
-  Plan plan_;
+  StoreyPlan plan_;
   std::vector<Overlay> overlays_;
-  plan::Layout layout_;
+  plan::PanelLayout layout_;
 };
 
 }  // namespace
@@ -369,6 +366,82 @@ std::string floor_plan_svg(const graph::NavGraph& graph, const std::vector<Plann
                            const FloorPlanOptions& options) {
   check_arguments(graph, paths, options);
   return Painter(graph, paths, options).run();
+}
+
+namespace {
+
+constexpr double kWindow = 1.2;  // floors of one storey differ by less (steps, sloping ground)
+constexpr double kApart = 1.8;   // storeys are farther apart: people stand in the lower one
+constexpr double kCore = 0.25;   // around the median floor; stairs have few viewpoints so level
+constexpr double kLeastShare = 0.03;
+constexpr double kLeastViewpoints = 3;
+
+struct Mode {
+  double floor = 0;
+  std::size_t count = 0;
+};
+
+// The window of kWindow metres that holds most of the sorted floors, kApart from each of `taken`
+// and with `least` of its floors about at its median; of equally full ones the lowest.
+Mode densest_window(const std::vector<double>& floors, const std::vector<double>& taken,
+                    std::size_t least) {
+  Mode best;
+  for (std::size_t begin = 0, end = 0; begin < floors.size(); ++begin) {
+    while (end < floors.size() && floors[end] - floors[begin] <= kWindow) ++end;
+    const std::size_t count = end - begin;
+    const double floor = floors[begin + count / 2];
+    if (count <= best.count) continue;
+    const auto near = [&](double f) { return std::abs(f - floor) <= kCore; };
+    if (std::ranges::any_of(taken, [&](double t) { return std::abs(floor - t) < kApart; }) ||
+        static_cast<std::size_t>(std::ranges::count_if(floors, near)) < least) {
+      continue;
+    }
+    best = {floor, count};
+  }
+  return best;
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+std::vector<GraphStorey> find_storeys(const graph::NavGraph& graph) {
+  std::vector<double> sorted;
+  std::vector<std::pair<ViewpointIndex, double>> floors;
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    const ViewpointIndex v(i);
+    if (!graph.included(v)) continue;
+    floors.emplace_back(v, static_cast<double>(graph.position(v).z) - graph.height(v));
+    sorted.push_back(floors.back().second);
+  }
+  std::ranges::sort(sorted);
+  const auto least = static_cast<std::size_t>(
+      std::ceil(std::max(kLeastViewpoints, kLeastShare * static_cast<double>(sorted.size()))));
+  std::vector<double> modes;  // the largest storey has no least number of viewpoints
+  for (Mode mode = densest_window(sorted, modes, 0); mode.count > 0;
+       mode = densest_window(sorted, modes, least)) {
+    modes.push_back(mode.floor);
+  }
+  std::ranges::sort(modes);
+  std::vector<GraphStorey> storeys;
+  for (const double mode : modes) storeys.push_back({mode, {}});
+  std::vector<std::vector<double>> members(modes.size());
+  for (const auto& [v, floor] : floors) {
+    const std::size_t s = nearest_storey(storeys, floor);
+    storeys[s].viewpoints.push_back(v);
+    members[s].push_back(floor);
+  }
+  for (std::size_t s = 0; s < storeys.size(); ++s) storeys[s].floor = median(members[s]);
+  return storeys;
+}
+
+std::size_t nearest_storey(const std::vector<GraphStorey>& storeys, double floor) {
+  const auto nearest = std::ranges::min_element(
+      storeys, {}, [floor](const GraphStorey& s) { return std::abs(s.floor - floor); });
+  return static_cast<std::size_t>(nearest - storeys.begin());
 }
 
 }  // namespace enfilade::draw

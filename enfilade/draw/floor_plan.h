@@ -1,4 +1,5 @@
-/// \file  Floor plans of a navigation graph, with paths and trajectories, as SVG.
+/// \file  Floor plans as SVG: of a navigation graph, with paths and trajectories; of the
+/// differences between two graphs of one building.
 #pragma once
 #include <optional>
 #include <string>
@@ -7,18 +8,21 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/draw/plan_underlay.h"
 #include "enfilade/draw/planned_goal.h"
+#include "enfilade/graph/compare.h"
 #include "enfilade/graph/nav_graph.h"
 
 namespace enfilade::draw {
 
-/// A path to draw. Immediate repetitions of a viewpoint (turning in place) are drawn once.
+/// Whose path it is.
+enum class PathRole {
+  kReference,  ///< a wide band to the goal
+  kAgent,      ///< a line, darker as time passes; a ring where it ends
+};
+
+/// A path to draw. Immediate repetitions of a viewpoint (turning in place) are drawn once. A
+/// reference's last viewpoint is the goal, unless it is the only one.
 struct PlannedPath {
-  /// Whose path it is.
-  enum class Role {
-    kReference,  ///< a wide band; its last viewpoint is the goal, unless it is the only one
-    kAgent,      ///< a line with arrows, darker as time passes; a ring where it stops
-  };
-  Role role = Role::kAgent;
+  PathRole role = PathRole::kAgent;
   std::vector<ViewpointIndex> viewpoints;  ///< at least one; repeats are fine
   std::string label;                       ///< for the legend; empty: named by its role
 };
@@ -41,7 +45,7 @@ struct FloorPlanOptions {
 };
 
 /// A floor of a building.
-struct Storey {
+struct GraphStorey {
   double floor = 0;  ///< metres, world z: the median of its viewpoints' floors
   std::vector<ViewpointIndex> viewpoints;  ///< ascending
 };
@@ -50,9 +54,9 @@ struct Storey {
 /// the viewpoint less `height`), at least 1.8 m apart. Each but the largest has at least three
 /// viewpoints and 3 % of all within 0.25 m. Viewpoints on stairs and landings belong to the nearest
 /// storey; each included viewpoint to exactly one. Empty for an empty graph.
-std::vector<Storey> find_storeys(const graph::NavGraph& graph);
+std::vector<GraphStorey> find_storeys(const graph::NavGraph& graph);
 /// Index of the storey whose floor is nearest to a height, world z. \pre !storeys.empty()
-std::size_t nearest_storey(const std::vector<Storey>& storeys, double floor);
+std::size_t nearest_storey(const std::vector<GraphStorey>& storeys, double floor);
 
 /// A self-contained SVG document: one panel per storey, lowest first, all at one scale, north (+y)
 /// up, with scale bar and legend. Edges between storeys are drawn on both, dashed, with a mark at
@@ -64,5 +68,20 @@ std::size_t nearest_storey(const std::vector<Storey>& storeys, double floor);
 /// underlay of another number of storeys
 std::string floor_plan_svg(const graph::NavGraph& graph, const std::vector<PlannedPath>& paths = {},
                            const FloorPlanOptions& options = {});
+
+/// Texts on the drawing of two graphs.
+struct ComparisonPlanOptions {
+  std::string title;              ///< empty: the scan id
+  std::string note;               ///< a paragraph below the numbers; may be empty
+  bool label_viewpoints = false;  ///< their index beside each
+};
+
+/// Draws the viewpoints of `found`, one panel a storey. Edges of both graphs are grey, extra ones
+/// red and solid, missing ones blue and dashed. Precision, recall and F1 are below the title. \pre
+/// comparison is compare(found, ...) \throws ArgumentError if it holds a viewpoint that is not
+/// below found.size()
+std::string graph_comparison_svg(const graph::NavGraph& found,
+                                 const graph::GraphComparison& comparison,
+                                 const ComparisonPlanOptions& options = {});
 
 }  // namespace enfilade::draw

@@ -19,7 +19,6 @@ using graph::NavGraph;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
-using Role = PlannedPath::Role;
 
 std::size_t occurrences(const std::string& text, const std::string& part) {
   std::size_t count = 0;
@@ -129,8 +128,8 @@ TEST(FloorPlan, MarksExcludedAndIsolatedViewpoints) {
 
 TEST(FloorPlan, DrawsPathsWithTheirEnds) {
   const std::string svg =
-      floor_plan_svg(two_storeys(), {{Role::kReference, route({0, 1, 2, 3, 4}), "the way"},
-                                     {Role::kAgent, route({0, 0, 1, 2, 1}), ""}});
+      floor_plan_svg(two_storeys(), {{PathRole::kReference, route({0, 1, 2, 3, 4}), "the way"},
+                                     {PathRole::kAgent, route({0, 0, 1, 2, 1}), ""}});
   EXPECT_TRUE(well_formed(svg));
   EXPECT_THAT(svg, HasSubstr(">the way<"));
   EXPECT_THAT(svg, HasSubstr(">agent\u2019s path<"));
@@ -142,7 +141,8 @@ TEST(FloorPlan, DrawsPathsWithTheirEnds) {
 }
 
 TEST(FloorPlan, ShowsNoGoalWhereItIsHidden) {
-  const std::string svg = floor_plan_svg(two_storeys(), {{Role::kReference, route({0}), "hidden"}});
+  const std::string svg =
+      floor_plan_svg(two_storeys(), {{PathRole::kReference, route({0}), "hidden"}});
   EXPECT_THAT(svg, Not(HasSubstr("goal")));
   EXPECT_THAT(svg, Not(HasSubstr(">hidden<"))) << "there is no band to explain";
   EXPECT_THAT(svg, HasSubstr(">start<"));
@@ -155,7 +155,7 @@ TEST(FloorPlan, EscapesWhatItQuotes) {
   options.note = "turn <left> & go";
   options.label_viewpoints = true;
   const std::string svg =
-      floor_plan_svg(NavGraph(c), {{Role::kAgent, route({0, 1}), "</svg>\x01"}}, options);
+      floor_plan_svg(NavGraph(c), {{PathRole::kAgent, route({0, 1}), "</svg>\x01"}}, options);
   EXPECT_TRUE(well_formed(svg));
   EXPECT_THAT(svg, HasSubstr("&lt;scan&gt;"));
   EXPECT_THAT(svg, HasSubstr("a&amp;b&lt;c&gt;&quot;"));
@@ -167,12 +167,12 @@ TEST(FloorPlan, RefusesWhatItCannotDraw) {
   const NavGraph graph(graph::testing::square());
   EXPECT_THAT(
       [&] {
-        floor_plan_svg(graph, {{Role::kAgent, route({0, 4}), ""}});
+        floor_plan_svg(graph, {{PathRole::kAgent, route({0, 4}), ""}});
       },
       ThrowsMessage<ArgumentError>(HasSubstr("paths[0].viewpoints[1]: 4, not below 4")));
   EXPECT_THAT(
       [&] {
-        floor_plan_svg(graph, {{Role::kAgent, {}, ""}});
+        floor_plan_svg(graph, {{PathRole::kAgent, {}, ""}});
       },
       ThrowsMessage<ArgumentError>(HasSubstr("paths[0]: empty")));
   FloorPlanOptions options;
@@ -189,7 +189,7 @@ TEST(FloorPlan, DrawsWhateverGraphThereIs) {
   for (auto& entry : c.entries) entry.included = false;
   EXPECT_TRUE(well_formed(floor_plan_svg(NavGraph(c)))) << "excluded viewpoints only";
   const NavGraph same(graph::testing::connectivity("s", {{0, 0, 0}, {0, 0, 0}}, {{0, 1}}));
-  EXPECT_TRUE(well_formed(floor_plan_svg(same, {{Role::kAgent, route({0, 1, 0}), ""}})));
+  EXPECT_TRUE(well_formed(floor_plan_svg(same, {{PathRole::kAgent, route({0, 1, 0}), ""}})));
   const NavGraph far(graph::testing::connectivity("f", {{-1e6, 0, 0}, {1e6, 9, 0}}, {{0, 1}}));
   const std::string svg = floor_plan_svg(far);
   EXPECT_TRUE(well_formed(svg));

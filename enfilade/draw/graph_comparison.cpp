@@ -1,4 +1,4 @@
-#include "enfilade/draw/graph_comparison.h"
+#include "enfilade/draw/floor_plan.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -7,9 +7,9 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/markup.h"
-#include "enfilade/draw/plan/marks.h"
 #include "enfilade/draw/plan/plan.h"
 #include "enfilade/draw/plan/sheet.h"
+#include "enfilade/draw/plan/trace.h"
 
 namespace enfilade::draw {
 namespace {
@@ -18,7 +18,7 @@ using graph::ComparedEdge;
 using graph::GraphComparison;
 using graph::NavGraph;
 using plan::Panel;
-using plan::Plan;
+using plan::StoreyPlan;
 
 constexpr const char* kCommonStyle = "stroke=\"#a7acb5\"";
 constexpr const char* kExtraStyle = "stroke=\"#d62728\" stroke-width=\"2.5\"";
@@ -35,10 +35,10 @@ void check_edges(const NavGraph& found, const GraphComparison& comparison) {
   }
 }
 
-class Painter {
+class ComparisonPainter {
  public:
-  Painter(const NavGraph& found, const GraphComparison& comparison,
-          const ComparisonPlanOptions& options)
+  ComparisonPainter(const NavGraph& found, const GraphComparison& comparison,
+                    const ComparisonPlanOptions& options)
       : found_(found),
         comparison_(comparison),
         options_(options),
@@ -100,8 +100,8 @@ class Painter {
   const NavGraph& found_;
   const GraphComparison& comparison_;
   const ComparisonPlanOptions& options_;
-  Plan plan_;
-  plan::Layout layout_;
+  StoreyPlan plan_;
+  plan::PanelLayout layout_;
   std::set<std::pair<ViewpointIndex, ViewpointIndex>> extra_;
 };
 
@@ -110,7 +110,7 @@ class Painter {
 std::string graph_comparison_svg(const NavGraph& found, const GraphComparison& comparison,
                                  const ComparisonPlanOptions& options) {
   check_edges(found, comparison);
-  return Painter(found, comparison, options).run();
+  return ComparisonPainter(found, comparison, options).run();
 }
 
 }  // namespace enfilade::draw

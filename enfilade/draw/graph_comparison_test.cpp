@@ -1,4 +1,4 @@
-#include "enfilade/draw/graph_comparison.h"
+#include "enfilade/draw/floor_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

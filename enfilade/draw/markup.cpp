@@ -1,12 +1,18 @@
 #include "enfilade/draw/markup.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <utility>
 
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::draw {
 namespace {
 
+using Escape = std::pair<char, std::string_view>;
+constexpr std::array<Escape, 5> kEscapes{
+    {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}}};
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
 
 // Bytes of the character at the head of `text`; 0 if there is none that XML allows.
@@ -24,24 +30,11 @@ std::string escape(std::string_view text) {
   std::string out;
   while (!text.empty()) {
     const std::size_t length = character_length(text);
-    switch (text[0]) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += length == 0 ? kReplacement : text.substr(0, length);
+    const auto* const known = std::ranges::find(kEscapes, text[0], &Escape::first);
+    if (known != kEscapes.end()) {
+      out += known->second;
+    } else {
+      out += length == 0 ? kReplacement : text.substr(0, length);
     }
     text.remove_prefix(length == 0 ? 1 : length);
   }

@@ -1,10 +1,12 @@
 /// \file  Where an object is around a viewpoint: closed lines on the sphere of directions, and how
-/// they are drawn in views and panoramas.
+/// they are drawn in views. Signs in pictures that a text can refer to ("set of
+/// marks"; Yang et al. 2023).
 #pragma once
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -68,8 +70,16 @@ tasks::Direction centre_of(const Outline& outline);
 /// \throws ArgumentError unless the picture has 3 channels
 void draw_outline(image::Image8& picture, const Outline& outline, const tasks::Direction& look,
                   Radians vertical_field_of_view);
-/// The same on a panorama of all directions (dataset::render_panorama()), whose middle column is at
-/// `middle`. A line across its left and right edges goes on at the other one.
-void draw_outline_on_panorama(image::Image8& picture, const Outline& outline, Radians middle);
+/// A sign: its middle, in pixels from the left top corner, and one to four letters, ASCII.
+struct Mark {
+  double x = 0, y = 0;
+  std::string text;
+};
+
+/// Draws each as light letters on a dark plate with a light rim, in the order of the list. Plates
+/// that would cross the edge of the picture are moved inside. One whose middle is outside of the
+/// picture is left out.
+/// \pre 3 channels
+void draw_marks(image::Image8& picture, std::span<const Mark> marks);
 
 }  // namespace enfilade::draw

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/tasks/objects.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::draw {
@@ -91,26 +92,6 @@ TEST(Outlines, OfCornersGoAcrossHeadingZero) {
   const double half = 240 / std::tan(kPi / 6) * std::tan(degrees(10).value);  // 73.3 pixels
   EXPECT_NEAR(static_cast<double>(span.left), 320 - half - 2, 1.5);
   EXPECT_NEAR(static_cast<double>(span.right), 320 + half + 1, 1.5);
-}
-
-TEST(Outlines, OnAPanoramaGoOnAtTheOtherEdge) {
-  const Radians left = degrees(350), right = degrees(10), up = degrees(5), down = degrees(-5);
-  const Outline outline =
-      outline_of_corners({{{left, up}, {right, up}, {right, down}, {left, down}}});
-  image::Image8 away(720, 360, 3);  // two pixels a degree
-  draw_outline_on_panorama(away, outline, degrees(180));
-  const Span whole = yellow(away);
-  EXPECT_EQ(whole.left, 0U);
-  EXPECT_EQ(whole.right, 719U);
-  image::Image8 inner(680, 360, 3);
-  for (std::size_t y = 0; y < 360; ++y) {
-    for (std::size_t x = 0; x < 670; ++x) std::copy_n(away.at(x + 25, y), 3, inner.at(x, y));
-  }
-  EXPECT_EQ(yellow(inner).pixels, 0U) << "nothing between the two ends";
-  image::Image8 towards(720, 360, 3);
-  draw_outline_on_panorama(towards, outline, degrees(0));
-  EXPECT_NEAR(static_cast<double>(yellow(towards).left), 340 - 2, 1.5);
-  EXPECT_NEAR(static_cast<double>(yellow(towards).right), 380 + 1, 1.5);
 }
 
 TEST(Outlines, HaveTheirLabelAbove) {

@@ -1,4 +1,4 @@
-#include "enfilade/draw/picture_marks.h"
+#include "enfilade/draw/outlines.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/mesh/mesh.h"
 #include "enfilade/mesh/mpcat40.h"
-#include "enfilade/mesh/slice.h"
 
 namespace enfilade::draw {
 namespace {
@@ -132,7 +132,7 @@ mesh::Mesh stairs_of(const mesh::Mesh& mesh) {
 }  // namespace
 
 PlanUnderlay plan_underlay(const mesh::Mesh& mesh, const graph::NavGraph& graph) {
-  const std::vector<Storey> storeys = find_storeys(graph);
+  const std::vector<GraphStorey> storeys = find_storeys(graph);
   const mesh::Mesh stairs = stairs_of(mesh);
   PlanUnderlay underlay;
   for (std::size_t s = 0; s < storeys.size(); ++s) {
@@ -157,7 +157,7 @@ PlanUnderlay plan_underlay(const mesh::Mesh& mesh, const graph::NavGraph& graph)
 
 void add_text(PlanUnderlay& underlay, const graph::NavGraph& graph, Vec3f at,
               const std::string& text) {
-  const std::vector<Storey> storeys = find_storeys(graph);
+  const std::vector<GraphStorey> storeys = find_storeys(graph);
   if (storeys.empty() || underlay.storeys.size() != storeys.size()) return;
   underlay.storeys[nearest_storey(storeys, at.z)].texts.push_back({at, text});
 }

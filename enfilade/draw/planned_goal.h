@@ -1,4 +1,4 @@
-/// \file  An episode's goal as a floor plan marks it.
+/// \file  An episode for people: its instruction as lines, its goal as a floor plan marks it.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -15,14 +15,14 @@ namespace enfilade::draw {
 
 /// The viewpoints that a goal is about, other than the end of the reference path.
 struct PlannedGoal {
-  /// Kind of the goal.
-  enum class Kind : std::uint8_t {
+  /// How the goal is marked.
+  enum class GoalMark : std::uint8_t {
     kTurningPoint,  ///< R2R-Back: a diamond, with the success distance around it
     kObject,        ///< REVERIE: squares on the viewpoints that see the object
     kRegion,        ///< CVDN: its viewpoints stand on a yellow floor
     kBoxes,         ///< SOON: squares on the viewpoints that have a box of the object
   };
-  Kind kind = Kind::kTurningPoint;
+  GoalMark kind = GoalMark::kTurningPoint;
   std::vector<ViewpointIndex> viewpoints;  ///< ascending, each once; may be empty
   std::string label;                       ///< for the legend: "sees the plant (3 viewpoints)"
 };
@@ -37,5 +37,16 @@ std::optional<PlannedGoal> planned_goal(const tasks::ReferencePath& path,
 /// article and full stop. Empty if it has no name.
 std::string name_of_goal(const tasks::EpisodeSet& episodes, const tasks::Episode& episode,
                          const tasks::ObjectBoxes* objects);
+
+/// The text after the last `<TAR>` of CVDN's texts, without blanks around it; may be empty.
+std::string target_of(std::string_view text);
+
+/// Lines of UTF-8, not wrapped, for the parts that the instruction has:
+/// - "Language: hi-IN"
+/// - a turn of the dialogue, "Navigator, after 3 steps: ..."
+/// - "Looking for: plant" if the text ends in a target; else the text in quotation marks
+/// - a piece, "1. walk to the door (viewpoints 1 to 2)", its viewpoints counted from 1
+/// - a named part, "region: ..."
+std::vector<std::string> episode_lines(const tasks::Episode& episode);
 
 }  // namespace enfilade::draw

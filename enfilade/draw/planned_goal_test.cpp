@@ -4,19 +4,17 @@
 #include <gtest/gtest.h>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/draw/episode_text.h"
+#include "enfilade/draw/contact_sheet.h"
 #include "enfilade/draw/floor_plan.h"
-#include "enfilade/draw/shots.h"
+#include "enfilade/tasks/objects.h"
 #include "tests/support/graphs.h"
 
 namespace enfilade::draw {
 namespace EN_UNIT {
-
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
-using Role = PlannedPath::Role;
 
 constexpr ViewpointIndex kStart(0), kMiddle(1), kEnd(2), kAside(3);
 
@@ -42,7 +40,7 @@ std::string plan_of(const tasks::ReferencePath& path, std::string_view what = {}
   const graph::NavGraph graph(graph::testing::square());
   FloorPlanOptions options;
   options.goal = planned_goal(path, what);
-  return floor_plan_svg(graph, {{Role::kReference, path.viewpoints, ""}}, options);
+  return floor_plan_svg(graph, {{PathRole::kReference, path.viewpoints, ""}}, options);
 }
 
 constexpr const char* kCircle = "stroke-dasharray=\"3 4\"";

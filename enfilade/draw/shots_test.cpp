@@ -1,4 +1,4 @@
-#include "enfilade/draw/shots.h"
+#include "enfilade/draw/contact_sheet.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

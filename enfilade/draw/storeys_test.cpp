@@ -20,9 +20,9 @@ NavGraph with_floors(const std::vector<double>& floors) {
   return NavGraph(graph::testing::connectivity("floors", points, {}));
 }
 
-std::vector<std::size_t> sizes(const std::vector<Storey>& storeys) {
+std::vector<std::size_t> sizes(const std::vector<GraphStorey>& storeys) {
   std::vector<std::size_t> found;
-  for (const Storey& storey : storeys) found.push_back(storey.viewpoints.size());
+  for (const GraphStorey& storey : storeys) found.push_back(storey.viewpoints.size());
   return found;
 }
 

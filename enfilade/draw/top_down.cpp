@@ -17,10 +17,10 @@ namespace {
 using mesh::FloorPolygon;
 using mesh::FloorPolygons;
 
-constexpr double kBin = 0.25;                                       // metres of height
-constexpr double kLeastApart = 1.8;                                 // metres between storeys
-constexpr double kLeastShare = 1.0 / 12;                            // of the floor, at one height
-constexpr double kMargin = 24, kHead = 30, kLine = 18, kFoot = 58;  // pixels
+constexpr double kBin = 0.25;                 // metres of height
+constexpr double kLeastApart = 1.8;           // metres between storeys
+constexpr double kLeastAreaShare = 1.0 / 12;  // of the floor, at one height
+constexpr double kMargin = 24, kHead = 30, kTextLine = 18, kFoot = 58;  // pixels
 constexpr double kUsualPixels = 1000;
 
 Vec3d corner_of(const FloorPolygons& floor, const FloorPolygon& polygon, std::size_t k) {
@@ -116,19 +116,17 @@ class Map {
       for (const Vec3d p : line.points) include(p);
     }
     const double across = high_.x - low_.x, tall = high_.y - low_.y;
-    scale_ = options.pixels_per_metre > 0
-                 ? options.pixels_per_metre
-                 : std::clamp(kUsualPixels / std::max(across, tall), 4.0, 120.0);
+    scale_ = std::clamp(kUsualPixels / std::max(across, tall), 4.0, 120.0);
     panel_width_ = across * scale_;
     panel_height_ = tall * scale_;
     width_ = std::max(2 * kMargin + panel_width_, 420.0);
     note_ = wrapped(options.note, width_ - 2 * kMargin);
-    top_ =
-        kMargin + (options.title.empty() ? 0 : kHead) + kLine * static_cast<double>(note_.size());
+    top_ = kMargin + (options.title.empty() ? 0 : kHead) +
+           kTextLine * static_cast<double>(note_.size());
   }
 
   std::string draw() {
-    const double legend = kLine * static_cast<double>(lines_.size());
+    const double legend = kTextLine * static_cast<double>(lines_.size());
     const double height =
         top_ + static_cast<double>(levels_.size()) * (panel_height_ + kHead) + kFoot + legend;
     text_ = fmt::format(
@@ -165,7 +163,7 @@ class Map {
     for (const std::string& line : note_) {
       text_ += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"#444\">{}</text>\n", kMargin, at + 6,
                            escape(line));
-      at += kLine;
+      at += kTextLine;
     }
   }
 
@@ -186,11 +184,11 @@ class Map {
     }
     text_ += "</g>\n";
     for (const WalkedLine& line : lines_) {
-      if (line.role == WalkedLine::Role::kReference) draw_reference(line, level);
+      if (line.role == PathRole::kReference) draw_reference(line, level);
     }
     std::size_t agents = 0;
     for (const WalkedLine& line : lines_) {
-      if (line.role == WalkedLine::Role::kAgent) draw_agent(line, hue_of(agents++), level);
+      if (line.role == PathRole::kAgent) draw_agent(line, hue_of(agents++), level);
     }
   }
 
@@ -245,8 +243,8 @@ class Map {
         kMargin, at, kMargin + metres * scale_, kMargin + metres * scale_ + 8, at + 4, metres);
     std::size_t agents = 0;
     for (const WalkedLine& line : lines_) {
-      at += kLine;
-      const bool reference = line.role == WalkedLine::Role::kReference;
+      at += kTextLine;
+      const bool reference = line.role == PathRole::kReference;
       text_ += fmt::format(
           "<line x1=\"{0}\" y1=\"{1:.0f}\" x2=\"{2}\" y2=\"{1:.0f}\" stroke=\"{3}\" "
           "stroke-width=\"{4}\"/>\n<text x=\"{5}\" y=\"{6:.0f}\" fill=\"#222\">{7}</text>\n",
@@ -298,7 +296,7 @@ std::vector<double> find_floor_levels(const FloorPolygons& floor) {
           levels, [&](double level) { return std::abs(level - z) >= kLeastApart; });
       if (apart && (best == bins || areas[b] > areas[best])) best = b;
     }
-    if (best == bins || (!levels.empty() && areas[best] < kLeastShare * all)) break;
+    if (best == bins || (!levels.empty() && areas[best] < kLeastAreaShare * all)) break;
     levels.push_back(floor.low.z + kBin * static_cast<double>(best));
   }
   std::ranges::sort(levels);
@@ -308,7 +306,6 @@ std::vector<double> find_floor_levels(const FloorPolygons& floor) {
 std::string top_down_svg(const FloorPolygons& floor, const std::vector<WalkedLine>& lines,
                          const TopDownOptions& options) {
   for (const WalkedLine& line : lines) check_line(line);
-  check_range("pixels_per_metre", options.pixels_per_metre, 0, 10'000);
   check_range("success_distance", options.success_distance, 0, 1e6);
   return Map(floor, lines, options).draw();
 }

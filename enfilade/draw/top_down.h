@@ -4,19 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/draw/floor_plan.h"
 #include "enfilade/geometry/vec.h"
 #include "enfilade/mesh/floor_polygons.h"
 
 namespace enfilade::draw {
 
-/// A line on the floor.
+/// A line on the floor. A reference has its points, and a ring of the success distance at its end.
 struct WalkedLine {
-  /// Whose it is.
-  enum class Role {
-    kReference,  ///< a wide band with its points; a ring of the success distance at its end
-    kAgent,      ///< a line, darker as time passes; a ring where it ends
-  };
-  Role role = Role::kAgent;
+  PathRole role = PathRole::kAgent;
   std::vector<Vec3d> points;  ///< world, metres; at least one
   std::string label;          ///< for the legend; empty: named by its role
 };
@@ -28,7 +24,6 @@ std::vector<Vec3d> walked_points(std::span<const Vec3f> positions);
 struct TopDownOptions {
   std::string title = {};         ///< may be empty
   std::string note = {};          ///< a paragraph below it, such as the instruction; may be empty
-  double pixels_per_metre = 0;    ///< > 0; or 0: fits about 1000 pixels
   double success_distance = 3.0;  ///< metres; radius of the ring around the reference's end
 };
 
@@ -40,7 +35,7 @@ std::vector<double> find_floor_levels(const mesh::FloorPolygons& floor);
 /// A self-contained SVG document: one panel per storey, lowest first, all at one scale, north (+y)
 /// up, with a scale bar and a legend. Floor and lines between storeys, as on stairs, are drawn with
 /// the nearer storey. It has its own background, for light and dark pages. Texts are escaped.
-/// \throws ArgumentError for a line without a point or with one that is not finite, or a scale or
+/// \throws ArgumentError for a line without a point or with one that is not finite, or a
 /// distance that is negative or not finite
 /// \throws as mesh::FloorPolygons' users, for no polygon
 std::string top_down_svg(const mesh::FloorPolygons& floor,

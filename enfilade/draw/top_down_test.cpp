@@ -32,8 +32,8 @@ TEST(TopDown, FindsStoreys) {
 
 TEST(TopDown, DrawsFloorAndLines) {
   const std::vector<WalkedLine> lines{
-      {WalkedLine::Role::kReference, {{1, 1, 0}, {4, 1, 0}}, ""},
-      {WalkedLine::Role::kAgent, {{1, 1, 0}, {2, 1, 0}, {2, 3, 0}}, "seq2seq <b>"}};
+      {PathRole::kReference, {{1, 1, 0}, {4, 1, 0}}, ""},
+      {PathRole::kAgent, {{1, 1, 0}, {2, 1, 0}, {2, 3, 0}}, "seq2seq <b>"}};
   const std::string svg =
       top_down_svg(floor_of(mesh::testing::Maker().room(0, 0, 5, 4).mesh), lines,
                    {.title = "room & more", .note = "Walk to the wall."});
@@ -47,10 +47,10 @@ TEST(TopDown, DrawsFloorAndLines) {
 
 TEST(TopDown, RefusesWhatCannotBeDrawn) {
   const mesh::FloorPolygons floor = floor_of(mesh::testing::Maker().room(0, 0, 5, 4).mesh);
-  EXPECT_THROW(top_down_svg(floor, {{WalkedLine::Role::kAgent, {}, ""}}), ArgumentError);
-  EXPECT_THROW(top_down_svg(floor, {{WalkedLine::Role::kAgent, {{std::nan(""), 0, 0}}, ""}}),
+  EXPECT_THROW(top_down_svg(floor, {{PathRole::kAgent, {}, ""}}), ArgumentError);
+  EXPECT_THROW(top_down_svg(floor, {{PathRole::kAgent, {{std::nan(""), 0, 0}}, ""}}),
                ArgumentError);
-  EXPECT_THROW(top_down_svg(floor, {}, {.pixels_per_metre = -1}), ArgumentError);
+  EXPECT_THROW(top_down_svg(floor, {}, {.success_distance = -1}), ArgumentError);
 }
 
 }  // namespace EN_UNIT

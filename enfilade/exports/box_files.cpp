@@ -9,9 +9,10 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/exports/detail/file_names.h"
+#include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/mesh/ray_tracer.h"
 #include "enfilade/mesh/segmentation.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::exports {
 namespace {
@@ -21,9 +22,7 @@ using tasks::ObjectBoxes;
 
 /// Adds the boxes around a scan's included viewpoints.
 void copy_boxes(const ObjectBoxes& from, const graph::NavGraph& graph, ObjectBoxes& to) {
-  for (std::size_t i = 0; i < graph.size(); ++i) {
-    const ViewpointIndex v(i);
-    if (!graph.included(v)) continue;
+  for (const ViewpointIndex v : detail::included(graph)) {
     const auto objects = from.at(graph.scan(), graph.id(v));
     to.add(graph.scan(), graph.id(v), {objects.begin(), objects.end()});
   }

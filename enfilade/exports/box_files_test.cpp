@@ -5,6 +5,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/tasks/objects.h"
 #include "tests/support/graphs.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/core/detail/json_records.h"
+#include "enfilade/core/detail/json_entries.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/tasks/files.h"
@@ -63,8 +63,7 @@ bool is_feature_file(const fs::path& file) {
   return std::ranges::find(kSuffixes, file.extension().string()) != kSuffixes.end();
 }
 
-// --- results
-// --------------------------------------------------------------------------------------
+// --- results ---
 
 /// Gives a field another name, in its place.
 void rename_field(OrderedJson& entry, std::string_view from, const char* to) {

@@ -89,15 +89,20 @@ WalkReport write_streamvln(const ExpertWalks& walks, const std::filesystem::path
 WalkReport write_navila(const ExpertWalks& walks, const std::filesystem::path& folder,
                         const WalkPictures& pictures = {}, const ExportOptions& options = {});
 
-/// A data set of LeRobot, version 2.1, in `folder`: `data/chunk-000/episode_000000.parquet` with
-/// one row per picture, and `meta/`: info.json, tasks.jsonl (instructions), episodes.jsonl,
-/// episodes_stats.jsonl. Its columns, beside LeRobot's own:
-/// - `observation.images.rgb`: JPEG, in the rows (its type "image"), not in videos
-/// - `observation.state`: x, y, z of the floor, metres, and heading, radians, world frame
-/// - `action`: 0 stop, 1 forward, 2 left, 3 right; the action after the picture
+/// Pictures and numbers of a data set of LeRobot, in `folder`/enfilade_export.parts. The Python
+/// function enfilade.exports.write_lerobot() makes the tables of them, of either version.
+/// - `000000/frame_000000.jpg`: one picture per action
+/// - `000000.rows.json`: `{"actions": [...], "states": [[x, y, z, heading], ...], "pixels": {"min":
+///   [r, g, b], "q01", "q10", "q50", "q90", "q99", "max", "mean", "std"}}`. States are metres of
+///   the floor and radians, world frame. Pixels are those before JPEG, 0 to 1; "q01" is the least
+///   value that 1 % of them do not exceed.
+/// - `episodes.json`: `{"split", "width", "height", "chunk", "episodes": [{"instruction",
+///   "length"}, ...]}`. `chunk` is the number of tables per folder of version 2.1.
 ///
-/// A step counts as a fifth of a second.
-WalkReport write_lerobot(const ExpertWalks& walks, const std::filesystem::path& folder,
-                         const WalkPictures& pictures = {}, const ExportOptions& options = {});
+/// Trajectories that have a table are not rendered again. Python's `tables.json` names the tables,
+/// `000000.json` has a trajectory's statistics. \throws InvalidInput for another `tables.json`
+WalkReport write_lerobot_parts(const ExpertWalks& walks, const std::filesystem::path& folder,
+                               const WalkPictures& pictures = {},
+                               const ExportOptions& options = {});
 
 }  // namespace enfilade::exports

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -183,50 +182,95 @@ TEST(NaVila, HasADecisionForUpToThreeEqualActions) {
   EXPECT_EQ(write_navila(world.walks(), folder.path(), World::small()).kept, 2U);
 }
 
-std::vector<Json> lines_of(const fs::path& file) {
-  std::vector<Json> lines;
-  std::istringstream text(read_file(file));
-  for (std::string line; std::getline(text, line);) lines.push_back(Json::parse(line));
-  return lines;
-}
-
-// The tables themselves are read by another reader in python/tests/test_exports.py.
-TEST(LeRobot, DescribesItsTables) {
+// python/tests/test_exports.py makes tables of such parts.
+TEST(LeRobot, HasPicturesAndRowsOfEachWalk) {
   const World world;
   const tests::TemporaryFolder folder("lerobot");
-  const WalkReport report = write_lerobot(world.walks(), folder.path(), World::small());
+  const WalkReport report = write_lerobot_parts(world.walks(), folder.path(), World::small());
   EXPECT_EQ(report.episodes, 2U);
-  const fs::path meta = folder.path() / "meta";
-  const Json info = Json::parse(read_file(meta / "info.json"));
-  EXPECT_EQ(info["codebase_version"], "v2.1");
-  EXPECT_EQ(info["total_frames"], report.pictures);
-  EXPECT_EQ(info["splits"]["train"], "0:2");
-  EXPECT_EQ(info["features"]["observation.images.rgb"]["shape"], Json({48, 64, 3}));
-  EXPECT_EQ(info["features"]["action"]["shape"], Json::array({1}));
-  const auto episodes = lines_of(meta / "episodes.jsonl");
-  ASSERT_EQ(episodes.size(), 2U);
-  EXPECT_EQ(episodes[1]["tasks"], Json::array({"Walk around the wall."}));
-  EXPECT_EQ(lines_of(meta / "tasks.jsonl").size(), 1U);  // both have the same instruction
-  const auto statistics = lines_of(meta / "episodes_stats.jsonl");
-  ASSERT_EQ(statistics.size(), 2U);
-  const Json& stats = statistics[1]["stats"];
-  EXPECT_EQ(stats["action"]["min"], Json::array({0.0}));
-  EXPECT_EQ(stats["action"]["count"], Json::array({episodes[1]["length"]}));
-  EXPECT_EQ(stats["index"]["min"][0], episodes[0]["length"]);
-  const Json mean = stats["observation.images.rgb"]["mean"];
+  const fs::path parts = folder.path() / "enfilade_export.parts";
+  const Json split = Json::parse(read_file(parts / "episodes.json"));
+  EXPECT_EQ(split["split"], "train");
+  EXPECT_EQ(split["width"], 64);
+  EXPECT_EQ(split["height"], 48);
+  ASSERT_EQ(split["episodes"].size(), 2U);
+  EXPECT_EQ(split["episodes"][1]["instruction"], "Walk around the wall.");
+  const Json rows = Json::parse(read_file(parts / "000001.rows.json"));
+  const auto length = split["episodes"][1]["length"].get<std::size_t>();
+  ASSERT_EQ(rows["actions"].size(), length);
+  ASSERT_EQ(rows["states"].size(), length);
+  EXPECT_EQ(split["episodes"][0]["length"].get<std::size_t>() + length, report.pictures);
+  EXPECT_EQ(rows["actions"].back(), 0);
+  EXPECT_EQ(rows["states"][0].size(), 4U);
+  EXPECT_FLOAT_EQ(rows["states"][0][0].get<float>(), 1);
+  EXPECT_FLOAT_EQ(rows["states"][0][3].get<float>(), static_cast<float>(degrees(12).value));
+  const Json mean = rows["pixels"]["mean"];
   ASSERT_EQ(mean.size(), 3U);
-  EXPECT_TRUE(mean[2][0][0].get<double>() > 0 && mean[2][0][0].get<double>() < 1) << mean;
+  EXPECT_TRUE(mean[2].get<double>() > 0 && mean[2].get<double>() < 1) << mean;
+  double least = rows["pixels"]["min"][1].get<double>();
+  for (const char* next : {"q01", "q10", "q50", "q90", "q99", "max"}) {
+    const auto value = rows["pixels"][next][1].get<double>();
+    EXPECT_GE(value, least) << next;
+    least = value;
+  }
+  // The same pictures as StreamVLN's.
+  world.write(folder.path() / "same");
+  EXPECT_EQ(read_file(parts / "000001" / "frame_000001.jpg"),
+            read_file(folder.path() / "same" / "images" / "room_r2r_000012" / "rgb" / "002.jpg"));
 }
 
 TEST(LeRobot, GoesOnWhereItStopped) {
   const World world;
   const tests::TemporaryFolder folder("lerobot");
-  write_lerobot(world.walks(), folder.path(), World::small());
-  const fs::path table = folder.path() / "data" / "chunk-000" / "episode_000001.parquet";
-  const std::string before = read_file(table);
-  fs::remove(table);
-  EXPECT_EQ(write_lerobot(world.walks(), folder.path(), World::small()).kept, 1U);
-  EXPECT_EQ(read_file(table), before);
+  const auto write = [&] {
+    return write_lerobot_parts(world.walks(), folder.path(), World::small()).kept;
+  };
+  EXPECT_EQ(write(), 0U);
+  const fs::path parts = folder.path() / "enfilade_export.parts";
+  fs::remove_all(parts / "000001");
+  EXPECT_EQ(write(), 1U);
+  // Python has made a table of the first.
+  fs::remove_all(parts / "000000");
+  const fs::path tables = folder.path() / "data" / "chunk-000";
+  make_folder(tables);
+  write_file_atomically(tables / "episode_000000.parquet", "");
+  write_file_atomically(parts / "000000.json", "{}");
+  write_file_atomically(
+      parts / "tables.json",
+      R"({"version":"2.1","videos":false,"tables":[)"
+      R"({"files":["data/chunk-000/episode_000000.parquet"],"first":0,"count":1},)"
+      R"({"files":["data/chunk-000/episode_000001.parquet"],"first":1,"count":1}]})");
+  EXPECT_EQ(write(), 2U);
+  EXPECT_FALSE(file_exists(parts / "000000"));
+  fs::remove(tables / "episode_000000.parquet");
+  EXPECT_EQ(write(), 1U);
+}
+
+TEST(LeRobot, ATableOfManyEpisodesIsThereWithItsVideo) {
+  const World world;
+  const tests::TemporaryFolder folder("lerobot");
+  const auto write = [&] {
+    return write_lerobot_parts(world.walks(), folder.path(), World::small()).kept;
+  };
+  write();
+  const fs::path parts = folder.path() / "enfilade_export.parts";
+  make_folder(folder.path() / "data");
+  write_file_atomically(folder.path() / "data" / "file-000.parquet", "");
+  write_file_atomically(folder.path() / "data" / "file-000.mp4", "");
+  write_file_atomically(parts / "tables.json",
+                        R"({"tables":[{"files":["data/file-000.parquet","data/file-000.mp4"],)"
+                        R"("first":0,"count":2}]})");
+  for (const char* number : {"000000", "000001"}) {
+    fs::remove_all(parts / number);
+    write_file_atomically(parts / (std::string(number) + ".json"), "{}");
+  }
+  EXPECT_EQ(write(), 2U);
+  fs::remove(folder.path() / "data" / "file-000.mp4");
+  EXPECT_EQ(write(), 0U) << "without the video all its pictures are rendered anew";
+  for (const char* wrong : {"[]", "{", R"({"tables":[{"first":0}]})"}) {
+    write_file_atomically(parts / "tables.json", wrong);
+    EXPECT_THROW(write(), InvalidInput) << wrong;
+  }
 }
 
 }  // namespace EN_UNIT

@@ -13,11 +13,11 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/half.h"
 #include "enfilade/core/rng.h"
-#include "enfilade/exports/detail/numbers.h"
 #include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/geometry/cube_map.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::exports {
 namespace {
@@ -40,9 +40,7 @@ void require_all(const graph::GraphSet& graphs, const fs::path& file, const Has&
   std::string first;
   for (std::size_t i = 0; i < graphs.size(); ++i) {
     const NavGraph& graph = graphs.graph(ScanIndex(i));
-    for (std::size_t k = 0; k < graph.size(); ++k) {
-      const ViewpointIndex v(k);
-      if (!graph.included(v)) continue;
+    for (const ViewpointIndex v : detail::included(graph)) {
       ++total;
       if (has(graph, v)) continue;
       if (missing++ == 0) first = graph.scan() + "_" + graph.id(v);
@@ -72,9 +70,7 @@ class Columns {
   Columns(const graph::GraphSet& graphs, const FeatureSource& source)
       : views_(open_views(graphs, source.features)) {
     if (!source.logits.empty()) logits_.emplace(open_views(graphs, source.logits));
-    for (const FeatureSet* set : {&views_, logits_ ? &*logits_ : nullptr}) {
-      if (set != nullptr) columns_ += set->info().dimensions;
-    }
+    columns_ = views_.info().dimensions + (logits_ ? logits_->info().dimensions : 0);
     numbers_.resize(kViews * columns_);
   }
 
@@ -102,14 +98,49 @@ class Columns {
   std::vector<float> numbers_;
 };
 
+/// Memory for numbers of one type.
+class StoredNumbers {
+ public:
+  /// \throws ArgumentError unless it is kFloat16, kFloat32 or kFloat64
+  explicit StoredNumbers(Hdf5Type type) : type_(type) {
+    if (type != Hdf5Type::kFloat16 && type != Hdf5Type::kFloat32 && type != Hdf5Type::kFloat64) {
+      throw ArgumentError("type of features: floats of 16, 32 or 64 bits are allowed");
+    }
+  }
+  Hdf5Type type() const noexcept { return type_; }
+
+  /// Valid until the next call, and as long as `numbers`. \throws ArgumentError naming `where`, for
+  /// a number that is too large for the type
+  std::span<const std::byte> store(std::span<const float> numbers, const std::string& where) {
+    if (type_ == Hdf5Type::kFloat32) return std::as_bytes(numbers);
+    if (type_ == Hdf5Type::kFloat64) {
+      doubles_.assign(numbers.begin(), numbers.end());
+      return std::as_bytes(std::span(doubles_));
+    }
+    halves_.resize(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      halves_[i] = to_half(numbers[i]);
+      if ((halves_[i] & 0x7c00U) == 0x7c00U) {
+        throw ArgumentError(
+            fmt::format("{}: {} is no number of 16 bits; 32 would hold it", where, numbers[i]));
+      }
+    }
+    return std::as_bytes(std::span(halves_));
+  }
+
+ private:
+  Hdf5Type type_;
+  std::vector<std::uint16_t> halves_;
+  std::vector<double> doubles_;
+};
+
 std::string job_of(const char* what, const FeatureSource& source) {
   return fmt::format("{}\n{}\n{}\ntype {}\n", what, detail::state_of(source.features),
                      source.logits.empty() ? "no logits" : detail::state_of(source.logits),
                      static_cast<int>(source.type));
 }
 
-// --- objects
-// --------------------------------------------------------------------------------------
+// --- objects ---
 
 /// The places of an object's boxes, the largest first.
 std::vector<std::size_t> by_size(const tasks::ViewedObject& object) {
@@ -173,8 +204,7 @@ features::Hdf5Array array_of(Hdf5Type type, std::vector<std::uint64_t> shape,
 }
 
 void write_rows(features::Hdf5Writer& part, const std::string& name, const ObjectRows& rows,
-                std::size_t columns, detail::StoredNumbers& stored,
-                std::vector<Hdf5Attribute> attributes) {
+                std::size_t columns, StoredNumbers& stored, std::vector<Hdf5Attribute> attributes) {
   const std::uint64_t n = rows.ids.size();
   attributes.push_back({"directions", array_of(Hdf5Type::kFloat32, {n, 2}, rows.directions)});
   attributes.push_back({"sizes", array_of(Hdf5Type::kFloat32, {n, 2}, rows.sizes)});
@@ -186,8 +216,7 @@ void write_rows(features::Hdf5Writer& part, const std::string& name, const Objec
               std::move(attributes)});
 }
 
-// --- tokens
-// ---------------------------------------------------------------------------------------
+// --- tokens ---
 
 std::vector<std::uint16_t> halves_of(const features::NamedArray& array, const fs::path& file) {
   std::vector<float> numbers(array.elements());
@@ -198,7 +227,7 @@ std::vector<std::uint16_t> halves_of(const features::NamedArray& array, const fs
     finite = copy_halves(array.bytes.data(), numbers);
   } else {
     refuse(file.string(), array.name, "unsupported-type",
-           fmt::format("{}; floats of 16 or 32 bits are read", to_string(array.type)));
+           fmt::format("{}; floats of 16 or 32 bits are read", enum_name(array.type)));
   }
   std::vector<std::uint16_t> halves(numbers.size());
   std::ranges::transform(numbers, halves.begin(), to_half);
@@ -223,7 +252,7 @@ void check_tokens(const features::NamedArray& array, const TokenShape& wanted,
 
 void write_view_features(const Graphs& graphs, const FeatureSource& source, const fs::path& file,
                          const ExportOptions& options) {
-  detail::StoredNumbers stored(source.type);
+  StoredNumbers stored(source.type);
   Columns columns(*graphs, source);
   detail::write_by_scan(
       *graphs, file, job_of("views", source), options,
@@ -240,7 +269,7 @@ void write_object_features(const Graphs& graphs, const tasks::ObjectBoxes& boxes
                            const FeatureSource& source, const fs::path& file, std::size_t most,
                            const ExportOptions& options) {
   check_range("most", static_cast<double>(most), 1, 1000);
-  detail::StoredNumbers stored(source.type);
+  StoredNumbers stored(source.type);
   Columns columns(*graphs, source);
   const std::string all = boxes.to_json(false);
   const std::string job = fmt::format("{}objects {:016x} {}\n", job_of("objects", source),

@@ -8,9 +8,10 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/exports/detail/numbers.h"
+#include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/tasks/objects.h"
 #include "tests/support/graphs.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
@@ -167,7 +168,23 @@ TEST_F(FeatureFiles, TokensOfOtherShapesAreRefused) {
               HasSubstr("shape 12 195 2; 12 views of 196 tokens are wanted"));
 }
 
-TEST(Numbers, DepthIsTheMeanOfReadings) {
+TEST_F(FeatureFiles, NumbersTooLargeForSixteenBitsAreNamed) {
+  features::FeatureInfo info;
+  info.dimensions = 1;
+  auto writer =
+      features::FeatureWriter::create(file("l.safetensors"), info, {{"s", "v0"}, {"s", "v1"}});
+  const std::vector<float> numbers(36, 70000);
+  for (const std::size_t row : {0U, 1U}) writer.write(row, numbers);
+  writer.finish();
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] {
+                write_view_features(pair_of_viewpoints(),
+                                    {file("l.safetensors"), {}, Hdf5Type::kFloat16},
+                                    file("o.hdf5"));
+              }),
+              HasSubstr("s_v0: 70000 is no number of 16 bits"));
+}
+
+TEST(PoolDepth, IsTheMeanOfReadings) {
   // One picture of 2 x 2 cells of 2 x 2 pixels.
   const std::vector<float> depths{1, 0, 20, 20,  //
                                   3, 0, 5,  0,   //
@@ -177,13 +194,6 @@ TEST(Numbers, DepthIsTheMeanOfReadings) {
   detail::pool_depth(depths, 1, 2, 2, 10, cells);
   EXPECT_THAT(cells, ::testing::ElementsAre(0.2F, ::testing::FloatNear(2.5F / 3, 1e-6F), 0,
                                             ::testing::FloatNear(0.3F, 1e-6F)));
-}
-
-TEST(Numbers, ThoseTooLargeForSixteenBitsAreNamed) {
-  const std::array<float, 2> numbers{1, 70000};
-  detail::StoredNumbers halves(Hdf5Type::kFloat16);
-  EXPECT_THAT(tests::refusal<ArgumentError>([&] { halves.store(numbers, "s_v"); }),
-              HasSubstr("s_v: 70000 is no number of 16 bits"));
 }
 
 }  // namespace EN_UNIT

@@ -1,27 +1,53 @@
 #include "enfilade/exports/graph_tables.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
 #include <span>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/exports/detail/json_text.h"
+#include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/sim/candidates.h"
 
 namespace enfilade::exports {
 namespace {
 
-using detail::json_number;
-using detail::json_string;
 using graph::GraphSet;
 using graph::NavGraph;
 using sim::Candidate;
 using Graphs = std::shared_ptr<const GraphSet>;
 using Candidates = std::span<const Candidate>;
+
+/// The shortest text that reads back as this number, with a point or an exponent, so that Python
+/// reads a float.
+/// \throws ArgumentError for an infinite number or NaN, which JSON does not have
+std::string json_number(double value) {
+  if (!std::isfinite(value)) {
+    throw ArgumentError(fmt::format("{}: a number that JSON cannot say", value));
+  }
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+/// In quotes, escaped. \throws ArgumentError for text that is not UTF-8
+std::string json_string(std::string_view text) {
+  try {
+    return nlohmann::json(text).dump();
+  } catch (const nlohmann::json::exception&) {
+    throw ArgumentError(fmt::format("a name that is not UTF-8: {:?}", text.substr(0, 80)));
+  }
+}
 
 /// The text of what stands behind a viewpoint's name.
 using WriteViewpoint =
@@ -34,9 +60,7 @@ enum class Needs : std::uint8_t { kCandidates, kGraph };
 std::string entries_of_scan(const NavGraph& graph, ScanIndex scan, sim::CandidateFinder* finder,
                             const std::string& prefix, const WriteViewpoint& write) {
   std::string text;
-  for (std::size_t i = 0; i < graph.size(); ++i) {
-    const ViewpointIndex v(i);
-    if (!graph.included(v)) continue;
+  for (const ViewpointIndex v : detail::included(graph)) {
     Candidates candidates;
     if (finder != nullptr) candidates = finder->find({scan, v});
     if (!text.empty()) text += ",\n";
@@ -75,12 +99,8 @@ std::string table_of_all(const Graphs& graphs, const ExportOptions& options, Nee
 /// Joins what `write` says of each candidate.
 template <class Write>
 std::string joined(char open, Candidates candidates, char close, const Write& write) {
-  std::string text(1, open);
-  for (const Candidate& candidate : candidates) {
-    if (text.size() > 1) text += ", ";
-    text += write(candidate);
-  }
-  return text + close;
+  return fmt::format("{}{}{}", open, fmt::join(candidates | std::views::transform(write), ", "),
+                     close);
 }
 
 std::string duet_entry(const NavGraph& graph, ViewpointIndex /*v*/, Candidates candidates) {
@@ -120,6 +140,38 @@ std::string position_entry(const NavGraph& graph, ViewpointIndex v, Candidates /
                      json_number(at.z));
 }
 
+// --- networkx ---
+
+/// The ids of all viewpoints as JSON has them.
+std::vector<std::string> quoted_ids(const NavGraph& graph) {
+  std::vector<std::string> ids;
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    ids.push_back(json_string(graph.id(ViewpointIndex(i))));
+  }
+  return ids;
+}
+
+/// A text of every pair that is in reach, by from and to.
+template <class Write>
+std::string all_pairs(const NavGraph& graph, const std::vector<std::string>& ids,
+                      const Write& write) {
+  const std::vector<ViewpointIndex> all = detail::included(graph);
+  std::string text = "{";
+  for (const ViewpointIndex a : all) {
+    text += text.size() > 1 ? ",\n" : "\n";
+    text += ids[a.at()] + ": {";
+    bool first = true;
+    for (const ViewpointIndex b : all) {
+      if (!std::isfinite(graph.distance(a, b))) continue;
+      if (!std::exchange(first, false)) text += ", ";
+      text += ids[b.at()] + ": ";
+      text += write(a, b);
+    }
+    text += '}';
+  }
+  return text + "\n}\n";
+}
+
 }  // namespace
 
 std::string duet_candidates(const Graphs& graphs, const ExportOptions& options) {
@@ -137,6 +189,38 @@ std::string navgpt_navigable(const Graphs& graphs, ScanIndex scan) {
 
 std::string gridmm_viewpoints(const Graphs& graphs, const ExportOptions& options) {
   return table_of_all(graphs, options, Needs::kGraph, position_entry);
+}
+
+std::string all_distances(const NavGraph& graph) {
+  return all_pairs(graph, quoted_ids(graph), [&](ViewpointIndex a, ViewpointIndex b) {
+    return json_number(graph.distance(a, b));
+  });
+}
+
+std::string all_paths(const NavGraph& graph) {
+  const std::vector<std::string> ids = quoted_ids(graph);
+  return all_pairs(graph, ids, [&](ViewpointIndex a, ViewpointIndex b) {
+    const std::optional<std::vector<ViewpointIndex>> path = graph.path(a, b);
+    const auto names = *path | std::views::transform([&](ViewpointIndex v) -> const std::string& {
+      return ids[v.at()];
+    });
+    return fmt::format("[{}]", fmt::join(names, ", "));
+  });
+}
+
+std::string all_edges(const NavGraph& graph) {
+  const std::vector<std::string> ids = quoted_ids(graph);
+  std::string text = "{";
+  for (const ViewpointIndex v : detail::included(graph)) {
+    const Vec3f at = graph.position(v);
+    const auto edges = graph.edges(v) | std::views::transform([&](const graph::Edge& edge) {
+                         return ids[edge.target.at()] + ": " + json_number(edge.length);
+                       });
+    text += fmt::format(R"({}{}: {{"position": [{}, {}, {}], "edges": {{{}}}}})",
+                        text.size() > 1 ? ",\n" : "\n", ids[v.at()], json_number(at.x),
+                        json_number(at.y), json_number(at.z), fmt::join(edges, ", "));
+  }
+  return text + "\n}\n";
 }
 
 }  // namespace enfilade::exports

@@ -1,5 +1,5 @@
 /// \file  Other code's tables of navigation graphs: which viewpoints are reachable from a
-/// viewpoint, and in which view. Texts in JSON; docs/exports.md has each form.
+/// viewpoint, in which view, and by which path. Texts in JSON; docs/exports.md has each form.
 #pragma once
 #include <memory>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace enfilade::exports {
 
-// All of them have the included viewpoints of every scan, in the order of the graphs. Neighbours
+// All these have the included viewpoints of every scan, in the order of the graphs. Neighbours
 // come in the order in which turning through the 36 views meets them (sim::CandidateFinder, with
 // the camera of Room-to-Room: 640 x 480, 60 degrees). Angles are radians; numbers read back to the
 // bit. `options.progress` counts scans. All throw FileError and InvalidInput for graphs that cannot
@@ -38,5 +38,16 @@ std::string navgpt_navigable(const std::shared_ptr<const graph::GraphSet>& graph
 /// metres, world frame.
 std::string gridmm_viewpoints(const std::shared_ptr<const graph::GraphSet>& graphs,
                               const ExportOptions& options = {});
+
+// The tables of a scan that code with networkx stores, and what its graph is made of.
+
+/// `{"<from>": {"<to>": metres}}` of all included viewpoints of a scan that reach each other, 0 for
+/// itself; pairs out of reach are left out, as networkx does. JSON.
+std::string all_distances(const graph::NavGraph& graph);
+/// `{"<from>": {"<to>": ["<from>", ..., "<to>"]}}`, likewise. A path is
+/// NavGraph::path(); networkx may choose another equally short one.
+std::string all_paths(const graph::NavGraph& graph);
+/// `{"<viewpoint>": {"position": [x, y, z], "edges": {"<neighbour>": metres}}}`, world frame. JSON.
+std::string all_edges(const graph::NavGraph& graph);
 
 }  // namespace enfilade::exports

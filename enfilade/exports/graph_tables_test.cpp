@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/exports/detail/json_text.h"
 #include "enfilade/graph/graph_set.h"
 #include "tests/support/graphs.h"
 
@@ -108,14 +107,31 @@ TEST(GraphTables, ThreadsChangeNothingAndProgressEndsAtTheTotal) {
   EXPECT_THAT(seen, ElementsAre(1, 2));
 }
 
-TEST(JsonText, NumbersAreFloatsAndReadBackEqual) {
-  EXPECT_EQ(detail::json_number(1), "1.0");
-  EXPECT_EQ(detail::json_number(0.1), "0.1");
-  EXPECT_EQ(detail::json_number(-1e-7), "-1e-07");
-  EXPECT_EQ(std::stod(detail::json_number(1.0 / 3)), 1.0 / 3);
-  EXPECT_THROW(detail::json_number(std::nan("")), ArgumentError);
-  EXPECT_EQ(detail::json_string("a\"b"), R"("a\"b")");
-  EXPECT_THROW(detail::json_string("\xff"), ArgumentError);
+TEST(Networkx, DistancesAndPathsAreOfAllPairsInReach) {
+  // A triangle with legs 3 and 4 in a row, and one viewpoint apart.
+  const graph::NavGraph graph(graph::testing::connectivity(
+      "s", {{0, 0, 0}, {3, 0, 0}, {3, 4, 0}, {9, 9, 0}}, {{0, 1}, {1, 2}}));
+  const json distances = json::parse(all_distances(graph));
+  EXPECT_EQ(distances.at("v0"), json::parse(R"({"v0": 0.0, "v1": 3.0, "v2": 7.0})"));
+  EXPECT_EQ(distances.at("v3"), json::parse(R"({"v3": 0.0})"));
+  const json paths = json::parse(all_paths(graph));
+  EXPECT_EQ(paths.at("v2").at("v0"), json::parse(R"(["v2", "v1", "v0"])"));
+  EXPECT_EQ(paths.at("v1").at("v1"), json::parse(R"(["v1"])"));
+  const json edges = json::parse(all_edges(graph));
+  EXPECT_EQ(edges.size(), 4U);
+  EXPECT_EQ(edges.at("v1"), json::parse(R"({"position": [3.0, 0.0, 0.0],
+                                            "edges": {"v0": 3.0, "v2": 4.0}})"));
+  EXPECT_EQ(edges.at("v3").at("edges"), json::object());
+}
+
+TEST(Networkx, NumbersAreFloatsAndNamesAreEscaped) {
+  scan::Connectivity c =
+      graph::testing::connectivity("s", {{0, 0, 0}, {0.125, 0, 0}, {3, 0, 0}}, {{0, 1}, {1, 2}});
+  c.entries[0].id = "a\"b";
+  const std::string text = all_distances(graph::NavGraph(c));
+  EXPECT_THAT(text, ::testing::HasSubstr(R"("a\"b": {"a\"b": 0.0, "v1": 0.125, "v2": 3.0})"));
+  c.entries[0].id = "\xff";
+  EXPECT_THROW(all_distances(graph::NavGraph(c)), ArgumentError);
 }
 
 }  // namespace EN_UNIT

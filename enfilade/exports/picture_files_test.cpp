@@ -1,11 +1,10 @@
-// Exports that draw: depth files, and pictures of views.
+#include "enfilade/exports/picture_files.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/exports/depth_files.h"
-#include "enfilade/exports/view_pictures.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/scan/store.h"
 #include "tests/support/made_panoramas.h"

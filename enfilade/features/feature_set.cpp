@@ -49,7 +49,7 @@ void check_info(const fs::path& file, const FeatureInfo& info) {
   }
   if (info.type != DType::kFloat32 && info.type != DType::kFloat16) {
     throw ArgumentError(
-        fmt::format("{}: numbers of type {}, not F32 or F16", file.string(), to_string(info.type)));
+        fmt::format("{}: numbers of type {}, not F32 or F16", file.string(), enum_name(info.type)));
   }
   validate(info.camera);
 }
@@ -61,12 +61,9 @@ void check_keys(const fs::path& file, const std::vector<FeatureKey>& keys) {
   std::unordered_map<std::string, std::size_t> names;
   for (const FeatureKey& key : keys) {
     const std::string name = formats::name_of(key);
-    if (key.scan.empty() || key.viewpoint.empty() || std::ranges::any_of(name, unfit) ||
-        key.viewpoint.find('_') != std::string::npos) {
-      throw ArgumentError(
-          fmt::format("{}: {}: not names without control characters and \"/\", the "
-                      "viewpoint's without \"_\"",
-                      file.string(), place_of(key)));
+    if (key.scan.empty() || key.viewpoint.empty() || std::ranges::any_of(name, unfit)) {
+      throw ArgumentError(fmt::format("{}: {}: not names without control characters and \"/\"",
+                                      file.string(), place_of(key)));
     }
     if (!names.emplace(name, names.size()).second) {
       throw ArgumentError(fmt::format("{}: {} comes twice", file.string(), place_of(key)));
@@ -102,7 +99,7 @@ struct FeatureSet::Impl {
   std::string file;
   formats::FeatureRows read;
   FeatureInfo info;  ///< with the columns that are shown, perhaps fewer than were read
-  std::unordered_map<std::string, std::size_t> rows;  ///< by name, as a scan may have a "_", too
+  std::unordered_map<std::string, std::size_t> rows;  ///< by name: either id may have a "_"
 };
 
 FeatureSet FeatureSet::open(const fs::path& file) {

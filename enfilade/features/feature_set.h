@@ -84,8 +84,8 @@ class FeatureWriter {
  public:
   /// Continues a "<file>.part" of the same info and keys (safetensors; other formats begin again).
   /// \throws FileError, also if another process is writing it
-  /// \throws ArgumentError for no keys, equal keys, names with control characters or "/",
-  /// viewpoints with "_", 0 dimensions, or types other than kFloat32 and kFloat16
+  /// \throws ArgumentError for no keys, equal `<scan>_<viewpoint>`, names with control characters
+  /// or "/", 0 dimensions, or types other than kFloat32 and kFloat16
   /// \throws ArgumentError for a layout that the format does not support: TSV has 36 views of
   /// kFloat32
   static FeatureWriter create(const std::filesystem::path& file, const FeatureInfo& info,

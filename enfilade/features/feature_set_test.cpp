@@ -251,6 +251,17 @@ TEST_F(FeatureSetTest, TheSuffixNamesTheFormat) {
   EXPECT_THAT(tests::refusal<ArgumentError>([] { format_of("b.npz"); }), HasSubstr("b.npz: ends"));
 }
 
+// As cameras name their pictures: IMG_1_01.jpg.
+TEST_F(FeatureSetTest, ViewpointsWithBarsAreFoundByTheWholeName) {
+  const std::vector<FeatureKey> keys{{"home", "IMG_1_01"}, {"my_home", "IMG_1_02"}};
+  for (const char* name : {"f.safetensors", "f.hdf5", "f.tsv"}) {
+    write_set(path(name), made_info(), keys);
+    const FeatureSet set = FeatureSet::open(path(name));
+    for (std::size_t k : {0U, 1U}) EXPECT_EQ(views(set, keys[k]), row_of(k)) << name;
+    EXPECT_FALSE(set.row("home", "IMG_1_02")) << name;
+  }
+}
+
 TEST_F(FeatureSetTest, WhatCannotBeWrittenIsTheCallersMistake) {
   const auto refusal = [&](const FeatureInfo& info, std::vector<FeatureKey> keys,
                            const char* name = "f.safetensors") {
@@ -260,7 +271,7 @@ TEST_F(FeatureSetTest, WhatCannotBeWrittenIsTheCallersMistake) {
   FeatureInfo info = made_info();
   EXPECT_THAT(refusal(info, {}), HasSubstr("of no viewpoint"));
   EXPECT_THAT(refusal(info, keys_of({"aa", "aa"})), HasSubstr("viewpoint \"aa\" comes twice"));
-  EXPECT_THAT(refusal(info, {{"s", "a_b"}}), HasSubstr("without \"_\""));
+  EXPECT_THAT(refusal(info, {{"s", "a_b"}, {"s_a", "b"}}), HasSubstr("comes twice"));
   EXPECT_THAT(refusal(info, {{"s/t", "a"}}), HasSubstr("\"/\""));
   EXPECT_THAT(refusal(info, {{"s", "a\tb"}}), HasSubstr("control characters"));
   EXPECT_THAT(refusal(info, {{"", "a"}}), HasSubstr("scan \"\""));

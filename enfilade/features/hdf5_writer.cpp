@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <functional>
-#include <numeric>
+#include <array>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/part_file.h"
-#include "enfilade/features/formats/hdf5_library.h"
+#include "enfilade/features/formats/hdf5_datasets.h"
 
 namespace enfilade::features {
 namespace {
@@ -20,26 +19,15 @@ using formats::Hdf5Library;
 constexpr std::uint64_t kChunkBytes = std::uint64_t{1} << 20U;
 
 Hdf5Handle stored_type(Hdf5Type type) {
-  switch (type) {
-    case Hdf5Type::kFloat16:
-      return formats::half_type();
-    case Hdf5Type::kFloat32:
-      return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose};
-    case Hdf5Type::kFloat64:
-      return {H5Tcopy(H5T_IEEE_F64LE), H5Tclose};
-    case Hdf5Type::kUint8:
-      return {H5Tcopy(H5T_STD_U8LE), H5Tclose};
-    case Hdf5Type::kUint16:
-      return {H5Tcopy(H5T_STD_U16LE), H5Tclose};
-    case Hdf5Type::kInt64:
-      break;
-  }
-  return {H5Tcopy(H5T_STD_I64LE), H5Tclose};
+  if (type == Hdf5Type::kFloat16) return formats::half_type();
+  const std::array<hid_t, 5> others{H5T_IEEE_F32LE, H5T_IEEE_F64LE, H5T_STD_U8LE, H5T_STD_U16LE,
+                                    H5T_STD_I64LE};
+  return {H5Tcopy(others.at(static_cast<std::size_t>(type) - 1)), H5Tclose};
 }
 
-Hdf5Handle text_type() {
+Hdf5Handle text_type(std::size_t size = H5T_VARIABLE) {
   Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.id(), H5T_VARIABLE);
+  H5Tset_size(type.id(), size);
   H5Tset_cset(type.id(), H5T_CSET_UTF8);
   return type;
 }
@@ -76,29 +64,19 @@ void check_text(const std::string& name, const std::string& text) {
 }  // namespace
 
 std::size_t size_of(Hdf5Type type) noexcept {
-  switch (type) {
-    case Hdf5Type::kUint8:
-      return 1;
-    case Hdf5Type::kFloat16:
-    case Hdf5Type::kUint16:
-      return 2;
-    case Hdf5Type::kFloat32:
-      return 4;
-    case Hdf5Type::kFloat64:
-    case Hdf5Type::kInt64:
-      break;
-  }
-  return 8;
+  constexpr std::array<std::size_t, 6> kSizes{2, 4, 8, 1, 2, 8};
+  return kSizes[static_cast<std::size_t>(type)];
 }
 
 struct Hdf5Writer::Impl {
   Impl(const std::filesystem::path& target, const Hdf5Options& options)
-      : file(target), gzip(options.gzip) {
+      : file(target), gzip(options.gzip), replaces(options.replaces) {
     check_range("gzip", gzip, 0, 9);
     part = PartFile(file).path();  // PartFile throws if it cannot be written
     const Hdf5Library library;
     Hdf5Handle made(H5Fcreate(part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
     check(made.good());
+    for (const auto& [name, text] : options.texts) write_fixed_text(made.id(), name, text);
     handle = std::move(made);
   }
   ~Impl() {
@@ -113,19 +91,21 @@ struct Hdf5Writer::Impl {
     throw FileError(fmt::format("{}: cannot be written: {}", part.string(), Hdf5Library::reason()));
   }
 
-  void check_name(const std::string& name) const {
+  /// Makes way for a name.
+  void clear_name(const std::string& name) const {
     check_text("a name", name);
     if (name.empty() || name.find('/') != std::string::npos) {
       throw ArgumentError(fmt::format("{:?}: not a name of an array in the root group", name));
     }
     if (H5Lexists(handle.id(), name.c_str(), H5P_DEFAULT) > 0) {
+      if (replaces) return check(H5Ldelete(handle.id(), name.c_str(), H5P_DEFAULT) >= 0);
       throw ArgumentError(fmt::format("{}: {:?} is there already", part.string(), name));
     }
   }
 
+  /// How a packed array is stored. \pre gzip > 0
   Hdf5Handle layout_of(const Hdf5Array& array) const {
     Hdf5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    if (gzip == 0) return layout;
     // Whole sub-arrays along the first axis, as many as make a pack.
     std::vector<hsize_t> chunk = sizes_of(array);
     const std::uint64_t row = array.bytes.size() / chunk[0];
@@ -140,6 +120,14 @@ struct Hdf5Writer::Impl {
     const Hdf5Handle attribute(
         H5Acreate2(to, name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     check(attribute.good() && H5Awrite(attribute.id(), type.id(), value) >= 0);
+  }
+
+  void write_fixed_text(hid_t to, const std::string& name, const std::string& text) const {
+    if (text.empty()) return;
+    const Hdf5Handle type = text_type(text.size());
+    const Hdf5Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
+    check(H5Tset_strpad(type.id(), H5T_STR_NULLPAD) >= 0);
+    write_value(to, name.c_str(), type, scalar, text.data());
   }
 
   void write_attribute(hid_t to, const Hdf5Attribute& attribute) const {
@@ -165,6 +153,7 @@ struct Hdf5Writer::Impl {
 
   std::filesystem::path file, part;
   int gzip;
+  bool replaces;
   Hdf5Handle handle{-1, H5Fclose};
 };
 
@@ -195,13 +184,15 @@ Hdf5Writer& Hdf5Writer::operator=(Hdf5Writer&&) noexcept = default;
 void Hdf5Writer::write(const Hdf5Dataset& dataset) {
   check_values(dataset);
   const Hdf5Library library;
-  impl_->check_name(dataset.name);
+  impl_->clear_name(dataset.name);
   const Hdf5Handle type = stored_type(dataset.array.type);
   const Hdf5Handle space = simple_space(sizes_of(dataset.array));
-  const Hdf5Handle layout = impl_->layout_of(dataset.array);
-  const Hdf5Handle made(H5Dcreate2(impl_->handle.id(), dataset.name.c_str(), type.id(), space.id(),
-                                   H5P_DEFAULT, layout.id(), H5P_DEFAULT),
-                        H5Dclose);
+  const Hdf5Handle layout =
+      impl_->gzip == 0 ? Hdf5Handle(-1, H5Pclose) : impl_->layout_of(dataset.array);
+  const Hdf5Handle made(
+      H5Dcreate2(impl_->handle.id(), dataset.name.c_str(), type.id(), space.id(), H5P_DEFAULT,
+                 layout.good() ? layout.id() : H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
   impl_->check(made.good());
   impl_->check(H5Dwrite(made.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
                         dataset.array.bytes.data()) >= 0);
@@ -216,23 +207,12 @@ void Hdf5Writer::copy_from(const std::filesystem::path& file) {
   if (!from.good()) {
     throw FileError(fmt::format("{}: cannot be read: {}", file.string(), Hdf5Library::reason()));
   }
-  std::vector<std::string> names;
-  const herr_t listed = H5Literate(
-      from.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr,
-      [](hid_t, const char* name, const H5L_info_t*, void* into) -> herr_t {
-        try {
-          static_cast<std::vector<std::string>*>(into)->emplace_back(name);
-        } catch (const std::exception&) {
-          return -1;  // nothing may be thrown through the library
-        }
-        return 0;
-      },
-      &names);
-  if (listed < 0) {
+  const formats::Hdf5Links links = formats::links_of(from.id());
+  if (!links.read || !links.hard) {
     throw FileError(fmt::format("{}: cannot be read: {}", file.string(), Hdf5Library::reason()));
   }
-  for (const std::string& name : names) {
-    impl_->check_name(name);
+  for (const std::string& name : links.names) {
+    impl_->clear_name(name);
     impl_->check(H5Ocopy(from.id(), name.c_str(), impl_->handle.id(), name.c_str(), H5P_DEFAULT,
                          H5P_DEFAULT) >= 0);
   }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -47,7 +48,11 @@ struct Hdf5Dataset {
 
 /// How a file is written.
 struct Hdf5Options {
-  int gzip = 4;  ///< 0: not packed; 1 (fast) to 9 (small). h5py's own choice is 4
+  int gzip = 4;           ///< 0: not packed; 1 (fast) to 9 (small). h5py's own choice is 4
+  bool replaces = false;  ///< an array takes the place of an earlier one of its name
+  /// Attributes of the file, as texts of fixed length: a damaged file with variable ones can crash
+  /// readers. Empty texts are left out.
+  std::map<std::string, std::string> texts = {};
 };
 
 /// Writes a file, an array at a time, in any order. The file has its name only after finish();
@@ -64,8 +69,8 @@ class Hdf5Writer {
 
   /// \pre not finished
   /// \throws FileError (the disk is full, ...)
-  /// \throws ArgumentError for an invalid or repeated name, an invalid shape or one that does not
-  /// fit the bytes, and texts with a null character
+  /// \throws ArgumentError for an invalid or (unless it replaces) repeated name, a shape that is
+  /// invalid or does not fit the bytes, and null characters in texts
   void write(const Hdf5Dataset& dataset);
   /// Copies all arrays of a file that an Hdf5Writer has finished, as they are packed.
   /// \throws FileError; ArgumentError for a name that this file has already

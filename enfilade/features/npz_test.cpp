@@ -8,8 +8,8 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/scan/file_tree.h"
 #include "enfilade/scan/npy.h"
-#include "enfilade/scan/zip_writer.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -94,6 +94,15 @@ TEST_F(NpzTest, EveryArrayThatIsWrongIsNamed) {
                           HasSubstr("b: 4 bytes of elements, not the 8"), HasSubstr("c: "),
                           HasSubstr("d: no array of NumPy's")));
   EXPECT_THAT(said, HasSubstr("arrays.npz"));
+}
+
+TEST_F(NpzTest, AnArrayOfAnotherTypeIsLeftOut) {
+  const std::vector<float> one{1};
+  const TensorFile file =
+      open({{"a.npy", scan::write_npy(one, {1})}, {"b.npy", npy("<i2", "False", "(1,)", "\1\2")}});
+  EXPECT_EQ(file.arrays().size(), 1U);
+  EXPECT_THAT(file.left_out().at("b"), HasSubstr("<i2"));
+  EXPECT_THAT(refusal({{"b.npy", npy("<i2", "False", "(1,)", "\1\2")}}), HasSubstr("<i2"));
 }
 
 TEST_F(NpzTest, AZipWithOtherFilesIsNone) {

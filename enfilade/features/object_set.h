@@ -31,9 +31,7 @@ class ObjectSet {
   /// sizes that differ, and numbers that are not finite
   static ObjectSet open(const std::filesystem::path& file);
 
-  std::size_t dimensions() const noexcept;    ///< per object
-  std::size_t viewpoints() const noexcept;    ///< that have objects
-  std::size_t most_objects() const noexcept;  ///< per viewpoint
+  std::size_t dimensions() const noexcept;  ///< per object
   const std::filesystem::path& file() const noexcept;
   /// In the file's order. Empty for viewpoints that are not there. Valid as long as *this.
   std::span<const ObjectView> objects(std::string_view scan, std::string_view viewpoint) const;

@@ -59,8 +59,6 @@ TEST_F(ObjectSetTest, ObjectsAreReadInTheFilesOrder) {
       {"bboxes", Hdf5Array{Hdf5Type::kFloat64, {2, 4}, std::as_bytes(std::span(boxes_))}});
   const ObjectSet set = written({dataset("a_v"), soon});
   EXPECT_EQ(set.dimensions(), 3U);
-  EXPECT_EQ(set.viewpoints(), 2U);
-  EXPECT_EQ(set.most_objects(), 2U);
   const auto objects = set.objects("a", "v");
   ASSERT_EQ(objects.size(), 2U);
   EXPECT_EQ(objects[0].id, "67");

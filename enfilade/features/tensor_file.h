@@ -1,5 +1,6 @@
 /// \file  Named arrays in files: weights and features.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "enfilade/core/enum_names.h"
 
 namespace enfilade::features {
 
@@ -24,8 +27,11 @@ enum class DType : std::uint8_t {
   kUint64,
   kBool,
 };
-std::size_t size_of(DType type) noexcept;         ///< bytes of an element
-std::string_view to_string(DType type) noexcept;  ///< the name in safetensors: "F16", "I64"
+std::size_t size_of(DType type) noexcept;  ///< bytes of an element
+/// As in safetensors.
+constexpr std::array<std::string_view, 9> names_of(DType /*enum*/) {
+  return {"F16", "BF16", "F32", "F64", "I32", "I64", "U8", "U64", "BOOL"};
+}
 
 /// One array: contiguous, row-major, little-endian. Does not own its bytes; those of a TensorFile
 /// are aligned for their type and valid as long as the file.
@@ -46,27 +52,38 @@ struct NamedArray {
 ///   older plain pickles
 ///
 /// From a pickle only a dictionary's tensors are built; no code that it names is ever run. In a
-/// checkpoint the dictionary below "state_dict", "model_state_dict", "model" or "module" is read. A
-/// checkpoint of several networks ({"encoder": {"state_dict": ...}, ...}) gives those of all, named
-/// "encoder.<name>" (once, and without PyTorch's wrapper "module."). A TorchScript module gives the
-/// tensors of all modules in it. docs/features.md has more.
+/// checkpoint the dictionary below "state_dict", "model_state_dict", "model" or "module" is read,
+/// whatever lies beside it. A checkpoint of several networks ({"encoder": {"state_dict": ...},
+/// ...}) gives those of all, named "encoder.<name>" (once, and as bare_name()). A TorchScript
+/// module gives the tensors of all modules in it. docs/features.md has more.
 class TensorFile {
  public:
-  /// Detects the format by content. \throws FileError; InvalidInput naming the array or the byte
+  /// Detects the format by content. \throws FileError; InvalidInput naming the array or the byte,
+  /// also if none of the file's arrays can be read
   static TensorFile open(const std::filesystem::path& file);
 
   std::span<const NamedArray> arrays() const noexcept;  ///< by name; valid as long as *this
   const NamedArray* find(std::string_view name) const noexcept;  ///< null for an unknown name.
-  /// safetensors' `__metadata__`. For a checkpoint of PyTorch, the fields beside "state_dict"; in
-  /// one of several networks as "<network>.epoch". They are digits of a whole number, else an empty
-  /// text. Empty for others.
+  /// Arrays of the file that are not read, with the reason: a type of numbers that DType lacks, or
+  /// code that would have to run.
+  const std::map<std::string, std::string>& left_out() const noexcept;
+  /// safetensors' `__metadata__`. For a checkpoint of PyTorch, the fields beside "state_dict" (or
+  /// the other name of it); in one of several networks as "<network>.epoch". They are digits of a
+  /// whole number, else an empty text. Empty for others.
   const std::map<std::string, std::string>& metadata() const noexcept;
   const std::filesystem::path& path() const noexcept;
+  /// The same arrays, also those left out, by other names, which may be equal. Shares the memory.
+  TensorFile renamed(std::string (*name)(std::string_view)) const;
 
  private:
   struct Impl;
   std::shared_ptr<const Impl> impl_;
 };
+
+/// A name without what PyTorch's wrappers put into it: "module." (data parallel), "_orig_mod."
+/// (torch.compile()) and "model." (a Lightning module's attribute) at the start, in any order and
+/// number; "_orig_mod.", "_fsdp_wrapped_module." and "_checkpoint_wrapped_module." anywhere.
+std::string bare_name(std::string_view name);
 
 /// Writes safetensors. Writes to `<file>.part` first and then renames it, so `file` is complete or
 /// unchanged, even after a power failure. Arrays whose size is a multiple of 64 bytes come first,

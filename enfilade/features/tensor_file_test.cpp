@@ -150,6 +150,14 @@ TEST_F(TensorFileTest, HeadersThatAreWrongAreRefused) {
   EXPECT_THAT(
       refusal_of_header(R"({"a":{"dtype":"I16","shape":[2],"data_offsets":[0,4]}})", "1234"),
       AllOf(HasSubstr("$.a.dtype"), HasSubstr("I16"), HasSubstr("not F16, BF16")));
+  // Beside others that are read it is left out.
+  const TensorFile some = TensorFile::open(
+      write(safetensors(R"({"a":{"dtype":"F8_E4M3","shape":[2],"data_offsets":[0,2]},)"
+                        R"("b":{"dtype":"U8","shape":[1],"data_offsets":[2,3]}})",
+                        "123")));
+  EXPECT_THAT(values<std::uint8_t>(some.find("b")), ElementsAre('3'));
+  EXPECT_EQ(some.find("a"), nullptr);
+  EXPECT_THAT(some.left_out().at("a"), HasSubstr("F8_E4M3"));
   EXPECT_THAT(refusal_of_header(R"({"a":{"dtype":"U8","shape":[-1],"data_offsets":[0,0]}})"),
               AllOf(HasSubstr("$.a.shape[0]"), HasSubstr("-1, not 0 or more")));
   EXPECT_THAT(refusal_of_header(R"({"a":{"dtype":"U8","shape":[1.5],"data_offsets":[0,0]}})"),
@@ -304,8 +312,11 @@ TEST_F(TensorFileTest, FindsTheTensorsOfATorchScriptModule) {
 }
 
 TEST_F(TensorFileTest, NamesOtherCodeThatAPickleHolds) {
-  EXPECT_THAT(tests::refusal<InvalidInput>([] { TensorFile::open(kSeeds / "foreign.pth"); }),
-              AllOf(HasSubstr("argparse.Namespace"), HasSubstr("foreign-code")));
+  // {"state_dict": {"f32": ..., "epoch": 1}, "args": argparse.Namespace(lr=0.1)}
+  const TensorFile file = TensorFile::open(kSeeds / "foreign.pth");
+  ASSERT_EQ(file.arrays().size(), 1U);
+  EXPECT_THAT(values<float>(file.find("f32")), ElementsAre(0, 0.5, 1, 1.5, 2, 2.5));
+  EXPECT_THAT(file.metadata(), ElementsAre(std::pair("args", "")));
   EXPECT_THAT(tests::refusal<InvalidInput>([] { TensorFile::open(kSeeds / "i16.pth"); }),
               AllOf(HasSubstr("torch.ShortStorage"), HasSubstr("unsupported-type")));
   EXPECT_THAT(refusal_of("\x80\x02"
@@ -362,7 +373,113 @@ class PickleTest : public TensorFileTest {
            std::string(1, elements) + "tQ" + offset + shape + strides + "\x89NtRs.";
   }
   static std::string number(char value) { return {'K', value}; }
+  // A tensor without a dictionary around it, of floats or of other numbers.
+  static std::string lone_tensor(const std::string& storage = "FloatStorage") {
+    std::string one = tensor(number(0), number(4) + "\x85", number(1) + "\x85").substr(4);
+    one.resize(one.size() - 2);
+    const std::string floats = "FloatStorage";
+    return one.replace(one.find(floats), floats.size(), storage);
+  }
+  // A key and its value, in a dictionary.
+  static std::string item(const std::string& key, const std::string& value) {
+    return "U" + std::string(1, static_cast<char>(key.size())) + key + value + "s";
+  }
+  TensorFile open(const std::string& items) {
+    return TensorFile::open(
+        write(scan::testing::zip_of({{"archive/data.pkl", "\x80\x02}" + items + "."},
+                                     {"archive/data/0", std::string(16, 'x')}})));
+  }
+  // An object of a class, made of arguments and a state; in Python's words c(*arguments).
+  static std::string object(const std::string& module, const std::string& name,
+                            const std::string& arguments = ")") {
+    return "c" + module + "\n" + name + "\n" + arguments + "R";
+  }
 };
+
+// As most training programs that fine-tune a network save it: the best accuracy is a tensor too.
+TEST_F(PickleTest, ATensorBesideTheStateDictIsNoWeight) {
+  for (const char* key : {"state_dict", "model_state_dict", "model", "module"}) {
+    const TensorFile file = open(item("epoch", number(3)) + item("best_acc1", lone_tensor()) +
+                                 item(key, "}" + item("conv1.weight", lone_tensor())));
+    ASSERT_EQ(file.arrays().size(), 1U) << key;
+    EXPECT_NE(file.find("conv1.weight"), nullptr) << key;
+    EXPECT_THAT(file.metadata(), ElementsAre(std::pair("best_acc1", ""), std::pair("epoch", "3")));
+  }
+  // A "module" of a network is not a dictionary beside it.
+  EXPECT_NE(open(item("module", lone_tensor())).find("module"), nullptr);
+}
+
+TEST_F(PickleTest, ObjectsOfOtherCodeAreNotNeeded) {
+  const std::string state = item("state_dict", "}" + item("w", lone_tensor()));
+  // An object with a state; a dictionary of another class, which is filled; a list likewise; a
+  // NumPy scalar, whose arguments are objects themselves; a class alone; a call of an object.
+  const std::vector<std::string> values{
+      object("argparse", "Namespace") + "}" + item("lr", number(1)) + "b",
+      "cyacs.config\nCfgNode\n)\x81" + item("SEED", number(1)) + "(U\x01" + "aK\x01U\x01" + "bNu}b",
+      object("authors.code", "Items") + number(1) + "a(NNe",
+      object("numpy.core.multiarray", "scalar",
+             object("numpy", "dtype",
+                    "(U\x02"
+                    "f8K\x01K\x01t") +
+                 "(K\x03U\x01<NNNtb" +
+                 object("_codecs", "encode",
+                        "U\x01"
+                        "xU\x06latin1\x86") +
+                 "\x86"),
+      "ctorch.optim\nAdam\n",
+      object("functools", "partial", "cauthors\nf\n\x85") + ")R",
+      "cauthors\nKeywords\n)}\x92"};
+  for (const std::string& value : values) {
+    for (const std::string& items : {item("args", value) + state, state + item("args", value)}) {
+      const TensorFile file = open(items);
+      ASSERT_EQ(file.arrays().size(), 1U) << value;
+      EXPECT_NE(file.find("w"), nullptr) << value;
+      EXPECT_THAT(file.metadata(), ElementsAre(std::pair("args", "")));
+    }
+  }
+}
+
+TEST_F(PickleTest, ObjectsOfOtherCodeAreNoTensors) {
+  const std::string sparse = object("torch._utils", "_rebuild_sparse_tensor",
+                                    "c"
+                                    "torch\nsparse_coo\n" +
+                                        lone_tensor() + "\x85\x86");
+  const std::string whole = "cmodels.resnet\nResNet\n)\x81}" + item("conv", lone_tensor()) + "b";
+  EXPECT_THAT(refusal_of_pickle("}" + item("state_dict", "}" + item("w", sparse)) + "."),
+              AllOf(HasSubstr("\"w\": made by \"torch._utils._rebuild_sparse_tensor\""),
+                    HasSubstr("foreign-code")));
+  for (const std::string& pickle : {whole + ".", "}" + item("model", whole) + "."}) {
+    EXPECT_THAT(refusal_of_pickle(pickle),
+                AllOf(HasSubstr("\"models.resnet.ResNet\""), HasSubstr("foreign-code"),
+                      HasSubstr("torch.save(model.state_dict(), file)")));
+  }
+  // Beside other tensors it is left out; who needs it says so.
+  const TensorFile file = open(item("w", sparse) + item("x", lone_tensor()));
+  EXPECT_EQ(file.arrays().size(), 1U);
+  EXPECT_THAT(file.left_out().at("w"), HasSubstr("_rebuild_sparse_tensor"));
+}
+
+TEST_F(PickleTest, NumbersOfOtherTypesAreLeftOut) {
+  for (const char* storage : {"ShortStorage", "ComplexFloatStorage", "UntypedStorage"}) {
+    const TensorFile file = open(item("w", lone_tensor(storage)) + item("x", lone_tensor()));
+    EXPECT_EQ(file.arrays().size(), 1U);
+    EXPECT_THAT(file.left_out().at("w"), HasSubstr(storage));
+  }
+}
+
+TEST(BareName, HasNothingOfWrappers) {
+  EXPECT_EQ(bare_name("conv1.weight"), "conv1.weight");
+  for (const char* name : {"module.conv1.weight", "_orig_mod.conv1.weight", "model.conv1.weight",
+                           "module._orig_mod.conv1.weight", "_orig_mod.module.conv1.weight",
+                           "model._orig_mod.module.conv1.weight", "module.module.conv1.weight",
+                           "conv1._orig_mod.weight", "_fsdp_wrapped_module.conv1.weight"}) {
+    EXPECT_EQ(bare_name(name), "conv1.weight") << name;
+  }
+  EXPECT_EQ(bare_name("vision_model.conv1.weight"), "vision_model.conv1.weight");
+  EXPECT_EQ(bare_name("block.module.weight"), "block.module.weight");
+  EXPECT_EQ(bare_name("not_orig_mod.weight"), "not_orig_mod.weight");
+  EXPECT_EQ(bare_name("module."), "module.");
+}
 
 TEST_F(PickleTest, TensorsStayWithinTheirStorages) {
   EXPECT_EQ(refusal_of_pickle(tensor(number(0), number(4) + "\x85", number(1) + "\x85")),
@@ -386,17 +503,14 @@ TEST_F(PickleTest, TensorsStayWithinTheirStorages) {
 }
 
 TEST_F(PickleTest, FindsTheTensorsOfEachOfSeveralNetworks) {
-  std::string one = tensor(number(0), number(4) + "\x85", number(1) + "\x85").substr(4);
-  one.resize(one.size() - 2);  // the tensor without the dictionary around it
-  const auto item = [](const std::string& key, const std::string& value) {
-    return "U" + std::string(1, static_cast<char>(key.size())) + key + value + "s";
-  };
+  const std::string one = lone_tensor();
   const auto network = [&](const std::string& key, const std::string& name) {
     return item(key, "}" + item("epoch", number(8)) + item("state_dict", "}" + item(name, one)));
   };
   const fuzz::MemoryFile memory(scan::testing::zip_of(
       {{"archive/data.pkl", "\x80\x02}" + network("encoder", "module.word") +
-                                network("net", "module.net.word") + item("step", number(3)) + "."},
+                                network("net", "module._orig_mod.net.word") +
+                                item("step", number(3)) + item("best", one) + "."},
        {"archive/data/0", std::string(16, 'x')}}));
   const TensorFile file = TensorFile::open(memory.path());
   ASSERT_EQ(file.arrays().size(), 2U);
@@ -447,6 +561,23 @@ TEST_F(PickleTest, OpcodesOutOfPlaceAreRefused) {
   EXPECT_THAT(refusal_of_pickle("ctorch\nFloatStorage\n)R."),
               HasSubstr("a storage's type is called"));
   EXPECT_THAT(refusal_of_pickle("N)R."), HasSubstr("where a function is expected"));
+}
+
+// The first 512 bytes of what tar(1) and Python's tarfile make.
+std::string tar_of(const std::string& name) {
+  std::string header(1024, '\0');
+  header.replace(0, name.size(), name);
+  return header.replace(257, 6, "ustar ");
+}
+
+TEST_F(TensorFileTest, TheTarFormOf2017IsNamedWithTheLineThatConvertsIt) {
+  for (const char* part : {"sys_info", "pickle", "storages", "tensors"}) {
+    EXPECT_THAT(refusal_of(tar_of(part)),
+                AllOf(HasSubstr("torch.save()'s tar form"), HasSubstr("old-torch"),
+                      HasSubstr("torch.save(torch.load(file, weights_only=False), new_file)")));
+  }
+  EXPECT_THAT(refusal_of(tar_of("resnet/w.pth")),
+              AllOf(HasSubstr("begins with \"resnet/w.pth\""), HasSubstr("unpack it")));
 }
 
 TEST_F(TensorFileTest, ArchivesOfOtherKindsAreRefused) {

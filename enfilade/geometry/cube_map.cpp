@@ -21,15 +21,14 @@ std::uint8_t faces_along(Vec3d from, Vec3d to) {
   constexpr double kMargin = 1e-9;  // both sides of an edge count if a line runs along it
   const Vec3d step = to - from;
   const auto change = [](double a, double b) { return b == 0 ? -1.0 : -a / b; };
-  const std::array<double, 8> candidates{0,
-                                         1,
-                                         change(from.x - from.y, step.x - step.y),
-                                         change(from.x + from.y, step.x + step.y),
-                                         change(from.x - from.z, step.x - step.z),
-                                         change(from.x + from.z, step.x + step.z),
-                                         change(from.y - from.z, step.y - step.z),
-                                         change(from.y + from.z, step.y + step.z)};
-  std::array<double, 8> at = candidates;
+  std::array<double, 8> at{0,
+                           1,
+                           change(from.x - from.y, step.x - step.y),
+                           change(from.x + from.y, step.x + step.y),
+                           change(from.x - from.z, step.x - step.z),
+                           change(from.x + from.z, step.x + step.z),
+                           change(from.y - from.z, step.y - step.z),
+                           change(from.y + from.z, step.y + step.z)};
   for (double& u : at) u = std::clamp(u, 0.0, 1.0);
   std::ranges::sort(at);
   std::uint8_t mask = 0;

@@ -10,7 +10,6 @@
 #include <cstdint>
 
 #include "enfilade/geometry/camera.h"
-#include "enfilade/geometry/mat.h"
 #include "enfilade/geometry/vec.h"
 
 namespace enfilade {

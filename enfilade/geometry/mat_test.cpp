@@ -1,4 +1,4 @@
-#include "enfilade/geometry/mat.h"
+#include "enfilade/geometry/vec.h"
 
 #include <gtest/gtest.h>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "enfilade/core/rng.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/graph/build.h"
-#include "enfilade/graph/detail/passage.h"
+#include "enfilade/graph/detail/floor_walk.h"
 
 namespace enfilade::graph {
 namespace {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "enfilade/core/detail/json.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 
 namespace enfilade::graph {
@@ -18,16 +19,6 @@ using json::Element;
 using json::Faults;
 using json::Path;
 using Action = Correction::Action;
-
-constexpr std::array<std::pair<Action, std::string_view>, 4> kActions{
-    {{Action::kAddEdge, "add-edge"},
-     {Action::kRemoveEdge, "remove-edge"},
-     {Action::kExclude, "exclude"},
-     {Action::kInclude, "include"}}};
-
-std::string_view name_of(Action action) {
-  return std::ranges::find(kActions, action, &std::pair<Action, std::string_view>::first)->second;
-}
 
 bool is_of_edge(Action action) {
   return action == Action::kAddEdge || action == Action::kRemoveEdge;
@@ -50,9 +41,7 @@ std::string read_needed(const std::optional<Element>& element, const Path& path,
 Action read_action(Element element, const Path& path, Faults& faults) {
   const auto text = json::string(element, path, faults);
   if (!text) return {};
-  const auto action =
-      std::ranges::find(kActions, *text, &std::pair<Action, std::string_view>::second);
-  if (action != kActions.end()) return action->first;
+  if (const auto action = find_enum<Action>(*text)) return *action;
   faults.error(path, "bad-action",
                json::describe(element) + ", not add-edge, remove-edge, exclude or include");
   return {};
@@ -71,10 +60,10 @@ Correction read_correction(Element element, const Path& path, Faults& faults) {
   c.to = read_text(found[4], Path(path, "to"), faults);
   c.when = read_text(found[5], Path(path, "when"), faults);
   if (is_of_edge(c.action) && c.to.empty()) {
-    faults.error(path, "missing-field", fmt::format("{} needs \"to\"", name_of(c.action)));
+    faults.error(path, "missing-field", fmt::format("{} needs \"to\"", enum_name(c.action)));
   } else if (!is_of_edge(c.action) && !c.to.empty()) {
     faults.error(path, "unused-field",
-                 fmt::format("{} is of one viewpoint; it has no \"to\"", name_of(c.action)));
+                 fmt::format("{} is of one viewpoint; it has no \"to\"", enum_name(c.action)));
   } else if (!c.to.empty() && c.to == c.from) {
     faults.error(path, "self-edge", fmt::format("an edge from {:?} to itself", c.from));
   }
@@ -165,7 +154,7 @@ Corrections parse_corrections(std::string_view json, const std::string& file) {
 std::string to_json(const Corrections& corrections) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Correction& c : corrections.list) {
-    nlohmann::ordered_json one{{"action", name_of(c.action)}, {"from", c.from}};
+    nlohmann::ordered_json one{{"action", enum_name(c.action)}, {"from", c.from}};
     if (is_of_edge(c.action)) one["to"] = c.to;
     one["who"] = c.who;
     one["why"] = c.why;
@@ -185,7 +174,7 @@ Corrected apply(const scan::Connectivity& connectivity, const Corrections& corre
     if (apply_one(out.connectivity, c)) continue;
     out.notes.push_back({Severity::kWarning, file, where(i), "no-change",
                          fmt::format("{} {}{}{} changes nothing: it is so already",
-                                     name_of(c.action), c.from, c.to.empty() ? "" : " ", c.to)});
+                                     enum_name(c.action), c.from, c.to.empty() ? "" : " ", c.to)});
   }
   return out;
 }

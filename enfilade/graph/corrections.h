@@ -1,5 +1,6 @@
 /// \file  People's corrections to a graph, kept apart from it: the paper's manual verification.
 #pragma once
+#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -19,6 +20,10 @@ struct Correction {
   std::string who, why;  ///< both must be there
   std::string when;      ///< ISO 8601 date or time; may be empty
 };
+/// Their names: core/enum_names.h.
+constexpr std::array<std::string_view, 4> names_of(Correction::Action /*enum*/) {
+  return {"add-edge", "remove-edge", "exclude", "include"};
+}
 /// All corrections to the graph of one scan.
 struct Corrections {
   std::string scan;

@@ -1,4 +1,4 @@
-#include "enfilade/graph/shortest_paths.h"
+#include "enfilade/graph/nav_graph.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/nav_graph.h"
@@ -77,9 +79,23 @@ Rect to_millimetre(const Rect& r) {
   return {to_millimetre(r.x0), to_millimetre(r.y0), to_millimetre(r.x1), to_millimetre(r.y1)};
 }
 
+constexpr double kAround = 1;  // metres beside the rooms: their walls, and thresholds
+
+mesh::Box around_rooms(const Plan& plan) {
+  constexpr double kFar = std::numeric_limits<double>::max();
+  Rect rooms{kFar, kFar, -kFar, -kFar};
+  for (const PlanRoom& room : plan.rooms) {
+    rooms = {std::min(rooms.x0, room.floor.x0), std::min(rooms.y0, room.floor.y0),
+             std::max(rooms.x1, room.floor.x1), std::max(rooms.y1, room.floor.y1)};
+  }
+  const PlanStorey& top = plan.storeys.back();
+  return {to_float(Vec3d{rooms.x0 - kAround, rooms.y0 - kAround, plan.storeys.front().floor - 0.5}),
+          to_float(Vec3d{rooms.x1 + kAround, rooms.y1 + kAround, top.floor + top.height})};
+}
+
 }  // namespace
 
-BuiltHome build_home(const PlanOptions& options, Surfaces surfaces) {
+BuiltHome build_home(const PlanOptions& options, HomeSurfaces surfaces) {
   BuiltHome built{make_home(options, surfaces), nullptr};
   built.tracer =
       std::make_shared<mesh::RayTracer>(std::make_shared<const mesh::Mesh>(built.home.mesh));
@@ -97,13 +113,20 @@ scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, 
   return graph::connect_viewpoints(*built.tracer, floor, viewpoints, scan, {}, threads);
 }
 
+mesh::FloorPolygons make_home_floor(const BuiltHome& built, const mesh::Body& body) {
+  mesh::PolygonOptions options;
+  options.floor.body = body;
+  options.floor.within = around_rooms(built.home.plan);
+  return mesh::make_floor_polygons(*built.tracer, options);
+}
+
 HomeEntry describe(const Home& home, const PlanOptions& plan,
                    const scan::Connectivity& connectivity) {
   const graph::NavGraph graph(connectivity);
   HomeEntry entry;
   entry.scan = connectivity.scan;
   entry.plan = plan;
-  entry.kind = to_string(home.plan.kind);
+  entry.kind = enum_name(home.plan.kind);
   entry.viewpoints = graph.included_count();
   entry.edges = graph.edge_count() / 2;
   entry.triangles = home.mesh.triangles.size();
@@ -127,7 +150,7 @@ HomeEntry describe(const Home& home, const PlanOptions& plan,
 HomeEntry completed(HomeEntry home, const std::filesystem::path& folder) {
   if (!home.lines.storeys.empty()) return home;
   const auto graph = scan::load_connectivity(folder / "connectivity", home.scan);
-  HomeEntry found = describe(make_home(home.plan, Surfaces::kPlain), home.plan, graph);
+  HomeEntry found = describe(make_home(home.plan, HomeSurfaces::kPlain), home.plan, graph);
   if (found.triangles != home.triangles) {
     throw FileError(fmt::format(
         "{}: {} has {} triangles, but this version of Enfilade makes it of {}, so its lines would "

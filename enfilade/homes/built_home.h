@@ -5,6 +5,7 @@
 
 #include "enfilade/homes/home.h"
 #include "enfilade/homes/home_set.h"
+#include "enfilade/mesh/floor_polygons.h"
 #include "enfilade/mesh/ray_tracer.h"
 #include "enfilade/scan/connectivity.h"
 
@@ -16,11 +17,16 @@ struct BuiltHome {
   std::shared_ptr<const mesh::RayTracer> tracer;
 };
 /// Plan, mesh, furniture and lights of one home. \throws as make_plan()
-BuiltHome build_home(const PlanOptions& options, Surfaces surfaces = Surfaces::kTextured);
+BuiltHome build_home(const PlanOptions& options, HomeSurfaces surfaces = HomeSurfaces::kTextured);
 
 /// Viewpoints on the floors of all rooms, and edges, from the mesh alone. Surfaces outside of the
 /// rooms (grass, roofs) are not floor.
 scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, int threads);
+
+/// Polygons of the floors of all rooms, from the mesh alone. The landscape around is left out.
+/// \param body  size of the body
+/// \throws as mesh::make_floor_polygons()
+mesh::FloorPolygons make_home_floor(const BuiltHome& built, const mesh::Body& body);
 
 /// The list's entry of a home with this graph. \param plan the home's own
 HomeEntry describe(const Home& home, const PlanOptions& plan,

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/homes/furniture/furnish.h"
+#include "enfilade/homes/furniture/furnish_room.h"
 #include "enfilade/homes/looks/architecture.h"
 #include "enfilade/homes/looks/style.h"
 
@@ -58,7 +58,7 @@ std::optional<std::size_t> room_at(const Plan& plan, Vec3d floor_point) {
   return found;
 }
 
-Home make_home(const PlanOptions& options, Surfaces surfaces) {
+Home make_home(const PlanOptions& options, HomeSurfaces surfaces) {
   Home home;
   home.plan = make_plan(options);
   mesh::MeshBuilder builder(home.mesh);

@@ -21,7 +21,7 @@ struct Obstacle {
 };
 
 /// Something that an instruction may mention.
-struct Thing {
+struct HomeThing {
   std::uint32_t object = 0;  ///< its place in mesh.objects
   std::string noun;          ///< "sofa", "bookshelf"
   std::string colour;        ///< "red"; empty: not mentioned
@@ -36,16 +36,16 @@ struct Home {
   mesh::Mesh mesh;  ///< objects' region: place in plan.rooms
   mesh::Lights lights;
   std::vector<Obstacle> obstacles;  ///< walls, leaves, furniture: all that a body could touch
-  std::vector<Thing> things;
+  std::vector<HomeThing> things;
 };
 
 /// Whether the materials of a home get their textures. They take two thirds of the time that a home
 /// without pictures takes; everything else is the same without them.
-enum class Surfaces : std::uint8_t { kTextured, kPlain };
+enum class HomeSurfaces : std::uint8_t { kTextured, kPlain };
 
 /// Makes a synthetic home. The same options give the same home, to the byte, on every platform.
 /// \throws ArgumentError as make_plan()
-Home make_home(const PlanOptions& options, Surfaces surfaces = Surfaces::kTextured);
+Home make_home(const PlanOptions& options, HomeSurfaces surfaces = HomeSurfaces::kTextured);
 
 /// The room whose floor or stairs hold the point; on a threshold, the nearer room. No value for
 /// points more than 0.5 m from every room.

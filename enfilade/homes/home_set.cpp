@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <array>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -16,7 +15,6 @@
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/sets/home_list.h"
-#include "enfilade/homes/sets/scan_names.h"
 #include "enfilade/mesh/lighting.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/scan/regions.h"
@@ -215,7 +213,7 @@ bool has_files(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     if (!is_unfinished(entry.path())) return true;
   }
-  return false;
+  return code && fs::is_directory(folder);  // one that cannot be read
 }
 
 // The homes that earlier runs with the same options made. A folder without a list has none; it must
@@ -344,7 +342,7 @@ class HomeWriter {
     };
     tell(0);
     const BuiltHome built =
-        build(home, plan, options_.face_size > 0 ? Surfaces::kTextured : Surfaces::kPlain);
+        build(home, plan, options_.face_size > 0 ? HomeSurfaces::kTextured : HomeSurfaces::kPlain);
     const scan::Connectivity found = graph_of(home, built);
     const scan::Connectivity corrected = write_graph(home, found);
     tell(kBuilt);
@@ -359,7 +357,7 @@ class HomeWriter {
   // Writes Matterport3D's files, at the viewpoints before corrections, as make() does. Finished
   // files are kept.
   void write_parts(std::size_t home) const {
-    const BuiltHome built = build(home, plan_of(options_, home), Surfaces::kTextured);
+    const BuiltHome built = build(home, plan_of(options_, home), HomeSurfaces::kTextured);
     const scan::Connectivity found = graph_of(home, built);
     mesh::BakeOptions bake =
         options_.parts.coloured() ? mesh::BakeOptions{} : capture::least_light();
@@ -383,12 +381,12 @@ class HomeWriter {
   void correct_again(std::size_t home) {
     const HomeEntry old = homes_.at(home);
     save(home, old, kUnfinished);
-    const BuiltHome built = build(home, old.plan, Surfaces::kPlain);
+    const BuiltHome built = build(home, old.plan, HomeSurfaces::kPlain);
     const scan::Connectivity found = graph_of(home, built);
     save(home, describe(built.home, old.plan, write_graph(home, found)), wanted(home));
   }
 
-  BuiltHome build(std::size_t home, const PlanOptions& plan, Surfaces surfaces) const {
+  BuiltHome build(std::size_t home, const PlanOptions& plan, HomeSurfaces surfaces) const {
     try {
       return build_home(plan, surfaces);
     } catch (const NoPlan& none) {

@@ -1,5 +1,6 @@
 /// \file  A data set of synthetic homes: buildings, graphs, panoramas, Room-to-Room.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -10,7 +11,7 @@
 
 #include "enfilade/capture/scan_files.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/shard.h"
+#include "enfilade/core/progress.h"
 #include "enfilade/draw/plan_underlay.h"
 #include "enfilade/homes/plan.h"
 #include "enfilade/mesh/lighting.h"
@@ -22,9 +23,11 @@ enum class HomeLight : std::uint8_t {
   kFine,    ///< points 0.3 m apart, nearer at shadows: pictures for people
   kCoarse,  ///< points 1 m apart, few rays: a quarter of the time, for pictures to learn from
 };
-std::string_view to_string(HomeLight light) noexcept;  ///< "fine", "coarse"
-HomeLight parse_home_light(std::string_view name);     ///< \throws ArgumentError
-std::vector<std::string> home_lights();                ///< their names
+/// Their names: core/enum_names.h.
+constexpr std::array<std::string_view, 2> names_of(HomeLight /*enum*/) {
+  return {"fine", "coarse"};
+}
+HomeLight parse_home_light(std::string_view name);  ///< \throws ArgumentError
 
 /// How the light of a home is computed so finely. \param threads 0: all cores; changes no light
 mesh::BakeOptions bake_options(HomeLight light, int threads);

@@ -1,24 +1,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <array>
-#include <map>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/homes/home_set.h"
-#include "enfilade/homes/sets/scan_names.h"
+#include "enfilade/homes/sets/home_list.h"
 #include "enfilade/tasks/path_sampling.h"
 
 namespace enfilade::homes {
-namespace {
-
-struct NamedLight {
-  std::string_view name;
-  HomeLight light;
-};
-constexpr std::array<NamedLight, 2> kLights{
-    {{"fine", HomeLight::kFine}, {"coarse", HomeLight::kCoarse}}};
-
-}  // namespace
 
 HomeSetOptions home_set_preset(std::string_view name) {
   HomeSetOptions o;
@@ -58,10 +47,6 @@ std::vector<std::string> home_set_presets() {
   return {"small", "pretty", "demo", "full", "graphs", "training"};
 }
 
-std::string_view to_string(HomeLight light) noexcept {
-  return light == HomeLight::kFine ? kLights[0].name : kLights[1].name;
-}
-
 mesh::BakeOptions bake_options(HomeLight light, int threads) {
   if (light == HomeLight::kCoarse) {
     // Much coarser points save little: most are then corners of furniture.
@@ -71,17 +56,10 @@ mesh::BakeOptions bake_options(HomeLight light, int threads) {
   return {.detail = 0.5F, .rays = 48, .threads = threads};
 }
 
-std::vector<std::string> home_lights() {
-  std::vector<std::string> names;
-  for (const NamedLight& light : kLights) names.emplace_back(light.name);
-  return names;
-}
-
 HomeLight parse_home_light(std::string_view name) {
-  const auto found = std::ranges::find(kLights, name, &NamedLight::name);
-  if (found != kLights.end()) return found->light;
+  if (const auto light = find_enum<HomeLight>(name)) return *light;
   throw ArgumentError(
-      fmt::format("light: {:?} is none of {}", name, fmt::join(home_lights(), ", ")));
+      fmt::format("light: {:?} is none of {}", name, fmt::join(names_of(HomeLight()), ", ")));
 }
 
 std::vector<std::string> pretty_homes(const HomeSetOptions& options) {

@@ -50,7 +50,7 @@ TEST(Passage, NeedsFloorAllTheWay) {
   home.obstacles.clear();
   EXPECT_FALSE(is_free(home, {2, 0.7, 0}, {6, 0.7, 0}));  // no wall, but no floor in its place
   EXPECT_FALSE(is_free(home, {2, 2, 0}, {9, 2, 0}));      // out of the house
-  home.plan.openings[0].kind = Opening::Kind::kWindow;
+  home.plan.openings[0].kind = OpeningKind::kWindow;
   EXPECT_FALSE(is_free(home, {2, 2, 0}, {6, 2, 0}));
 }
 

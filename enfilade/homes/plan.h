@@ -1,5 +1,6 @@
 /// \file  The plan of a made-up building: storeys, rooms, walls, doors, windows, stairs.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,10 +15,10 @@ namespace enfilade::homes {
 
 /// Kind of a building.
 enum class HomeKind : std::uint8_t { kHouse, kFlat, kOffice, kHotelFloor };
-std::string to_string(HomeKind kind);  ///< "house", "flat", "office", "hotel"
-/// The kind of this name, if there is one.
-std::optional<HomeKind> parse_home_kind(std::string_view name);
-std::vector<std::string> home_kinds();  ///< all names
+/// Their names: core/enum_names.h.
+constexpr std::array<std::string_view, 4> names_of(HomeKind /*enum*/) {
+  return {"house", "flat", "office", "hotel"};
+}
 
 /// Requirements of a plan; the rest is drawn from the seed.
 struct PlanOptions {
@@ -47,16 +48,16 @@ struct PlanRoom {
   double ceiling = 2.6;  ///< metres above the storey's floor
 };
 
+/// Content of a hole in a wall.
+enum class OpeningKind : std::uint8_t {
+  kDoor,      ///< with a frame; its leaf stands open at Opening::leaf degrees
+  kArch,      ///< a wide opening without a door
+  kWindow,    ///< glass; to the outside
+  kEntrance,  ///< the front door, closed
+};
 /// A hole in a wall.
 struct Opening {
-  /// Content of the hole.
-  enum class Kind : std::uint8_t {
-    kDoor,      ///< with a frame; its leaf stands open at `leaf` degrees
-    kArch,      ///< a wide opening without a door
-    kWindow,    ///< glass; to the outside
-    kEntrance,  ///< the front door, closed
-  };
-  Kind kind = Kind::kDoor;
+  OpeningKind kind = OpeningKind::kDoor;
   std::size_t room0 = 0;             ///< the room on its lower-coordinate side, or the only one
   std::optional<std::size_t> room1;  ///< none: outside
   bool along_x = true;               ///< the wall runs along x (else along y)
@@ -77,7 +78,7 @@ struct Stairs {
 };
 
 /// A floor of the building, by its heights.
-struct Storey {
+struct PlanStorey {
   double floor = 0;   ///< world z, metres
   double height = 3;  ///< to the next storey's floor
 };
@@ -86,7 +87,7 @@ struct Storey {
 struct Plan {
   HomeKind kind = HomeKind::kHouse;
   std::uint64_t seed = 0;
-  std::vector<Storey> storeys;
+  std::vector<PlanStorey> storeys;
   std::vector<PlanRoom> rooms;
   std::vector<Opening> openings;
   std::vector<Stairs> stairs;

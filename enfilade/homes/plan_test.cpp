@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/homes/plan/draws.h"
 #include "tests/support/refusal.h"
@@ -29,7 +30,7 @@ std::string text_of(const Plan& plan) {
 void expect_sound(const PlanOptions& options) {
   const Plan plan = make_plan(options);
   for (const std::string& fault : plan::plan_faults(plan)) {
-    ADD_FAILURE() << "seed " << options.seed << ", " << to_string(plan.kind) << ", " << options.area
+    ADD_FAILURE() << "seed " << options.seed << ", " << enum_name(plan.kind) << ", " << options.area
                   << " m2: " << fault;
   }
 }
@@ -116,7 +117,7 @@ TEST(Plan, FaultsAreFound) {
   std::erase_if(closed.openings, [](const Opening& o) { return o.room1.has_value(); });
   EXPECT_FALSE(plan::plan_faults(closed).empty());
   Plan dark = good;
-  std::erase_if(dark.openings, [](const Opening& o) { return o.kind == Opening::Kind::kWindow; });
+  std::erase_if(dark.openings, [](const Opening& o) { return o.kind == OpeningKind::kWindow; });
   EXPECT_FALSE(plan::plan_faults(dark).empty());
   Plan steep = good;
   steep.stairs[0].steps = 9;

@@ -37,12 +37,17 @@ struct Shape {
 
 // --- JPEG -----------------------------------------------------------------------------------
 // All damage that libjpeg-turbo reports is an error, also what many programs ignore: a missing end
-// marker, extraneous bytes. A flipped bit may go unnoticed, as JPEG has no checksums.
+// marker, a bad code. Extraneous bytes before a marker and odd numbers in a scan's header are
+// harmless. A flipped bit may go unnoticed, as JPEG has no checksums. EXIF's orientation is not
+// applied: decode_photo() (photo.h) does so.
 
-/// Reads the header only. \throws InvalidInput
+/// Reads the header only. Channels: 1 for greyscale, else 3. \throws InvalidInput
 Shape jpeg_shape(Bytes jpeg, const std::string& file);
-/// RGB; greyscale becomes three equal channels. \throws InvalidInput, also for CMYK
-Image8 decode_jpeg(Bytes jpeg, const std::string& file);
+/// RGB; greyscale becomes three equal channels; CMYK and YCCK are converted without a profile.
+/// \param findings  takes a warning `odd-jpeg` with a count of harmless oddities, and a note
+/// `printing-colours` on CMYK  \throws InvalidInput
+Image8 decode_jpeg(Bytes jpeg, const std::string& file,
+                   std::vector<Diagnostic>* findings = nullptr);
 /// The same, into the caller's 3 x width x height bytes. After a thread's first call only
 /// libjpeg-turbo allocates. \throws InvalidInput; ArgumentError if the picture is not width x
 /// height
@@ -55,10 +60,9 @@ inline constexpr int kFullChromaQuality = 90;
 /// \throws ArgumentError for other channels or qualities, and edges above kLongestEdge
 std::vector<std::uint8_t> encode_jpeg(const Image8& picture, int quality, bool full_chroma = false);
 /// The six faces of a strip as baseline JPEGs with the coefficients of the strip, without decoding.
-/// No value if it is not a strip or its blocks do not end at the edges of faces. With subsampled
-/// chroma, columns next to a cut do not decode to the same values as in the strip. There the
-/// decoder interpolates chroma across faces.
-/// \throws InvalidInput
+/// No value if it is not a strip, is CMYK, or its blocks do not end at the edges of faces. With
+/// subsampled chroma, columns next to a cut do not decode to the same values as in the strip. There
+/// the decoder interpolates chroma across faces. \throws InvalidInput
 std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
     Bytes jpeg, const std::string& file);
 
@@ -66,8 +70,8 @@ std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
 
 /// Reads the header only. \throws InvalidInput
 Shape png_shape(Bytes png, const std::string& file);
-/// 8 bits per channel; fewer bits are scaled up; a palette becomes RGB or RGBA. The transparent
-/// colour of a grey or RGB file is ignored. \throws InvalidInput, also for 16 bits per channel
+/// 8 bits per channel: fewer bits are scaled up, 16 are rounded. A palette becomes RGB or RGBA. The
+/// transparent colour of a grey or RGB file is ignored. \throws InvalidInput
 Image8 decode_png8(Bytes png, const std::string& file);
 /// Greyscale of up to 16 bits, one channel, values as stored. \throws InvalidInput, also for colour
 Image16 decode_png16(Bytes png, const std::string& file);
@@ -96,8 +100,8 @@ Image8 tone_map(const ImageF& linear, std::optional<double> exposure = std::null
 
 // --- by content -----------------------------------------------------------------------------
 
-/// Reads JPEG, 8-bit PNG or HDR (tone-mapped with that exposure), recognised by the first bytes;
-/// 3 channels.
+/// Reads JPEG, PNG or HDR (tone-mapped with that exposure), recognised by the first bytes. It has 3
+/// channels and is upright by EXIF's orientation. load_photo() (photo.h) also returns findings.
 /// \throws FileError; InvalidInput
 Image8 load_picture(const std::string& path, std::optional<double> exposure = std::nullopt);
 

@@ -1,9 +1,11 @@
-#include "enfilade/image/cube_border.h"
+#include "enfilade/image/face_cells.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
+
+#include "tests/support/colour_texel.h"
 
 namespace enfilade::image {
 namespace EN_UNIT {

@@ -1,4 +1,4 @@
-#include "enfilade/image/equirectangular.h"
+#include "enfilade/image/image.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -78,9 +78,12 @@ class Source {
 
 class Cutter {
  public:
-  Cutter(const Source& source, std::uint32_t size, Radians heading)
+  Cutter(const Source& source, std::uint32_t size, Radians heading,
+         const Mat3d& panorama_from_picture)
       : source_(source),
         heading_(heading.value),
+        level_(panorama_from_picture == Mat3d()),
+        picture_from_panorama_(transpose(panorama_from_picture)),
         size_(size),
         pixels_per_radian_(source.width() / (2 * kPi)) {}
 
@@ -110,10 +113,16 @@ class Cutter {
 
   void cut_texel(CubeFace face, std::size_t x, std::size_t y, std::uint8_t* out) const {
     const auto direction = [&](double dx, double dy) {
-      return cube_direction(face, (static_cast<double>(x) + dx) / size_,
-                            (static_cast<double>(y) + dy) / size_);
+      const Vec3d d = cube_direction(face, (static_cast<double>(x) + dx) / size_,
+                                     (static_cast<double>(y) + dy) / size_);
+      return level_ ? d : picture_from_panorama_ * d;
     };
-    const Counts n = samples(kFaceAxes[index(face)], direction(0.5, 0.5));
+    FaceAxes axes = kFaceAxes[index(face)];
+    if (!level_) {
+      axes.right = picture_from_panorama_ * axes.right;
+      axes.down = picture_from_panorama_ * axes.down;
+    }
+    const Counts n = samples(axes, direction(0.5, 0.5));
     const float weight = 1.0F / static_cast<float>(n.across * n.down);
     std::array<float, 3> rgb{0.5F, 0.5F, 0.5F};  // to round
     for (int j = 0; j < n.down; ++j) {
@@ -135,6 +144,8 @@ class Cutter {
 
   const Source& source_;
   double heading_;
+  bool level_;  // nothing to rotate
+  Mat3d picture_from_panorama_;
   std::uint32_t size_;
   double pixels_per_radian_;
 };
@@ -142,7 +153,8 @@ class Cutter {
 }  // namespace
 
 CubeMap<std::uint8_t> cube_from_equirectangular(const Image8& picture, std::uint32_t size,
-                                                Radians heading, int threads) {
+                                                Radians heading, int threads,
+                                                const Mat3d& panorama_from_picture) {
   const std::int64_t excess = std::int64_t{picture.width} - 2 * std::int64_t{picture.height};
   if (picture.channels != 3 || picture.width < 4 || std::abs(excess) > 1) {
     throw ArgumentError(fmt::format(
@@ -152,7 +164,7 @@ CubeMap<std::uint8_t> cube_from_equirectangular(const Image8& picture, std::uint
   }
   if (size == 0) size = picture.width / 4;
   const Source source(picture);
-  const Cutter cutter(source, size, heading);
+  const Cutter cutter(source, size, heading, panorama_from_picture);
   CubeMap<std::uint8_t> faces;
   for (Image8& face : faces) face = Image8(size, size, 3);
   parallel_for(kCubeFaces * std::size_t{size}, 16, threads,

@@ -1,4 +1,4 @@
-#include "enfilade/image/equirectangular.h"
+#include "enfilade/image/image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -168,6 +168,21 @@ TEST(CubeFromEquirectangular, IsWithinTwoLevelsOfAPhotographsTrueCubeMap) {
     sum += difference;
   }
   EXPECT_LT(sum / kCubeFaces, 1.6);  // measured 1.49
+}
+
+// The middle of a picture that was taken with the camera's forward axis at the zenith.
+TEST(CubeFromEquirectangular, ARotationLevelsThePicture) {
+  Image8 picture(64, 32, 3);
+  for (std::size_t y = 12; y < 20; ++y) {
+    for (std::size_t x = 28; x < 36; ++x) std::fill_n(picture.at(x, y), 3, std::uint8_t{255});
+  }
+  const Mat3d zenith_from_forward{{1, 0, 0, 0, 0, -1, 0, 1, 0}};
+  const auto tilted = cube_from_equirectangular(picture, 16, Radians(0), 1, zenith_from_forward);
+  EXPECT_GT(tilted[index(CubeFace::kUp)].at(8, 8)[0], 250);
+  EXPECT_LT(tilted[index(CubeFace::kFront)].at(8, 8)[0], 5);
+  const auto level = cube_from_equirectangular(picture, 16);
+  EXPECT_GT(level[index(CubeFace::kFront)].at(8, 8)[0], 250);
+  EXPECT_LT(level[index(CubeFace::kUp)].at(8, 8)[0], 5);
 }
 
 }  // namespace EN_UNIT

@@ -1,12 +1,16 @@
 /// \file  Decoded faces in the layout for rendering: cells of 64 bytes, a cache line, that hold a
 /// few neighbouring texels of one row. Cells of the same columns lie one below the other, in a
 /// strip. So no load crosses a cache line, and a view turned by any angle reads runs of lines. Why,
-/// and why these numbers: docs/design/kernels.md.
+/// and why these numbers: docs/design/kernels.md. Borders, one texel all around, are taken from the
+/// neighbouring faces: with them linear filtering has no seams and needs no test for edges.
 #pragma once
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
+
+#include "enfilade/image/image.h"
 
 namespace enfilade::image {
 
@@ -47,9 +51,6 @@ struct ColourCells {
   void write_row(std::size_t y, const std::uint8_t* rgb) const;
 };
 
-/// The texel of a face in cells. \pre -1 <= x, y <= size
-std::array<std::uint8_t, 3> colour_texel(const std::uint8_t* cells, std::uint32_t size,
-                                         std::ptrdiff_t x, std::ptrdiff_t y);
 /// The rows -1 .. size of a face in cells as RGBA, border included, A = 255. \pre rgba has
 /// 4 (size + 2)^2 bytes
 void bordered_rgba(const std::uint8_t* cells, std::uint32_t size, std::span<std::uint8_t> rgba);
@@ -79,5 +80,31 @@ struct ValueCells {
 };
 extern template struct ValueCells<std::uint16_t>;
 extern template struct ValueCells<std::uint32_t>;
+
+/// Number of texels around a face of size n. Their order: row -1 from x = -1 to n, row n likewise,
+/// column -1 from y = 0 to n - 1, column n likewise.
+constexpr std::size_t border_texels(std::uint32_t size) { return 4 * std::size_t{size} + 4; }
+
+/// The border of a face as RGB triples. Beyond an edge: the neighbour's texels along that edge. At
+/// a corner, where three faces meet: the mean of their corner texels (OpenGL 4.6, 8.14.2.1). \pre
+/// faces are square, alike and of 3 channels
+std::vector<std::uint8_t> border_of(const CubeMap<std::uint8_t>& faces, CubeFace face);
+
+/// Writes a border of border_of() around a face. \pre border.size() == 3 * border_texels(size)
+void write_border(const ColourCells& face, std::span<const std::uint8_t> border);
+/// The same for rows begin .. end - 1 only: the texels beside them. Also the row above the face if
+/// they begin with its first, and the row below it if they end with its last.
+void write_border_rows(const ColourCells& face, std::span<const std::uint8_t> border,
+                       std::uint32_t begin, std::uint32_t end);
+
+/// Copies a face's pixels, RGB in rows, without a border. \pre of the face's size
+void write_face(const ColourCells& face, const std::uint8_t* rgb);
+void write_face(const ColourCells& face, const Image8& picture);
+
+/// Writes the faces in `wanted` (bits 1 << index(CubeFace)) with their borders. Other buffers are
+/// not touched.
+/// \pre faces are square, alike and of 3 channels; each buffer has their size
+void write_faces(const CubeMap<std::uint8_t>& faces, std::uint8_t wanted,
+                 const std::array<ColourCells, kCubeFaces>& to);
 
 }  // namespace enfilade::image

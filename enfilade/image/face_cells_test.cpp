@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "tests/support/colour_texel.h"
+
 namespace enfilade::image {
 namespace EN_UNIT {
 

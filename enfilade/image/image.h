@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "enfilade/geometry/angle.h"
 #include "enfilade/geometry/cube_map.h"
+#include "enfilade/geometry/vec.h"
 
 namespace enfilade::image {
 
@@ -67,6 +69,17 @@ Image<T> join_strip(const CubeMap<T>& faces);
 /// \throws as join_strip()
 template <class T>
 Image<T> join_cross(const CubeMap<T>& faces);
+
+/// The cube map of an equirectangular picture (width 2 : height 1 within a pixel; the middle column
+/// is the panorama frame's +z, the top row is up). A texel is the area average of the pixels it
+/// covers where the picture is finer than the face, else a bicubic interpolation.
+/// \param size edge of a face, texels; 0: the picture's width / 4, its resolution at the horizon
+/// \param heading of the middle column, clockwise, relative to the panorama frame's forward
+/// \param panorama_from_picture a rotation that levels a tilted picture; `heading` is 0 then
+/// \throws ArgumentError for another shape
+CubeMap<std::uint8_t> cube_from_equirectangular(const Image8& picture, std::uint32_t size = 0,
+                                                Radians heading = Radians(0), int threads = 0,
+                                                const Mat3d& panorama_from_picture = {});
 
 /// The picture turned by 180 degrees.
 template <class T>

@@ -6,8 +6,9 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/image/detail/baseline_jpeg.h"
 #include "enfilade/image/detail/check_size.h"
-#include "enfilade/image/detail/to_baseline.h"
+#include "enfilade/image/detail/libjpeg.h"
 
 namespace enfilade::image {
 
@@ -33,55 +34,62 @@ Handle& thread_handle() {
   return handle;
 }
 
-// TurboJPEG decodes damaged data too, grey from the damage on, and reports a warning. All warnings
-// are treated as errors: only the first one is reported, so a harmless one could hide that the file
-// is cut off.
-void check(int result, const std::string& file) {
-  if (result == 0) return;
-  Handle& handle = thread_handle();
-  const std::string words = tjGetErrorStr2(handle.get());
-  const bool damaged = tjGetErrorCode(handle.get()) == TJERR_WARNING;
-  handle.reset();  // TurboJPEG 2.1 would continue in the middle of a header that it failed to read
-  refuse(
-      file, "", damaged ? "damaged-jpeg" : "bad-jpeg",
-      fmt::format("{}: {}", damaged ? "the JPEG is damaged" : "no JPEG that can be read", words));
-}
+// TurboJPEG 2.1 would continue in the middle of a header that it failed to read.
+void forget_failure() { thread_handle().reset(); }
 
 // A hostile progressive file may have thousands of scans.
 constexpr int kFlags = TJFLAG_LIMITSCANS;
 
 struct Header {
-  int width = 0, height = 0, subsampling = 0, colours = 0;
+  std::uint32_t width = 0, height = 0, channels = 0;  // channels: 4 are CMYK
+  int subsampling = -1;                               // TurboJPEG's, -1 where it reads no header
+  bool is_plain() const { return subsampling >= 0 && channels != 4; }  // for TurboJPEG
 };
 
 Header read_header(Bytes jpeg, const std::string& file) {
-  Header header;
-  check(tjDecompressHeader3(thread_handle().get(), jpeg.data(), jpeg.size(), &header.width,
-                            &header.height, &header.subsampling, &header.colours),
-        file);
-  check_size(static_cast<std::uint64_t>(header.width), static_cast<std::uint64_t>(header.height),
-             file);
-  if (header.colours == TJCS_CMYK || header.colours == TJCS_YCCK) {
-    refuse(file, "", "bad-colours", "a JPEG in CMYK (for printing); RGB and greyscale are allowed");
+  int width = 0, height = 0, subsampling = 0, colours = 0;
+  if (tjDecompressHeader3(thread_handle().get(), jpeg.data(), jpeg.size(), &width, &height,
+                          &subsampling, &colours) != 0) {
+    forget_failure();
+    const LibJpeg careful(jpeg, file);
+    return {careful.width(), careful.height(), careful.channels(), -1};
   }
-  return header;
+  check_size(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height), file);
+  const bool cmyk = colours == TJCS_CMYK || colours == TJCS_YCCK;
+  return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height),
+          cmyk ? 4U : (colours == TJCS_GRAY ? 1U : 3U), subsampling};
 }
 
-Shape shape_of(const Header& header) {
-  return {static_cast<std::uint32_t>(header.width), static_cast<std::uint32_t>(header.height),
-          header.colours == TJCS_GRAY ? 1U : 3U, 8};
+// TurboJPEG decodes damaged data too, grey from the damage on, and reports the first warning alone.
+// A harmless one could hide that the file is cut off. So libjpeg decodes such a file once more.
+void decode(Bytes jpeg, const Header& header, std::uint8_t* rgb, const std::string& file,
+            std::vector<Diagnostic>* findings) {
+  if (header.is_plain() && tjDecompress2(thread_handle().get(), jpeg.data(), jpeg.size(), rgb,
+                                         static_cast<int>(header.width), 0,
+                                         static_cast<int>(header.height), TJPF_RGB, kFlags) == 0) {
+    return;
+  }
+  if (header.is_plain()) forget_failure();
+  LibJpeg careful(jpeg, file);
+  careful.decode(rgb);
+  if (findings == nullptr) return;
+  for (Diagnostic& one : careful.findings()) findings->push_back(std::move(one));
 }
 
-void decode(Bytes jpeg, const Header& header, std::uint8_t* rgb, const std::string& file) {
-  check(tjDecompress2(thread_handle().get(), jpeg.data(), jpeg.size(), rgb, header.width, 0,
-                      header.height, TJPF_RGB, kFlags),
-        file);
+// Of a transform of a file with a header for TurboJPEG. False if it reads the file, and cannot
+// transform it.
+bool check_transform(int result, Bytes jpeg, const std::string& file) {
+  if (result == 0) return true;
+  const bool warned = tjGetErrorCode(thread_handle().get()) == TJERR_WARNING;
+  forget_failure();
+  LibJpeg(jpeg, file).check();
+  return warned;
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> detail::to_baseline(Bytes jpeg, const std::string& file) {
-  read_header(jpeg, file);  // refuses what no reader takes
+std::optional<std::vector<std::uint8_t>> detail::to_baseline(Bytes jpeg, const std::string& file) {
+  if (!read_header(jpeg, file).is_plain()) return std::nullopt;
   tjtransform transform{};
   transform.op = TJXOP_NONE;
   transform.options = TJXOPT_COPYNONE;
@@ -90,17 +98,19 @@ std::vector<std::uint8_t> detail::to_baseline(Bytes jpeg, const std::string& fil
   const int result = tjTransform(thread_handle().get(), jpeg.data(), jpeg.size(), 1, &data, &size,
                                  &transform, kFlags);
   const Buffer owner(data);
-  check(result, file);
-  return {data, data + size};
+  if (!check_transform(result, jpeg, file) || data == nullptr) return std::nullopt;
+  return std::vector<std::uint8_t>(data, data + size);
 }
 
-Shape jpeg_shape(Bytes jpeg, const std::string& file) { return shape_of(read_header(jpeg, file)); }
-
-Image8 decode_jpeg(Bytes jpeg, const std::string& file) {
+Shape jpeg_shape(Bytes jpeg, const std::string& file) {
   const Header header = read_header(jpeg, file);
-  const Shape shape = shape_of(header);
-  Image8 picture(shape.width, shape.height, 3);
-  decode(jpeg, header, picture.pixels.data(), file);
+  return {header.width, header.height, header.channels == 1 ? 1U : 3U, 8};
+}
+
+Image8 decode_jpeg(Bytes jpeg, const std::string& file, std::vector<Diagnostic>* findings) {
+  const Header header = read_header(jpeg, file);
+  Image8 picture(header.width, header.height, 3);
+  decode(jpeg, header, picture.pixels.data(), file, findings);
   return picture;
 }
 
@@ -108,12 +118,11 @@ void decode_jpeg(Bytes jpeg, std::uint32_t width, std::uint32_t height, std::spa
                  const std::string& file) {
   EN_CHECK_EQ(rgb.size(), std::size_t{3} * width * height);
   const Header header = read_header(jpeg, file);
-  const Shape shape = shape_of(header);
-  if (shape.width != width || shape.height != height) {
+  if (header.width != width || header.height != height) {
     throw ArgumentError(fmt::format("{}: {} x {} pixels, not the {} x {} that were asked for", file,
-                                    shape.width, shape.height, width, height));
+                                    header.width, header.height, width, height));
   }
-  decode(jpeg, header, rgb.data(), file);
+  decode(jpeg, header, rgb.data(), file, nullptr);
 }
 
 std::vector<std::uint8_t> encode_jpeg(const Image8& picture, int quality, bool full_chroma) {
@@ -139,11 +148,9 @@ std::vector<std::uint8_t> encode_jpeg(const Image8& picture, int quality, bool f
 std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
     Bytes jpeg, const std::string& file) {
   const Header header = read_header(jpeg, file);
-  const int size = header.height;
-  if (std::int64_t{header.width} != 6 * std::int64_t{size} ||
-      size % tjMCUWidth[header.subsampling] != 0) {
-    return std::nullopt;
-  }
+  if (!header.is_plain() || header.width != 6 * std::uint64_t{header.height}) return std::nullopt;
+  const auto size = static_cast<int>(header.height);
+  if (size % tjMCUWidth[header.subsampling] != 0) return std::nullopt;
   std::array<tjtransform, kCubeFaces> transforms{};
   std::array<unsigned char*, kCubeFaces> data{};
   std::array<unsigned long, kCubeFaces> sizes{};  // NOLINT(google-runtime-int): TurboJPEG's type
@@ -157,7 +164,7 @@ std::optional<std::array<std::vector<std::uint8_t>, kCubeFaces>> cut_jpeg_strip(
                   data.data(), sizes.data(), transforms.data(), kFlags);
   std::array<Buffer, kCubeFaces> owners;
   for (std::size_t k = 0; k < kCubeFaces; ++k) owners[k].reset(data[k]);
-  check(result, file);
+  if (!check_transform(result, jpeg, file)) return std::nullopt;
   std::array<std::vector<std::uint8_t>, kCubeFaces> faces;
   for (std::size_t k = 0; k < kCubeFaces; ++k) faces[k].assign(data[k], data[k] + sizes[k]);
   return faces;

@@ -1,15 +1,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 
 #include "enfilade/image/codecs.h"
+#include "enfilade/image/jpeg_rows.h"
 
 namespace enfilade::image {
 namespace EN_UNIT {
 
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::Ge;
 using ::testing::HasSubstr;
+using ::testing::Le;
 using ::testing::ThrowsMessage;
 
 // Waves of colour: smooth, as JPEG likes it, and different everywhere.
@@ -39,6 +47,12 @@ std::vector<std::uint8_t> compress(const std::vector<std::uint8_t>& pixels, int 
   tjFree(data);
   tjDestroy(handle);
   return jpeg;
+}
+
+// Where the marker of the scan begins.
+std::size_t scan_of(const std::vector<std::uint8_t>& jpeg) {
+  constexpr std::array<std::uint8_t, 2> kScan{0xFF, 0xDA};
+  return static_cast<std::size_t>(std::ranges::search(jpeg, kScan).begin() - jpeg.begin());
 }
 
 double mean_difference(const Image8& a, const Image8& b) {
@@ -121,12 +135,84 @@ TEST(Jpeg, SaysWhatIsWrong) {
       [] { jpeg_shape(bytes_of("GIF89a"), "a.jpg"); },
       ThrowsMessage<InvalidInput>(HasSubstr("a.jpg: no JPEG that can be read: Not a JPEG")));
   EXPECT_THROW(jpeg_shape({}, "f"), InvalidInput);
-  // Bytes that belong to nothing, before the end marker: what a wrong bit within the picture leads
-  // to as well.
-  auto padded = jpeg;
-  padded.insert(padded.end() - 2, 50, 1);
-  EXPECT_THAT([&] { decode_jpeg(padded, "f"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("extraneous bytes")));
+}
+
+// A row: an edit of a good file, and what libjpeg calls it.
+struct Oddity {
+  const char* name;
+  std::function<void(std::vector<std::uint8_t>&)> edit;
+  const char* says;
+};
+
+std::vector<Oddity> harmless() {
+  return {
+      {"two zeros before the end marker, as Samsung's panoramas have them",
+       [](std::vector<std::uint8_t>& jpeg) { jpeg.insert(jpeg.end() - 2, 2, 0); },
+       "extraneous bytes before marker 0xd9"},
+      {"a scan that ends with coefficient 0",
+       [](std::vector<std::uint8_t>& jpeg) { jpeg[scan_of(jpeg) + 12] = 0; },
+       "Invalid SOS parameters for sequential JPEG"},
+      {"JFIF 3.0", [](std::vector<std::uint8_t>& jpeg) { jpeg[11] = 3; },
+       "unknown JFIF revision number 3"},
+  };
+}
+
+TEST(Jpeg, HarmlessOdditiesAreWarnings) {
+  const auto jpeg = encode_jpeg(waves(64, 32), 90);
+  const Image8 picture = decode_jpeg(jpeg, "f");
+  for (const Oddity& odd : harmless()) {
+    SCOPED_TRACE(odd.name);
+    auto edited = jpeg;
+    odd.edit(edited);
+    std::vector<Diagnostic> findings;
+    EXPECT_EQ(decode_jpeg(edited, "a.jpg", &findings), picture);
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].severity, Severity::kWarning);
+    EXPECT_EQ(findings[0].code, "odd-jpeg");
+    EXPECT_EQ(findings[0].file, "a.jpg");
+    EXPECT_THAT(findings[0].message, HasSubstr(odd.says));
+    EXPECT_EQ(jpeg_shape(edited, "f"), (Shape{64, 32, 3, 8}));
+    std::vector<std::uint8_t> pixels(picture.pixels.size());
+    decode_jpeg(edited, 64, 32, pixels, "f");
+    EXPECT_EQ(pixels, picture.pixels);
+    // The fast decoder's file is the same picture.
+    const auto marked = mark_rows(edited, "f");
+    ASSERT_TRUE(marked);
+    EXPECT_EQ(decode_jpeg(*marked, "f"), picture);
+  }
+}
+
+// The harmless warning comes first, and hides none.
+TEST(Jpeg, HarmlessOdditiesHideNoDamage) {
+  auto jpeg = encode_jpeg(waves(192, 192), 90);
+  jpeg[scan_of(jpeg) + 12] = 0;
+  EXPECT_NO_THROW(decode_jpeg(jpeg, "f"));
+  for (const std::size_t left : {jpeg.size() - 2, jpeg.size() / 2}) {
+    EXPECT_THAT([&] { decode_jpeg(Bytes(jpeg).first(left), "a.jpg"); },
+                ThrowsMessage<InvalidInput>(
+                    HasSubstr("a.jpg: the JPEG is damaged: Premature end of JPEG file")));
+    EXPECT_THROW(mark_rows(Bytes(jpeg).first(left), "f"), InvalidInput);
+  }
+}
+
+// A decoder of rows agrees where rows are marked.
+TEST(Jpeg, OddFilesAreCutAndReadByRows) {
+  auto jpeg = encode_jpeg(waves(64, 64), 90);
+  const Image8 picture = decode_jpeg(jpeg, "f");
+  jpeg.insert(jpeg.end() - 2, 3, 0);
+  const auto marked = mark_rows(jpeg, "f");
+  ASSERT_TRUE(marked);
+  ASSERT_TRUE(has_marked_rows(*marked));
+  std::vector<std::uint8_t> cells(ColourCells::bytes(64));
+  ASSERT_TRUE(decode_rows(*marked, {0, 64}, {cells.data(), 64}));
+  std::vector<std::uint8_t> rgb(picture.pixels.size());
+  plain_rgb(cells.data(), 64, rgb);
+  EXPECT_EQ(rgb, picture.pixels);
+
+  auto strip = encode_jpeg(waves(6 * 32, 32), 90);
+  const auto faces = cut_jpeg_strip(strip, "f");
+  strip.insert(strip.end() - 2, 3, 0);
+  EXPECT_EQ(cut_jpeg_strip(strip, "f"), faces);
 }
 
 TEST(Jpeg, BytesBehindTheEndMarkerAreNobodysBusiness) {
@@ -136,10 +222,19 @@ TEST(Jpeg, BytesBehindTheEndMarkerAreNobodysBusiness) {
   EXPECT_EQ(decode_jpeg(jpeg, "f"), picture);
 }
 
-TEST(Jpeg, RefusesColoursForPrinting) {
+// Adobe's files store 255 - ink: 100 of each is 155 of cyan and of black.
+TEST(Jpeg, TakesInkOffWhitePaper) {
   const std::vector<std::uint8_t> cmyk(std::size_t{16} * 16 * 4, 100);
-  const auto jpeg = compress(cmyk, 16, 16, TJPF_CMYK, TJSAMP_444, 0);
-  EXPECT_THAT([&] { decode_jpeg(jpeg, "f"); }, ThrowsMessage<InvalidInput>(HasSubstr("CMYK")));
+  auto jpeg = compress(cmyk, 16, 16, TJPF_CMYK, TJSAMP_444, 0);
+  EXPECT_EQ(jpeg_shape(jpeg, "f"), (Shape{16, 16, 3, 8}));
+  std::vector<Diagnostic> findings;
+  // 100 * 100 / 255 = 39.2; two levels of compression in each factor.
+  EXPECT_THAT(decode_jpeg(jpeg, "f", &findings).pixels, Each(AllOf(Ge(37), Le(41))));
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].code, "printing-colours");
+  EXPECT_FALSE(mark_rows(jpeg, "f"));
+  EXPECT_FALSE(cut_jpeg_strip(jpeg, "f"));
+  EXPECT_THROW(decode_jpeg(Bytes(jpeg).first(jpeg.size() - 2), "f"), InvalidInput);
 }
 
 TEST(Jpeg, EncodingRefusesWhatItCannotHold) {

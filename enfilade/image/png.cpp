@@ -8,6 +8,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/detail/check_size.h"
+#include "enfilade/image/detail/photo_notes.h"
 
 namespace enfilade::image {
 
@@ -26,7 +27,7 @@ struct FreeBytes {
 // Limit of a chunk without pixels: a colour profile, a text, a thumbnail.
 constexpr std::size_t kLargestChunk = std::size_t{64} << 20;
 
-void check(int result, const std::string& file) {
+void check_png(int result, const std::string& file) {
   if (result == SPNG_OK) return;
   const bool cut = result == SPNG_IO_EOF || result == SPNG_EOF || result == SPNG_EIDAT_TOO_SHORT;
   refuse(file, "", cut ? "truncated-png" : "bad-png",
@@ -55,14 +56,14 @@ class Reader {
     spng_set_crc_action(context_.get(), SPNG_CRC_ERROR, SPNG_CRC_ERROR);
     spng_set_image_limits(context_.get(), kLongestEdge, kLongestEdge);
     spng_set_chunk_limits(context_.get(), kLargestChunk, kLargestChunk);
-    check(spng_set_png_buffer(context_.get(), png.data(), png.size()), file_);
-    check(spng_get_ihdr(context_.get(), &header_), file_);
+    check_png(spng_set_png_buffer(context_.get(), png.data(), png.size()), file_);
+    check_png(spng_get_ihdr(context_.get(), &header_), file_);
     check_size(header_.width, header_.height, file_);
     // Deflate cannot shrink by more than 1032 : 1 (RFC 1951: a match of 258 bytes takes 2 bits), so
     // a header that claims more is wrong, and must not cost memory.
     const std::uint64_t bits = std::uint64_t{header_.width} * header_.height * header_.bit_depth *
                                channels_of(header_.color_type);
-    if (bits / 8 / 1032 > png.size()) check(SPNG_EIDAT_TOO_SHORT, file_);
+    if (bits / 8 / 1032 > png.size()) check_png(SPNG_EIDAT_TOO_SHORT, file_);
   }
 
   const spng_ihdr& header() const { return header_; }
@@ -73,7 +74,7 @@ class Reader {
     if (header_.color_type != SPNG_COLOR_TYPE_INDEXED) return channels_of(header_.color_type);
     spng_trns transparency{};
     const int result = spng_get_trns(context_.get(), &transparency);
-    if (result != SPNG_ECHUNKAVAIL) check(result, file_);
+    if (result != SPNG_ECHUNKAVAIL) check_png(result, file_);
     return result == SPNG_OK ? 4 : 3;
   }
 
@@ -81,10 +82,27 @@ class Reader {
   // are there.
   void read(void* pixels, std::size_t bytes, spng_format format, int flags) {
     std::size_t needed = 0;
-    check(spng_decoded_image_size(context_.get(), format, &needed), file_);
+    check_png(spng_decoded_image_size(context_.get(), format, &needed), file_);
     EN_CHECK_EQ(needed, bytes);
-    check(spng_decode_image(context_.get(), pixels, bytes, format, flags), file_);
-    check(spng_decode_chunks(context_.get()), file_);
+    check_png(spng_decode_image(context_.get(), pixels, bytes, format, flags), file_);
+    check_png(spng_decode_chunks(context_.get()), file_);
+  }
+
+  // Of a file that was read. A chunk that cannot be read says nothing.
+  void read_notes(PhotoNotes& notes) const {
+    spng_exif exif{};
+    if (spng_get_exif(context_.get(), &exif) == SPNG_OK) {
+      read_exif(bytes_of({exif.data, exif.length}), notes);
+    }
+    std::uint32_t count = 0;
+    if (spng_get_text(context_.get(), nullptr, &count) != SPNG_OK) return;
+    std::vector<spng_text> texts(count);
+    if (spng_get_text(context_.get(), texts.data(), &count) != SPNG_OK) return;
+    for (const spng_text& text : texts) {
+      if (std::string_view(text.keyword) == "XML:com.adobe.xmp") {
+        notes.xmp.assign(text.text, text.length);
+      }
+    }
   }
 
  private:
@@ -139,18 +157,29 @@ Shape png_shape(Bytes png, const std::string& file) {
   return {header.width, header.height, reader.channels(), header.bit_depth == 16 ? 16U : 8U};
 }
 
-Image8 decode_png8(Bytes png, const std::string& file) {
+Image8 detail::decode_png8(Bytes png, const std::string& file, PhotoNotes* notes) {
   Reader reader(png, file);
   const spng_ihdr& header = reader.header();
-  if (header.bit_depth == 16) {
-    refuse(file, "", "bad-bits", "a PNG of 16 bits a channel; 8 or fewer are allowed here");
-  }
   const unsigned channels = reader.channels();
   Image8 picture(header.width, header.height, channels);
+  if (header.bit_depth == 16) {
+    std::vector<std::uint16_t> wide(picture.pixels.size());
+    reader.read(wide.data(), 2 * wide.size(), SPNG_FMT_PNG, 0);
+    std::ranges::transform(wide, picture.pixels.begin(), [](std::uint32_t value) {
+      return static_cast<std::uint8_t>((value * 255 + 32767) / 65535);
+    });
+    if (notes != nullptr) reader.read_notes(*notes);
+    return picture;
+  }
   const bool palette = header.color_type == SPNG_COLOR_TYPE_INDEXED;
   reader.read(picture.pixels.data(), picture.pixels.size(), format_of(header, channels),
               palette && channels == 4 ? SPNG_DECODE_TRNS : 0);
+  if (notes != nullptr) reader.read_notes(*notes);
   return picture;
+}
+
+Image8 decode_png8(Bytes png, const std::string& file) {
+  return detail::decode_png8(png, file, nullptr);
 }
 
 Image16 decode_png16(Bytes png, const std::string& file) {

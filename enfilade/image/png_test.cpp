@@ -51,13 +51,24 @@ TEST(Png, ReadsEightBitGreyAsNumbersToo) {
 }
 
 TEST(Png, RefusesTheWrongKind) {
-  EXPECT_THAT([] { decode_png8(encode_png(Image16(2, 2, 1)), "a.png"); },
-              ThrowsMessage<InvalidInput>(HasSubstr("a.png: a PNG of 16 bits a channel")));
   EXPECT_THAT([] { decode_png16(encode_png(Image8(2, 2, 3)), "a.png"); },
               ThrowsMessage<InvalidInput>(HasSubstr("a.png: a PNG in colours")));
   EXPECT_THROW(encode_png(Image8(2, 2, 5)), ArgumentError);
   EXPECT_THROW(encode_png(Image16(2, 2, 3)), ArgumentError);
   EXPECT_THROW(encode_png(Image8(0, 2, 3)), ArgumentError);
+}
+
+// Made with Python's zlib by the definition of PNG: (0, 128, 255) and (65535, 65407, 256).
+TEST(Png, RoundsSixteenBitsToEight) {
+  const std::string png = unhex(
+      "89504e470d0a1a0a0000000d49484452000000020000000110020000002bd0349e000000134944415478da6360"
+      "60606860f80f04f58c0c001bf604fdf95ed55f0000000049454e44ae426082");
+  EXPECT_EQ(png_shape(bytes_of(png), "f"), (Shape{2, 1, 3, 16}));
+  EXPECT_THAT(decode_png8(bytes_of(png), "f").pixels, ElementsAre(0, 0, 1, 255, 255, 1));
+  EXPECT_THROW(decode_png16(bytes_of(png), "f"), InvalidInput);
+  Image16 grey(2, 1, 1);
+  grey.pixels = {0x1234, 0xFFFF};
+  EXPECT_THAT(decode_png8(encode_png(grey), "f").pixels, ElementsAre(0x12, 255));
 }
 
 TEST(Png, RefusesAFileCutOffAnywhere) {

@@ -35,6 +35,29 @@ double grain(const Noise& noise, double u, double v, double offset) {
   return 0.62 * rings + 0.38 * fine;
 }
 
+/// How much of a mirrored, flower-like figure lies at a point of its cell, [-1, 1]^2.
+double damask(double x, double y) {
+  const double ax = std::abs(x);
+  const double r = std::sqrt(ax * ax + y * y), angle = std::atan2(ax, y);
+  const double flower = 0.30 + 0.17 * std::cos(5 * angle) + 0.12 * std::cos(2 * angle);
+  double in = smooth(0.03, -0.03, r - flower);
+  in = std::max(in, smooth(0.02, -0.02, std::abs(r - 0.62) - 0.035 - 0.04 * std::cos(8 * angle)));
+  const double leaf = distance((ax - 0.68) * 1.6, (y - 0.68) * 0.9);
+  in = std::max(in, smooth(0.03, -0.03, leaf - 0.24));
+  if (r < 0.12) in = 0;
+  return in;
+}
+
+double leaves(double x, double y) {
+  const double ax = std::abs(x);
+  double in = smooth(0.02, -0.02, ax - 0.035);
+  for (const double at : {-0.7, -0.1, 0.5}) {
+    const double dx = ax - 0.33, dy = y - at - 0.5 * dx;
+    in = std::max(in, smooth(0.03, -0.03, distance(dx * 0.75, dy * 2.1) - 0.23));
+  }
+  return in;
+}
+
 }  // namespace
 
 Image8 paint(std::uint32_t width, std::uint32_t height,
@@ -219,33 +242,6 @@ Texture fabric(Rng& rng, Rgb tone, Rgb second, Weave weave) {
     return shade(base, 0.84 + 0.14 * thread + 0.12 * (noise.cloud(u, v, 6, 4) - 0.3));
   });
 }
-
-namespace {
-
-/// How much of a mirrored, flower-like figure lies at a point of its cell, [-1, 1]^2.
-double damask(double x, double y) {
-  const double ax = std::abs(x);
-  const double r = std::sqrt(ax * ax + y * y), angle = std::atan2(ax, y);
-  const double flower = 0.30 + 0.17 * std::cos(5 * angle) + 0.12 * std::cos(2 * angle);
-  double in = smooth(0.03, -0.03, r - flower);
-  in = std::max(in, smooth(0.02, -0.02, std::abs(r - 0.62) - 0.035 - 0.04 * std::cos(8 * angle)));
-  const double leaf = distance((ax - 0.68) * 1.6, (y - 0.68) * 0.9);
-  in = std::max(in, smooth(0.03, -0.03, leaf - 0.24));
-  if (r < 0.12) in = 0;
-  return in;
-}
-
-double leaves(double x, double y) {
-  const double ax = std::abs(x);
-  double in = smooth(0.02, -0.02, ax - 0.035);
-  for (const double at : {-0.7, -0.1, 0.5}) {
-    const double dx = ax - 0.33, dy = y - at - 0.5 * dx;
-    in = std::max(in, smooth(0.03, -0.03, distance(dx * 0.75, dy * 2.1) - 0.23));
-  }
-  return in;
-}
-
-}  // namespace
 
 Texture wallpaper(Rng& rng, Rgb ground, Rgb motif, Paper paper) {
   const Noise noise(rng.next());

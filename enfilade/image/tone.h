@@ -1,8 +1,10 @@
 /// \file  Linear light to display colours: exposure, tone curve, sRGB.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 
 namespace enfilade::image {
@@ -44,6 +46,31 @@ T srgb_from_linear(T light) {
 template <std::floating_point T>
 std::uint8_t srgb8_from_linear(T light) {
   return static_cast<std::uint8_t>(std::lround(srgb_from_linear(light) * 255));
+}
+
+/// linear_from_srgb() of each byte.
+inline const std::array<float, 256>& linear_bytes() {
+  static const std::array<float, 256> kTable = [] {
+    std::array<float, 256> table{};
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      table[i] = linear_from_srgb(static_cast<float>(i) / 255);
+    }
+    return table;
+  }();
+  return kTable;
+}
+
+/// srgb8_from_linear() from a table, without a power: exact to a rounding at byte borders.
+inline std::uint8_t srgb_byte(float light) {
+  constexpr std::size_t kSteps = 1U << 14U;
+  static const std::array<std::uint8_t, kSteps + 1> kTable = [] {
+    std::array<std::uint8_t, kSteps + 1> table{};
+    for (std::size_t i = 0; i <= kSteps; ++i) {
+      table[i] = srgb8_from_linear(static_cast<float>(i) / kSteps);
+    }
+    return table;
+  }();
+  return kTable[static_cast<std::size_t>(std::clamp(light, 0.0F, 1.0F) * kSteps + 0.5F)];
 }
 
 }  // namespace enfilade::image

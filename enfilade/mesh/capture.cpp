@@ -25,20 +25,6 @@ Vec3f shoulder(Vec3f c) {
   return {image::shoulder(c.x), image::shoulder(c.y), image::shoulder(c.z)};
 }
 
-// sRGB of linear values in steps fine enough that no byte is left out.
-constexpr std::size_t kSteps = 1U << 14U;
-std::array<std::uint8_t, kSteps + 1> make_srgb_table() {
-  std::array<std::uint8_t, kSteps + 1> table{};
-  for (std::size_t i = 0; i <= kSteps; ++i) {
-    table[i] = image::srgb8_from_linear(static_cast<float>(i) / kSteps);
-  }
-  return table;
-}
-std::uint8_t srgb_byte(float x) {
-  static const std::array<std::uint8_t, kSteps + 1> kTable = make_srgb_table();
-  return kTable[static_cast<std::size_t>(std::clamp(x, 0.0F, 1.0F) * kSteps + 0.5F)];
-}
-
 // --- pixels ---------------------------------------------------------------------------------
 
 // Where a pixel's rays pass through it, from its top left corner, in pixels. No two share a row or
@@ -55,20 +41,6 @@ Pattern pattern_of(std::uint32_t samples) {
   }
   return pattern;
 }
-
-// Place k of a tile in Z-order, so that few rays that follow each other lie in a small square.
-struct TilePlace {
-  std::uint32_t x, y;
-};
-constexpr std::array<TilePlace, kTilePixels> make_z_order() {
-  std::array<TilePlace, kTilePixels> order{};
-  for (std::uint32_t k = 0; k < kTilePixels; ++k) {
-    order[k] = {(k & 1U) | (k >> 1U & 2U) | (k >> 2U & 4U),
-                (k >> 1U & 1U) | (k >> 2U & 2U) | (k >> 3U & 4U)};
-  }
-  return order;
-}
-constexpr auto kZOrder = make_z_order();
 
 // A picture to take: pixel coordinates (0, 0 at the top left corner, whole numbers at edges) seen
 // along origin + x across + y down.
@@ -180,9 +152,9 @@ class Photographer {
 
   static void write_colour(const View& view, TilePlace at, Vec3f colour) {
     std::uint8_t* out = view.colour + 3 * (std::size_t{at.y} * view.width + at.x);
-    out[0] = srgb_byte(colour.x);
-    out[1] = srgb_byte(colour.y);
-    out[2] = srgb_byte(colour.z);
+    out[0] = image::srgb_byte(colour.x);
+    out[1] = image::srgb_byte(colour.y);
+    out[2] = image::srgb_byte(colour.z);
   }
 
   void write_truth(const View& view, TilePlace at, const Ray& ray, const Hit& hit) const {

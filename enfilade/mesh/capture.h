@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "enfilade/geometry/cube_map.h"
-#include "enfilade/geometry/mat.h"
+#include "enfilade/geometry/vec.h"
 #include "enfilade/image/image.h"
 #include "enfilade/mesh/lighting.h"
 

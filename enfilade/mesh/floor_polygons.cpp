@@ -32,7 +32,7 @@ void require_step(bool done, const char* what) {
 }
 
 // Leaves out the parts that WalkableFloor leaves out. Gives the rank of the others by span.
-std::vector<std::uint32_t> close_other_parts(Field& field, const WalkableOptions& options) {
+std::vector<std::uint32_t> close_other_parts(FloorField& field, const WalkableOptions& options) {
   std::vector<std::uint32_t> ranks = rank_spans(field, options);
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
     if (ranks[s] == kNoSpan) field.close(s);
@@ -41,7 +41,8 @@ std::vector<std::uint32_t> close_other_parts(Field& field, const WalkableOptions
 }
 
 // The rank of a region: that of any span in it, as regions are connected.
-std::vector<std::uint32_t> ranks_of_regions(Field& field, const std::vector<std::uint32_t>& ranks) {
+std::vector<std::uint32_t> ranks_of_regions(FloorField& field,
+                                            const std::vector<std::uint32_t>& ranks) {
   std::vector<std::uint32_t> of(std::size_t{field.recast().maxRegions} + 1, 0);
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
     if (field.walkable(s) && ranks[s] != kNoSpan) of[field.recast().spans[s].reg] = ranks[s];
@@ -119,8 +120,8 @@ FloorPolygons make_floor_polygons(const RayTracer& tracer, const PolygonOptions&
   PolygonOptions options = asked;
   const double cell = options.floor.cell = fitting_cell(tracer.mesh(), asked.floor);
   options.rim_error *= cell / asked.floor.cell;
-  const Lattice lattice = make_lattice(tracer.mesh(), options.floor);
-  Field field = make_field(tracer.mesh(), options.floor, lattice);
+  const FloorLattice lattice = make_lattice(tracer.mesh(), options.floor);
+  FloorField field = make_field(tracer.mesh(), options.floor, lattice);
   field.erode_straight(options.floor);
   const std::vector<std::uint32_t> ranks = close_other_parts(field, options.floor);
   rcContext context(false);

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "enfilade/mesh/readers/text.h"
+#include "enfilade/mesh/readers/reader.h"
 
 namespace enfilade::mesh {
 

@@ -100,12 +100,12 @@ struct LitMesh::Impl {
   Lights lights;
   Vec3f sun;
   bool sunny;
-  Surfaces surfaces;
+  LitSurfaces surfaces;
   BakedLight baked;
 };
 
 Vec3f LitMesh::Impl::light_at(std::uint32_t triangle, float u, float v, LightPoint side) const {
-  const LightMesh::Place place = baked.mesh.locate(triangle, u, v);
+  const LightMesh::PiecePoint place = baked.mesh.locate(triangle, u, v);
   const auto& corners = baked.mesh.pieces()[place.piece].front;
   return place.weights[0] * baked.light[corners[0] ^ side] +
          place.weights[1] * baked.light[corners[1] ^ side] +

@@ -1,5 +1,6 @@
-/// \file  Triangle meshes with materials and labels.
+/// \file  Triangle meshes with materials and labels, and cross-sections of them.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -59,6 +60,26 @@ inline std::uint32_t object_of(const Mesh& mesh, std::size_t triangle) {
   return mesh.triangle_object.empty() ? kNoObject : mesh.triangle_object[triangle];
 }
 
+/// Tells which triangles belong to no room, such as lawns. In a mesh without rooms none does.
+class Surroundings {
+ public:
+  /// \pre mesh outlives this
+  explicit Surroundings(const Mesh& mesh)
+      : mesh_(mesh), has_rooms_(std::ranges::any_of(mesh.objects, [](const Object& object) {
+          return object.region >= 0;
+        })) {}
+  /// \pre triangle < mesh.triangles.size()
+  bool has(std::size_t triangle) const {
+    if (!has_rooms_) return false;
+    const std::uint32_t object = object_of(mesh_, triangle);
+    return object == kNoObject || mesh_.objects[object].region < 0;
+  }
+
+ private:
+  const Mesh& mesh_;
+  bool has_rooms_;
+};
+
 /// An axis-aligned box.
 struct Box {
   Vec3f low, high;
@@ -81,5 +102,16 @@ void append(Mesh& mesh, const Mesh& part);
 /// `degenerate-triangles` (number of triangles without area), `missing-texture` (from readers).
 /// `file` is the name in messages.
 std::vector<Diagnostic> check(const Mesh& mesh, const std::string& file);
+
+/// A segment of a cross-section.
+struct SliceLine {
+  Vec3f from, to;                    ///< world, metres; not equal
+  std::uint32_t object = kNoObject;  ///< index in mesh.objects
+};
+
+/// Cross-section at height `z`, in the order of the triangles. Each triangle with a corner below z
+/// and one at or above it gives a line. Triangles in the plane give none.
+/// \pre check() finds no errors; z is finite
+std::vector<SliceLine> slice(const Mesh& mesh, float z);
 
 }  // namespace enfilade::mesh

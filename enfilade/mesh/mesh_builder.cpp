@@ -34,6 +34,28 @@ std::array<double, 2> on_circle(unsigned i, unsigned sides) {
   return cos_sin(2 * kPi * (i % sides) / sides);
 }
 
+/// The corner of a soft box that looks to `side` (-1 or 1 along each axis), as the corner of its
+/// face across `axis`.
+Vec3d soft_corner(Vec3d low, Vec3d high, double round, std::array<int, 3> side, unsigned axis) {
+  const auto at = [&](double lo, double hi, int s, bool face) {
+    const double cut = face ? 0 : round;
+    return s < 0 ? lo + cut : hi - cut;
+  };
+  return {at(low.x, high.x, side[0], axis == 0), at(low.y, high.y, side[1], axis == 1),
+          at(low.z, high.z, side[2], axis == 2)};
+}
+/// Sides a, b, c along `axis` and the two that follow it.
+std::array<int, 3> turned_sides(unsigned axis, int a, int b, int c) {
+  std::array<int, 3> sides{};
+  sides[axis] = a;
+  sides[(axis + 1) % 3] = b;
+  sides[(axis + 2) % 3] = c;
+  return sides;
+}
+Vec3d axis_normal(unsigned axis, int side) {
+  return {axis == 0 ? double(side) : 0, axis == 1 ? double(side) : 0, axis == 2 ? double(side) : 0};
+}
+
 }  // namespace
 
 Vec3d Placement::to_world(Vec3d local) const { return position + mesh::turned(local, turned); }
@@ -136,32 +158,6 @@ void MeshBuilder::box(MaterialId material, Vec3d low, Vec3d high, bool bottom) {
   quad(material, {x0, y0, z1}, {x1, y0, z1}, {x1, y1, z1}, {x0, y1, z1});
   if (bottom) quad(material, {x0, y1, z0}, {x1, y1, z0}, {x1, y0, z0}, {x0, y0, z0});
 }
-
-namespace {
-
-/// The corner of a soft box that looks to `side` (-1 or 1 along each axis), as the corner of its
-/// face across `axis`.
-Vec3d soft_corner(Vec3d low, Vec3d high, double round, std::array<int, 3> side, unsigned axis) {
-  const auto at = [&](double lo, double hi, int s, bool face) {
-    const double cut = face ? 0 : round;
-    return s < 0 ? lo + cut : hi - cut;
-  };
-  return {at(low.x, high.x, side[0], axis == 0), at(low.y, high.y, side[1], axis == 1),
-          at(low.z, high.z, side[2], axis == 2)};
-}
-/// Sides a, b, c along `axis` and the two that follow it.
-std::array<int, 3> turned_sides(unsigned axis, int a, int b, int c) {
-  std::array<int, 3> sides{};
-  sides[axis] = a;
-  sides[(axis + 1) % 3] = b;
-  sides[(axis + 2) % 3] = c;
-  return sides;
-}
-Vec3d axis_normal(unsigned axis, int side) {
-  return {axis == 0 ? double(side) : 0, axis == 1 ? double(side) : 0, axis == 2 ? double(side) : 0};
-}
-
-}  // namespace
 
 void MeshBuilder::soft_box(MaterialId material, Vec3d low, Vec3d high, double round) {
   const Vec3d size = high - low;

@@ -36,7 +36,6 @@ class MeshBuilder {
   MaterialId add_material(Material material, double texture_size = 1);
   std::uint32_t begin_object(std::string name, std::uint16_t category, std::int32_t region,
                              const Placement& placement = {});
-  const Placement& placement() const noexcept { return placement_; }
   /// The mesh built so far.
   const Mesh& mesh() const noexcept { return mesh_; }
 

@@ -1,5 +1,10 @@
 #include "enfilade/mesh/ray_tracer.h"
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +12,6 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
-#include "enfilade/mesh/detail/embree.h"
 #include "enfilade/mesh/detail/textures.h"
 
 namespace enfilade::mesh {
@@ -15,6 +19,55 @@ namespace enfilade::mesh {
 using namespace detail;
 
 namespace {
+
+// The differences between Embree 3 (Debian 12) and 4 (Ubuntu 24.04).
+namespace embree {
+
+#if RTC_VERSION_MAJOR >= 4
+
+void intersect(const int* valid, RTCScene scene, RTCRayHit16& rays) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcIntersect16(valid, scene, &rays, &arguments);
+}
+void intersect(RTCScene scene, RTCRayHit& ray) { rtcIntersect1(scene, &ray, nullptr); }
+void occluded(const int* valid, RTCScene scene, RTCRay16& rays) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcOccluded16(valid, scene, &rays, &arguments);
+}
+void occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
+
+#else
+
+RTCIntersectContext context(RTCIntersectContextFlags flags) {
+  RTCIntersectContext made;
+  rtcInitIntersectContext(&made);
+  made.flags = flags;
+  return made;
+}
+void intersect(const int* valid, RTCScene scene, RTCRayHit16& rays) {
+  RTCIntersectContext coherent = context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  rtcIntersect16(valid, scene, &coherent, &rays);
+}
+void intersect(RTCScene scene, RTCRayHit& ray) {
+  RTCIntersectContext single = context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  rtcIntersect1(scene, &single, &ray);
+}
+void occluded(const int* valid, RTCScene scene, RTCRay16& rays) {
+  RTCIntersectContext coherent = context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  rtcOccluded16(valid, scene, &coherent, &rays);
+}
+void occluded(RTCScene scene, RTCRay& ray) {
+  RTCIntersectContext single = context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  rtcOccluded1(scene, &single, &ray);
+}
+
+#endif
+
+}  // namespace embree
 
 constexpr unsigned kPacket = 16;
 // Spatial splits make rays through rooms of large walls faster, but the tree takes twice as long.

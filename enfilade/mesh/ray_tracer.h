@@ -1,5 +1,6 @@
 /// \file  Ray tracing of a mesh (Embree).
 #pragma once
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -8,6 +9,20 @@
 #include "enfilade/mesh/mesh.h"
 
 namespace enfilade::mesh {
+
+/// A pixel of a tile of 8 x 8.
+struct TilePlace {
+  std::uint32_t x, y;
+};
+/// All of them in Z-order, so that few rays that follow each other lie in a small square.
+inline constexpr auto kZOrder = [] {
+  std::array<TilePlace, 64> order{};
+  for (std::uint32_t k = 0; k < order.size(); ++k) {
+    order[k] = {(k & 1U) | (k >> 1U & 2U) | (k >> 2U & 4U),
+                (k >> 1U & 1U) | (k >> 2U & 2U) | (k >> 3U & 4U)};
+  }
+  return order;
+}();
 
 /// A half-line, or a piece of it.
 struct Ray {

@@ -56,9 +56,13 @@ void orient(Mesh& mesh, double scale, bool y_up) {
   }
 }
 
-ReadResult read(const Source& source, const ReadOptions& options) {
+ReadResult read(Source source, const ReadOptions& options) {
   check_options(options);
   const Format& format = format_of(source.name);
+  source.bytes = without_mark(source.bytes);
+  if (source.bytes.starts_with("\xFF\xFE") || source.bytes.starts_with("\xFE\xFF")) {
+    refuse(source.name, "", "bad-encoding", "text in UTF-16; save it in UTF-8");
+  }
   ReadResult out = format.read(source);
   const UpAxis up = options.up == UpAxis::kFormat ? format.up : options.up;
   orient(out.mesh, options.scale, up == UpAxis::kY);

@@ -1,4 +1,4 @@
-/// \file  Readers of mesh files: glTF, OBJ, PLY; writer of OBJ.
+/// \file  Readers of mesh files: glTF, OBJ, PLY; writers of OBJ and binary glTF.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -26,21 +26,28 @@ struct ReadOptions {
 struct ReadResult {
   Mesh mesh;  ///< objects: one per named node or group of the file
   std::vector<Diagnostic>
-      warnings;  ///< of check(), and content that was ignored (lines, cameras, ...)
+      warnings;  ///< and notes: of check(), odd values, ignored content (lines, cameras, ...)
 };
 
 /// Reads a file; the format is that of the name's suffix.
-/// - .glb, .gltf (2.0): all nodes of the default scene; triangles, strips and fans; vertex colours,
-///   alpha masks, base colour, emission and their textures
-/// - .obj, with .mtl and its textures; polygons become fans
-/// - .ply, ASCII and binary; polygons become fans; vertex colours are sRGB
+/// - .glb, .gltf (2.0): all nodes of the default scene, as triangles, strips and fans; vertex
+///   colours, alpha masks, base colour, emission and their textures. Compressed geometry is read
+///   where its library is built in.
+/// - .obj, with .mtl and its textures; polygons become fans; vertex colours are sRGB, shares or
+///   bytes
+/// - .ply, ASCII and binary; polygons become fans; vertex colours are sRGB; textures of
+///   `comment TextureFile`
 ///
 /// .mtl: Kd, Ke, map_Kd, cut-outs where map_d is the same file, and Ks as a mirror under illum 3
-/// and 5. Textures are JPEG or PNG. A missing or broken one gives a warning, and the material keeps
-/// its colour.
+/// and 5. Textures are JPEG, PNG, and WebP where libwebp is built in. A missing or broken one gives
+/// a warning, and the material keeps its colour.
+///
+/// Numbers that are not finite, and references to missing normals, texture points or materials, are
+/// warnings with a count. A computed value stands for each. Only a position that a face uses is an
+/// error.
 /// \throws FileError
 /// \throws InvalidInput naming file and place for broken files, errors of check(), and unknown
-/// required extensions of glTF
+/// required extensions of glTF, except those that concern looks alone
 /// \throws ArgumentError for options out of range or an unknown suffix
 ReadResult read_mesh(const std::filesystem::path& file, const ReadOptions& options = {});
 
@@ -60,5 +67,7 @@ void write_obj(const Mesh& mesh, const std::filesystem::path& folder, const std:
 /// PNG where they have cut-outs). Only viewers use `mirror`.
 /// \throws FileError; ArgumentError for a file of more than 4 GiB
 void write_glb(const Mesh& mesh, const std::filesystem::path& file);
+/// The bytes of that file. \throws ArgumentError if they are more than 4 GiB
+std::string to_glb(const Mesh& mesh);
 
 }  // namespace enfilade::mesh

@@ -1,4 +1,4 @@
-#include "enfilade/mesh/slice.h"
+#include "enfilade/mesh/mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "enfilade/mesh/vertex_light.h"
+#include "enfilade/mesh/lighting.h"
 
 #include <fmt/format.h>
 
@@ -68,9 +68,8 @@ class Cutter {
       : light_(light),
         mesh_(light.mesh()),
         options_(options),
-        exposure_(image::kMidGrey<float> / light.key()) {
-    for (const Object& object : mesh_.objects) has_rooms_ = has_rooms_ || object.region >= 0;
-  }
+        surroundings_(mesh_),
+        exposure_(image::kMidGrey<float> / light.key()) {}
 
   Mesh run() {
     make_whole_triangles();
@@ -81,11 +80,6 @@ class Cutter {
   }
 
  private:
-  bool is_outside(std::uint32_t triangle) const {
-    const std::uint32_t object = object_of(mesh_, triangle);
-    return has_rooms_ && (object == kNoObject || mesh_.objects[object].region < 0);
-  }
-
   /// Corners of triangles that look alike are one: then the edge between them is one, too.
   void make_whole_triangles() {
     using Key = std::tuple<std::array<std::uint32_t, 8>, std::uint32_t>;
@@ -104,7 +98,7 @@ class Cutter {
         const std::array<float, 8> values{p.x,       p.y,       p.z,  part(n.x),
                                           part(n.y), part(n.z), uv.u, uv.v};
         const Key key{std::bit_cast<std::array<std::uint32_t, 8>>(values),
-                      2 * mesh_.triangle_material[t] + (is_outside(t) ? 1 : 0)};
+                      2 * mesh_.triangle_material[t] + (surroundings_.has(t) ? 1 : 0)};
         const auto [found, is_new] =
             known.try_emplace(key, static_cast<std::uint32_t>(corners_.size()));
         piece.corners[k] = found->second;
@@ -152,7 +146,7 @@ class Cutter {
     std::vector<std::array<std::uint32_t, 2>> ends;
     for (const Piece& piece : pieces_) {
       // Lawns are hundreds of metres wide, and seen from afar.
-      const bool outside = is_outside(piece.triangle);
+      const bool outside = surroundings_.has(piece.triangle);
       const double least = outside ? kOutside * options_.most_edge : options_.least_edge;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = piece.corners[k], b = piece.corners[(k + 1) % 3];
@@ -254,7 +248,7 @@ class Cutter {
       }
       out.triangles.push_back(triangle);
       out.triangle_material.push_back(material);
-      out.triangle_object.push_back(is_outside(piece.triangle) ? kSurroundings : 0);
+      out.triangle_object.push_back(surroundings_.has(piece.triangle) ? kSurroundings : 0);
       if (!mesh_.texture_points.empty()) out.texture_points.push_back(texture);
     }
     for (const Material& material : mesh_.materials) out.materials.push_back(shown(material));
@@ -284,8 +278,8 @@ class Cutter {
   const LitMesh& light_;
   const Mesh& mesh_;
   const VertexLightOptions& options_;
+  Surroundings surroundings_;
   float exposure_;
-  bool has_rooms_ = false;
   std::vector<Corner> corners_;
   std::vector<Piece> pieces_;
   std::unordered_map<std::uint64_t, Middle> middles_;

@@ -1,4 +1,4 @@
-#include "enfilade/mesh/vertex_light.h"
+#include "enfilade/mesh/lighting.h"
 
 #include <gtest/gtest.h>
 

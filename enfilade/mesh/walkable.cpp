@@ -1,10 +1,11 @@
 #include "enfilade/mesh/walkable.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
-#include "enfilade/mesh/detail/exact_heights.h"
 #include "enfilade/mesh/detail/floor_field.h"
 
 namespace enfilade::mesh {
@@ -15,9 +16,10 @@ namespace {
 
 constexpr double kAboveFloor = 0.05;  // points this far below the floor are still on it
 
-Cells gather(const Field& field, const Lattice& lattice, const WalkableOptions& options) {
+FloorCells gather(const FloorField& field, const FloorLattice& lattice,
+                  const WalkableOptions& options) {
   const std::vector<std::uint32_t> ranks = rank_spans(field, options);
-  Cells out;
+  FloorCells out;
   out.first_in_column.assign(static_cast<std::size_t>(lattice.width * lattice.depth) + 1, 0);
   std::vector<std::uint32_t> place(field.spans(), kNoSpan);
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
@@ -38,58 +40,133 @@ Cells gather(const Field& field, const Lattice& lattice, const WalkableOptions& 
   return out;
 }
 
-}  // namespace
+constexpr float kUnknown = -std::numeric_limits<float>::infinity();
 
-struct WalkableFloor::Impl {
-  WalkableOptions options;
-  Lattice lattice;
-  Cells floor;
-  std::size_t areas = 0;
+// The x between which a line of constant y is inside a triangle, seen from above. None if
+// from > to.
+struct Crossing {
+  double from = std::numeric_limits<double>::infinity(), to = -from;
 };
 
-WalkableFloor::WalkableFloor(const Mesh& mesh, const WalkableOptions& options)
-    : impl_(std::make_unique<Impl>()) {
-  check_walkable_input(mesh, options);
-  impl_->options = options;
-  impl_->lattice = make_lattice(mesh, options);
-  const Lattice& lattice = impl_->lattice;
-  Field field = make_field(mesh, options, lattice);
-  field.erode(options);
-  field.measure_distances();
-  impl_->floor = gather(field, lattice, options);
-  set_exact_heights(mesh, lattice, options.body.step, impl_->floor);
-  for (const FloorCell& cell : impl_->floor.cells) {
-    impl_->areas = std::max<std::size_t>(impl_->areas, cell.area + 1);
+Crossing cross_triangle(const std::array<Vec3d, 3>& t, double y) {
+  Crossing c;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3d a = t[i], b = t[(i + 1) % 3];
+    if ((a.y < y && b.y < y) || (a.y > y && b.y > y)) continue;
+    const double share = a.y == b.y ? 0 : (y - a.y) / (b.y - a.y);
+    const double x = a.x + share * (b.x - a.x);
+    c.from = std::min(c.from, x);
+    c.to = std::max(c.to, x);
+  }
+  return c;
+}
+
+// Finds the highest surface at the middle of each cell, triangle by triangle.
+class Sweep {
+ public:
+  Sweep(const FloorLattice& lattice, double step, const FloorCells& floor)
+      : lattice_(lattice), step_(step), floor_(floor), heights_(floor.cells.size(), kUnknown) {}
+
+  void add(const std::array<Vec3d, 3>& t) {
+    const double ux = t[1].x - t[0].x, uy = t[1].y - t[0].y;
+    const double vx = t[2].x - t[0].x, vy = t[2].y - t[0].y;
+    const double area = ux * vy - uy * vx;
+    if (std::abs(area) < 1e-12) return;  // vertical, or a line or point
+    const double uz = t[1].z - t[0].z, vz = t[2].z - t[0].z;
+    const double dx = (uz * vy - vz * uy) / area, dy = (vz * ux - uz * vx) / area;
+    const auto [south, north] = std::minmax({t[0].y, t[1].y, t[2].y});
+    const Vec3f low = lattice_.box.low;
+    const int last = last_place(north, low.y, lattice_.depth);
+    for (int j = first_place(south, low.y); j <= last; ++j) {
+      const double y = middle(low.y, j);
+      const Crossing c = cross_triangle(t, y);
+      if (c.from > c.to) continue;
+      const int end = last_place(c.to, low.x, lattice_.width);
+      for (int i = first_place(c.from, low.x); i <= end; ++i) {
+        const double x = middle(low.x, i);
+        meet(j * lattice_.width + i, t[0].z + dx * (x - t[0].x) + dy * (y - t[0].y));
+      }
+    }
+  }
+
+  float height(std::size_t cell) const { return heights_[cell]; }
+
+ private:
+  double middle(double low, int i) const { return low + (i + 0.5) * lattice_.cell; }
+  // Triangles are widened by 1e-6 cells, so that a middle on a shared edge is in at least one.
+  int first_place(double from, double low) const {
+    return std::max(0, static_cast<int>(std::ceil((from - low) / lattice_.cell - 0.5 - 1e-6)));
+  }
+  int last_place(double to, double low, int count) const {
+    return std::min(count - 1,
+                    static_cast<int>(std::floor((to - low) / lattice_.cell - 0.5 + 1e-6)));
+  }
+
+  // A surface at height z at a column's middle, which counts for the cells that are close above it.
+  void meet(int column, double z) {
+    const auto at = static_cast<std::size_t>(column);
+    for (std::size_t c = floor_.first_in_column[at]; c < floor_.first_in_column[at + 1]; ++c) {
+      const double above = floor_.cells[c].position.z - z;  // of the cell, metres
+      if (above < -lattice_.level || above > step_ + lattice_.level) continue;
+      heights_[c] = std::max(heights_[c], static_cast<float>(z));
+    }
+  }
+
+  const FloorLattice& lattice_;
+  double step_;
+  const FloorCells& floor_;
+  std::vector<float> heights_;
+};
+
+/// Moves each cell to the highest surface at its centre that is near its height. Recast's cells
+/// have the height of the highest surface anywhere in them, such as the next stair. If there is no
+/// surface (a crack between triangles), the cell is lowered by half a level, the mean error.
+/// \param step how far a cell may lie above the surface at its middle
+void set_exact_heights(const Mesh& mesh, const FloorLattice& lattice, double step,
+                       FloorCells& floor) {
+  Sweep sweep(lattice, step, floor);
+  for (const auto& triangle : mesh.triangles) {
+    std::array<Vec3d, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = to_double(mesh.positions[triangle[i]]);
+    sweep.add(corners);
+  }
+  for (std::size_t c = 0; c < floor.cells.size(); ++c) {
+    const float exact = sweep.height(c);
+    float& z = floor.cells[c].position.z;
+    z = exact > kUnknown ? exact : z - static_cast<float>(lattice.level / 2);
   }
 }
 
-WalkableFloor::~WalkableFloor() = default;
-WalkableFloor::WalkableFloor(WalkableFloor&&) noexcept = default;
-WalkableFloor& WalkableFloor::operator=(WalkableFloor&&) noexcept = default;
+}  // namespace
 
-const WalkableOptions& WalkableFloor::options() const noexcept { return impl_->options; }
-std::span<const FloorCell> WalkableFloor::cells() const noexcept { return impl_->floor.cells; }
-std::size_t WalkableFloor::areas() const noexcept { return impl_->areas; }
+WalkableFloor::WalkableFloor(const Mesh& mesh, const WalkableOptions& options) : options_(options) {
+  check_walkable_input(mesh, options);
+  lattice_ = make_lattice(mesh, options);
+  FloorField field = make_field(mesh, options, lattice_);
+  field.erode(options);
+  field.measure_distances();
+  floor_ = gather(field, lattice_, options);
+  set_exact_heights(mesh, lattice_, options.body.step, floor_);
+  for (const FloorCell& cell : floor_.cells) areas_ = std::max<std::size_t>(areas_, cell.area + 1);
+}
 
 std::span<const std::uint32_t> WalkableFloor::neighbours(std::size_t cell) const noexcept {
-  const Cells& floor = impl_->floor;
-  return std::span(floor.links)
-      .subspan(floor.first_link[cell], floor.first_link[cell + 1] - floor.first_link[cell]);
+  const std::uint32_t first = floor_.first_link[cell];
+  return std::span(floor_.links).subspan(first, floor_.first_link[cell + 1] - first);
 }
 
 double WalkableFloor::area_m2() const noexcept {
-  return static_cast<double>(cells().size()) * impl_->options.cell * impl_->options.cell;
+  return static_cast<double>(cells().size()) * options_.cell * options_.cell;
 }
 
 std::optional<std::size_t> WalkableFloor::below(Vec3f point, double drop) const {
-  const Lattice& lattice = impl_->lattice;
-  const double x = std::floor((point.x - lattice.box.low.x) / lattice.cell);
-  const double y = std::floor((point.y - lattice.box.low.y) / lattice.cell);
-  if (!(x >= 0 && x < lattice.width && y >= 0 && y < lattice.depth)) return std::nullopt;
-  const auto column = static_cast<std::size_t>(y * lattice.width + x);
-  const Cells& floor = impl_->floor;
-  for (std::size_t c = floor.first_in_column[column + 1]; c > floor.first_in_column[column]; --c) {
-    const double down = static_cast<double>(point.z) - floor.cells[c - 1].position.z;
+  const double x = std::floor((point.x - lattice_.box.low.x) / lattice_.cell);
+  const double y = std::floor((point.y - lattice_.box.low.y) / lattice_.cell);
+  if (!(x >= 0 && x < lattice_.width && y >= 0 && y < lattice_.depth)) return std::nullopt;
+  const auto column = static_cast<std::size_t>(y * lattice_.width + x);
+  for (std::size_t c = floor_.first_in_column[column + 1]; c > floor_.first_in_column[column];
+       --c) {
+    const double down = static_cast<double>(point.z) - floor_.cells[c - 1].position.z;
     if (down >= -kAboveFloor) return down <= drop ? std::optional(c - 1) : std::nullopt;
   }
   return std::nullopt;

@@ -2,9 +2,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "enfilade/mesh/mesh.h"
 
@@ -35,6 +35,22 @@ struct FloorCell {
   bool covered = false;    ///< under a ceiling or roof
 };
 
+/// How a building is cut into columns and levels. Column (i, j) has its middle at
+/// box.low.x + (i + 0.5) cell, ...
+struct FloorLattice {
+  Box box;
+  double cell = 0, level = 0;  ///< metres
+  int width = 0, depth = 0;    ///< columns along x, y
+};
+
+/// Floor as lists: cells by column, links by cell.
+struct FloorCells {
+  std::vector<FloorCell> cells;
+  std::vector<std::uint32_t> first_in_column;  ///< columns + 1
+  std::vector<std::uint32_t> first_link;       ///< cells + 1
+  std::vector<std::uint32_t> links;
+};
+
 /// The walkable floor, in connected parts, ranked by area. A part with at least 8 m2 of covered
 /// floor is ranked by that, so that a home comes before the meadow around it. Roofs are left out:
 /// uncovered parts that lie mostly above other parts. Immutable; any thread.
@@ -43,22 +59,21 @@ class WalkableFloor {
   /// \throws ArgumentError for options out of range; InvalidInput (`no-floor`) if there is
   /// none, with the reason: no surface flat enough, no head-room, all islands too small
   WalkableFloor(const Mesh& mesh, const WalkableOptions& options = {});
-  ~WalkableFloor();
-  WalkableFloor(WalkableFloor&&) noexcept;
-  WalkableFloor& operator=(WalkableFloor&&) noexcept;
 
-  const WalkableOptions& options() const noexcept;
-  std::span<const FloorCell> cells() const noexcept;
+  const WalkableOptions& options() const noexcept { return options_; }
+  std::span<const FloorCell> cells() const noexcept { return floor_.cells; }
   /// Indices of the cells that can be reached from a cell by one step: up to 8.
   std::span<const std::uint32_t> neighbours(std::size_t cell) const noexcept;
-  std::size_t areas() const noexcept;  ///< connected parts
-  double area_m2() const noexcept;     ///< of all cells
+  std::size_t areas() const noexcept { return areas_; }  ///< connected parts
+  double area_m2() const noexcept;                       ///< of all cells
   /// Index of the cell at or below a point, at most `drop` metres lower and half a cell aside.
   std::optional<std::size_t> below(Vec3f point, double drop = 2.5) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  WalkableOptions options_;
+  FloorLattice lattice_;
+  FloorCells floor_;
+  std::size_t areas_ = 0;
 };
 
 }  // namespace enfilade::mesh

@@ -1,4 +1,4 @@
-#include "enfilade/models/attention.h"
+#include "enfilade/models/decisions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ constexpr const char* kGood = R"({"1_0": {"words": ["walk", "on"], "steps": [
   {"action": "end", "attention": [1, 0], "viewpoint": "v1", "heading": 1.5, "elevation": -0.5}]}})";
 
 TEST(Attention, ReadsWordsAndSteps) {
-  const AttentionFile file = parse_attention(kGood, "a.json");
+  const auto file = std::get<AttentionFile>(parse_recorded_split(kGood, "a.json"));
   ASSERT_TRUE(file.contains("1_0"));
   const EpisodeAttention& episode = file.at("1_0");
   EXPECT_THAT(episode.words, ElementsAre("walk", "on"));
@@ -29,7 +29,7 @@ TEST(Attention, ReadsWordsAndSteps) {
 }
 
 TEST(Attention, IsWrittenAsItIsRead) {
-  const AttentionFile read = parse_attention(kGood, "a.json");
+  const auto read = std::get<AttentionFile>(parse_recorded_split(kGood, "a.json"));
   const std::vector<std::pair<std::string, EpisodeAttention>> episodes(read.begin(), read.end());
   EXPECT_EQ(attention_json(episodes),
             "{\n\"1_0\":{\"words\":[\"walk\",\"on\"],\"steps\":["
@@ -51,7 +51,7 @@ class AttentionFaults : public ::testing::TestWithParam<Bad> {};
 
 TEST_P(AttentionFaults, AreNamedWithTheirPlace) {
   try {
-    (void)parse_attention(GetParam().json, "a.json");
+    (void)parse_recorded_split(GetParam().json, "a.json");
     FAIL() << "was accepted";
   } catch (const InvalidInput& refused) {
     ASSERT_FALSE(refused.diagnostics().empty());

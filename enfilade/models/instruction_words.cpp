@@ -7,34 +7,21 @@ namespace enfilade::models {
 
 using tasks::Vocabulary;
 
-InstructionWords::InstructionWords(Vocabulary words) : words_(std::move(words)) {}
-InstructionWords::InstructionWords(Subwords pieces) : words_(std::move(pieces)) {}
+InstructionWords::InstructionWords(Vocabulary words)
+    : size_(words.size() + 2),
+      begin_(static_cast<std::int64_t>(words.size())),
+      end_(Vocabulary::kEnd),
+      pad_(Vocabulary::kPad),
+      mask_(begin_ + 1),
+      words_(std::move(words)) {}
 
-std::size_t InstructionWords::size() const noexcept {
-  const Vocabulary* const words = vocabulary();
-  return words != nullptr ? words->size() + 2 : std::get<Subwords>(words_).size();
-}
-
-std::int64_t InstructionWords::begin() const noexcept {
-  const Vocabulary* const words = vocabulary();
-  return words != nullptr ? static_cast<std::int64_t>(words->size())
-                          : std::get<Subwords>(words_).begin();
-}
-
-std::int64_t InstructionWords::end() const noexcept {
-  return vocabulary() != nullptr ? Vocabulary::kEnd : std::get<Subwords>(words_).end();
-}
-
-std::int64_t InstructionWords::pad() const noexcept {
-  return vocabulary() != nullptr ? Vocabulary::kPad : std::get<Subwords>(words_).pad();
-}
-
-std::optional<std::int64_t> InstructionWords::mask() const {
-  if (vocabulary() != nullptr) return begin() + 1;
-  const auto mask = std::get<Subwords>(words_).mask();
-  if (!mask) return std::nullopt;
-  return *mask;
-}
+InstructionWords::InstructionWords(Subwords pieces)
+    : size_(pieces.size()),
+      begin_(pieces.begin()),
+      end_(pieces.end()),
+      pad_(pieces.pad()),
+      mask_(pieces.mask()),
+      words_(std::move(pieces)) {}
 
 std::string InstructionWords::word(std::int64_t id) const {
   const Vocabulary* const words = vocabulary();
@@ -83,6 +70,47 @@ std::vector<std::vector<std::int64_t>> InstructionWords::encode(const tasks::Epi
     all.push_back(reads ? encode(episode, most) : encode("", most));
   }
   return all;
+}
+
+Vocabulary training_vocabulary(const tasks::EpisodeSet& episodes, std::size_t least_count) {
+  std::vector<std::string> texts;
+  texts.reserve(episodes.episodes.size());
+  for (const tasks::Episode& episode : episodes.episodes) texts.push_back(episode.text);
+  return Vocabulary::build(texts, least_count);
+}
+
+EncodedInstructions::EncodedInstructions(const tasks::EpisodeSet& episodes,
+                                         const Vocabulary& vocabulary, std::size_t max_words)
+    : size_(episodes.episodes.size()), max_words_(max_words) {
+  ids_.reserve(size_ * max_words);
+  for (const tasks::Episode& episode : episodes.episodes) {
+    const std::vector<std::uint32_t> row = vocabulary.encode(episode.text, max_words);
+    ids_.insert(ids_.end(), row.begin(), row.end());
+  }
+}
+
+void EncodedInstructions::gather(std::span<const std::size_t> episodes,
+                                 std::span<std::uint32_t> out) const {
+  for (std::size_t i = 0; i < episodes.size(); ++i) {
+    std::ranges::copy(row(episodes[i]), out.subspan(i * max_words_).begin());
+  }
+}
+
+std::size_t word_count(std::span<const std::uint32_t> row) {
+  return static_cast<std::size_t>(std::ranges::find(row, Vocabulary::kPad) - row.begin());
+}
+
+ReadingOrder reading_order(std::span<const std::uint32_t> row, const Vocabulary& vocabulary) {
+  std::size_t words = word_count(row);
+  const bool whole = words > 0 && row[words - 1] == Vocabulary::kEnd;
+  if (whole) --words;
+  ReadingOrder order;
+  for (std::size_t i = words; i-- > 0;) order.places.push_back(i);
+  if (whole) order.places.push_back(words);
+  for (const std::size_t place : order.places) {
+    order.words.push_back(vocabulary.words().at(row[place]));
+  }
+  return order;
 }
 
 }  // namespace enfilade::models

@@ -1,4 +1,4 @@
-#include "enfilade/models/instructions.h"
+#include "enfilade/models/instruction_words.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

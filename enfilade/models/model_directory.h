@@ -1,14 +1,21 @@
 /// \file  A model directory: the files of a trained agent.
 #pragma once
+
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "enfilade/models/data_fingerprint.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/features/feature_set.h"
 #include "enfilade/models/instruction_words.h"
 #include "enfilade/models/train_config.h"
+#include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::models {
@@ -30,17 +37,41 @@ struct ModelFiles {
   std::filesystem::path log() const { return folder / "log.jsonl"; }
   std::filesystem::path lock() const { return folder / "training.lock"; }
   /// `results/<split>.json`
-  std::filesystem::path results(std::string_view split) const;
+  std::filesystem::path results(const std::string& split) const {
+    return folder / "results" / (split + ".json");
+  }
   /// `walks/02/<scan>.safetensors`: DAgger data of a continuous agent. \param set from 1
   std::filesystem::path walks(std::size_t set, std::string_view scan) const;
   /// The weights of its picture encoder: `encoder`, whatever their format.
   std::filesystem::path encoder() const { return folder / "encoder"; }
   /// `results/<split>.attention.json`
-  std::filesystem::path attention(std::string_view split) const;
+  std::filesystem::path attention(const std::string& split) const {
+    return folder / "results" / (split + ".attention.json");
+  }
 };
 
 /// The files of a model directory. \throws FileError if it is none, naming the file that is missing
 ModelFiles require_model(const std::filesystem::path& folder);
+
+// --- config.json ---
+
+/// Hashes of the data that a model was trained on, to detect other data: 16 hex digits of XXH3.
+/// They are of the content, not of files: white space is ignored.
+struct DataFingerprint {
+  std::map<std::string, std::string> annotations;  ///< by split
+  std::map<std::string, std::string> graphs;       ///< by scan
+  std::optional<features::FeatureInfo> features;   ///< none if the agent does not see
+
+  void add(const tasks::Annotations& split);           ///< the annotations of a split
+  void add(const tasks::ContinuousEpisodes& split);    ///< the episodes of a split
+  void add_graphs(const tasks::EpisodeSet& episodes);  ///< of all scans that these are in
+};
+
+/// Differences between the data of training and the present data, as warnings naming the split,
+/// scan or field. Only of splits, scans and features that are in both. `file` is the model's, for
+/// messages.
+std::vector<Diagnostic> differences(const DataFingerprint& trained, const DataFingerprint& now,
+                                    const std::string& file);
 
 /// The content of config.json.
 struct ModelConfig {
@@ -65,6 +96,8 @@ InstructionWords load_instruction_words(const ModelFiles& files, const TrainConf
 /// \throws ArgumentError if it does and there are none, or their size is not the network's
 const features::FeatureSet* usable_features(const ModelConfig& config,
                                             const features::FeatureSet* features);
+
+// --- states ---
 
 /// Writes a network's arrays with their iteration and a hash, by which a reader detects damage.
 /// Atomic. \throws FileError

@@ -172,16 +172,15 @@ TEST_F(ModelDirectoryTest, TheStageAndTheFirstWeightsAreReadBack) {
 TEST_F(ModelDirectoryTest, WhereAWalkEndsIsNoPartOfTheWeights) {
   config_.training = recipe(AgentKind::kDuet);
   const TrainConfig best = config_.training;
-  config_.training.final_stop = FinalStop::kOwn;
+  config_.training.final_stop = StopRule::kOwn;
   write_file_atomically(files_.config(), to_json(config_));
   const TrainConfig own = load_model_config(files_.config()).training;
-  EXPECT_EQ(own.final_stop, FinalStop::kOwn);
+  EXPECT_EQ(own.final_stop, StopRule::kOwn);
   EXPECT_TRUE(duet_sizes(own).stays_where_it_stops);
   EXPECT_FALSE(duet_sizes(best).stays_where_it_stops);
   EXPECT_THAT(differences(own, best), IsEmpty());
   edit_config("  \"final_stop\": \"own\",\n", "");
-  EXPECT_EQ(load_model_config(files_.config()).training.final_stop, FinalStop::kBest)
-      << "as before";
+  EXPECT_EQ(load_model_config(files_.config()).training.final_stop, StopRule::kBest) << "as before";
   edit_config("\"own\"", "\"here\"");
   EXPECT_THAT([&] { load_model_config(files_.config()); },
               ThrowsMessage<InvalidInput>(HasSubstr("$.training.final_stop: final stop \"here\"")));

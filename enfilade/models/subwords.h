@@ -7,9 +7,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
-#include "enfilade/models/text_kind.h"
+#include "enfilade/models/network_config.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::models {
@@ -18,8 +20,26 @@ namespace enfilade::models {
 /// (HAMT, DUET, ...) read. Immutable: any thread. A copy shares the pieces.
 class Subwords {
  public:
+  /// How text becomes ids of pieces; the two kinds are such.
+  class Pieces {
+   public:
+    virtual ~Pieces() = default;
+    Pieces() = default;
+    Pieces(const Pieces&) = delete;
+    Pieces& operator=(const Pieces&) = delete;
+
+    /// Appends the ids of a text, without special ones around them.
+    virtual void cut(std::string_view text, std::vector<std::int32_t>& ids) const = 0;
+
+    std::vector<std::string> names;                           ///< by id
+    std::unordered_map<std::string_view, std::uint32_t> ids;  ///< of names
+    std::uint32_t begin = 0, end = 0, pad = 0, unknown = 0;
+    std::optional<std::uint32_t> mask;
+  };
+
   /// BERT's `vocab.txt`: a piece a line, its id the line's number from 0; pieces inside words begin
-  /// with "##". A vocabulary has [PAD], [UNK], [CLS] and [SEP]; [MASK] may be missing.
+  /// with "##". A vocabulary has [PAD], [UNK], [CLS] and [SEP]; [MASK] may be missing. CR LF, a
+  /// byte-order mark and blank lines at the end are accepted.
   /// \throws FileError; InvalidInput listing empty lines, pieces that stand twice or are not UTF-8,
   /// and special ones that are missing
   static Subwords load_word_pieces(const std::filesystem::path& file,
@@ -36,12 +56,13 @@ class Subwords {
   /// Either kind: a file whose name ends in `.model` is SentencePiece's.
   static Subwords load(const std::filesystem::path& file, Letters letters = Letters::kFolded);
 
-  std::size_t size() const noexcept;                                ///< ids are below it
-  std::uint32_t begin() const noexcept;                             ///< [CLS], `<s>`
-  std::uint32_t end() const noexcept;                               ///< [SEP], `</s>`
-  std::uint32_t pad() const noexcept;                               ///< [PAD], `<pad>`
-  std::uint32_t unknown() const noexcept;                           ///< [UNK], `<unk>`
-  std::optional<std::uint32_t> mask() const noexcept;               ///< [MASK], `<mask>`
+  std::size_t size() const noexcept { return pieces_->names.size(); }  ///< ids are below it
+  std::uint32_t begin() const noexcept { return pieces_->begin; }      ///< [CLS], `<s>`
+  std::uint32_t end() const noexcept { return pieces_->end; }          ///< [SEP], `</s>`
+  std::uint32_t pad() const noexcept { return pieces_->pad; }          ///< [PAD], `<pad>`
+  std::uint32_t unknown() const noexcept { return pieces_->unknown; }  ///< [UNK], `<unk>`
+  /// [MASK], `<mask>`
+  std::optional<std::uint32_t> mask() const noexcept { return pieces_->mask; }
   std::string_view piece(std::uint32_t id) const;                   ///< \pre id < size()
   std::optional<std::uint32_t> find(std::string_view piece) const;  ///< its id
 
@@ -57,11 +78,8 @@ class Subwords {
   ///   taken (Kudo, 2018).
   std::vector<std::int32_t> encode(std::string_view text) const;
 
-  /// How text becomes ids of pieces; the two kinds are such.
-  class Pieces;
-
  private:
-  explicit Subwords(std::shared_ptr<const Pieces> pieces);
+  explicit Subwords(std::shared_ptr<const Pieces> pieces) : pieces_(std::move(pieces)) {}
   std::shared_ptr<const Pieces> pieces_;
 };
 

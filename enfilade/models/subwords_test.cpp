@@ -89,6 +89,7 @@ TEST(WordPieces, ListAllThatIsWrong) {
   };
   EXPECT_EQ(faults(kWords), "accepted");
   EXPECT_EQ(faults("[PAD]\r\n[UNK]\r\n[CLS]\r\n[SEP]"), "accepted");
+  EXPECT_EQ(faults("\xEF\xBB\xBF[PAD]\r\n[UNK]\r\n[CLS]\r\n[SEP]\r\n\r\n\n"), "accepted");
   EXPECT_THAT(faults("[PAD]\n\nwalk\nwalk\n\xC3\n"),
               AllOf(HasSubstr("vocab.txt: line 2: no piece"),
                     HasSubstr("line 4: \"walk\" stands on"), HasSubstr("line 5: "),

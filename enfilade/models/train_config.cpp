@@ -4,55 +4,15 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/models/detail/config_json.h"
-#include "enfilade/models/detail/named_values.h"
+#include "enfilade/models/train_options.h"
 
 namespace enfilade::models {
 namespace {
 
-using detail::NamedValues;
-using Json = nlohmann::ordered_json;
-
+constexpr std::size_t kBegin = 1;  // <BOS>, beside the words
 constexpr std::array<std::string_view, 4> kInputs{"none", "language", "vision", "language+vision"};
-
-// What weights do not depend on.
-bool is_free(std::string_view field, Schedule schedule) {
-  const bool length = field == "iterations" || field == "sets";
-  return (length && schedule == Schedule::kConstant) || field == "validation" ||
-         field == "evaluate_every" || field == "checkpoint_every" || field == "final_stop";
-}
-
-constexpr NamedValues<AgentKind, 5> kAgents{
-    "agent", {"seq2seq", "panoramic", "duet", "speaker", "seq2seq-ce"}};
-constexpr NamedValues<Optimizer, 3> kOptimizers{"optimizer", {"adam", "adamw", "rmsprop"}};
-constexpr NamedValues<TextKind, 3> kTexts{"text", {"words", "word-pieces", "sentence-pieces"}};
-constexpr NamedValues<Letters, 2> kLetters{"letters", {"cased", "uncased"}};
-constexpr NamedValues<Schedule, 2> kSchedules{"schedule", {"constant", "linear"}};
-constexpr NamedValues<SampledLoss, 2> kSampledLosses{"sampled loss", {"labels", "reinforce"}};
-constexpr NamedValues<Stage, 2> kStages{"stage", {"fine-tune", "pretrain"}};
-constexpr NamedValues<MapTeacher, 2> kMapTeachers{"map teacher", {"spl", "ndtw"}};
-constexpr NamedValues<FinalStop, 2> kFinalStops{"final stop", {"best", "own"}};
-constexpr NamedValues<Recipe, 2> kRecipes{"recipe", {"published", "small"}};
-constexpr NamedValues<AfterEnd, 2> kAfterEnds{"after end", {"walks-on", "stays"}};
-constexpr NamedValues<ForwardTo, 2> kForwards{"forward", {"nearest", "intended"}};
-
-constexpr double kMostNorm = 1e9;
-
-void check_positive(const char* name, std::size_t value) {
-  if (value > 0) return;
-  throw ArgumentError(fmt::format("{}: 0, at least 1 is needed", name));
-}
-
-void check_adam(const AdamConfig& adam) {
-  check_range("learning_rate", adam.learning_rate, 0, 1);
-  check_range("beta1", adam.beta1, 0, 1);
-  check_range("beta2", adam.beta2, 0, 1);
-  check_range("epsilon", adam.epsilon, 0, 1);
-  check_range("weight_decay", adam.weight_decay, 0, 1);
-}
 
 // EnvDrop's run script.
 void set_panoramic(TrainConfig& config) {
@@ -187,30 +147,11 @@ void validate_speaker(const TrainConfig& config) {
 
 }  // namespace
 
-std::string_view to_string(AgentKind value) noexcept { return kAgents.name(value); }
-AgentKind parse_agent_kind(std::string_view name) { return kAgents.parse(name); }
-std::string_view to_string(Optimizer value) noexcept { return kOptimizers.name(value); }
-Optimizer parse_optimizer(std::string_view name) { return kOptimizers.parse(name); }
-std::string_view to_string(TextKind value) noexcept { return kTexts.name(value); }
-TextKind parse_text_kind(std::string_view name) { return kTexts.parse(name); }
-std::string_view to_string(Letters value) noexcept { return kLetters.name(value); }
-Letters parse_letters(std::string_view name) { return kLetters.parse(name); }
-std::string_view to_string(Schedule value) noexcept { return kSchedules.name(value); }
-Schedule parse_schedule(std::string_view name) { return kSchedules.parse(name); }
-std::string_view to_string(SampledLoss value) noexcept { return kSampledLosses.name(value); }
-SampledLoss parse_sampled_loss(std::string_view name) { return kSampledLosses.parse(name); }
-std::string_view to_string(Stage value) noexcept { return kStages.name(value); }
-Stage parse_stage(std::string_view name) { return kStages.parse(name); }
-std::string_view to_string(MapTeacher value) noexcept { return kMapTeachers.name(value); }
-MapTeacher parse_map_teacher(std::string_view name) { return kMapTeachers.parse(name); }
-std::string_view to_string(FinalStop value) noexcept { return kFinalStops.name(value); }
-FinalStop parse_final_stop(std::string_view name) { return kFinalStops.parse(name); }
-std::string_view to_string(Recipe value) noexcept { return kRecipes.name(value); }
-Recipe parse_recipe(std::string_view name) { return kRecipes.parse(name); }
-std::string_view to_string(AfterEnd value) noexcept { return kAfterEnds.name(value); }
-AfterEnd parse_after_end(std::string_view name) { return kAfterEnds.parse(name); }
-std::string_view to_string(ForwardTo value) noexcept { return kForwards.name(value); }
-ForwardTo parse_forward_to(std::string_view name) { return kForwards.parse(name); }
+void refuse_name(std::string_view what, std::string_view name,
+                 std::span<const std::string_view> allowed) {
+  throw ArgumentError(
+      fmt::format("{} {:?}: {} is allowed", what, name, fmt::join(allowed, " or ")));
+}
 
 TrainConfig recipe(AgentKind agent, Recipe source, Stage stage) {
   TrainConfig config;
@@ -236,7 +177,6 @@ void fix_updates(TrainConfig& config, std::size_t episodes) {
 }
 
 PanoramicConfig panoramic_sizes(const TrainConfig& config) {
-  constexpr std::size_t kBegin = 1;  // <BOS>
   PanoramicConfig sizes = config.panoramic;
   sizes.vocabulary = config.network.vocabulary + (config.text == TextKind::kWords ? kBegin : 0);
   sizes.image = config.network.features;
@@ -244,7 +184,6 @@ PanoramicConfig panoramic_sizes(const TrainConfig& config) {
 }
 
 SpeakerConfig speaker_sizes(const TrainConfig& config) {
-  constexpr std::size_t kBegin = 1;  // <BOS>
   SpeakerConfig sizes = config.speaker;
   sizes.vocabulary = config.network.vocabulary + kBegin;
   sizes.image = config.network.features;
@@ -259,7 +198,7 @@ DuetConfig duet_sizes(const TrainConfig& config) {
   sizes.image = static_cast<std::int64_t>(config.network.features);
   sizes.max_words = static_cast<std::int64_t>(config.network.max_words);
   sizes.max_actions = static_cast<std::int64_t>(config.max_steps);
-  sizes.stays_where_it_stops = config.final_stop == FinalStop::kOwn;
+  sizes.stays_where_it_stops = config.final_stop == StopRule::kOwn;
   return sizes;
 }
 
@@ -310,63 +249,10 @@ void validate(const TrainConfig& config) {
     throw ArgumentError(fmt::format("stage {}: the agent {} has no such stage, duet has",
                                     to_string(config.stage), to_string(config.agent)));
   }
-  check_range("clip", config.clip, 0, kMostNorm);
-  check_range("teacher_weight", config.teacher_weight, 0, 1);
-  check_adam(config.adam);
   if (config.feedback == Feedback::kArgmax) {
     throw ArgumentError("feedback argmax: student or teacher is allowed in training");
   }
-  check_positive("batch_size", config.batch_size);
-  check_positive("max_steps", config.max_steps);
-  check_positive("iterations", config.iterations);
-  check_positive("checkpoint_every", config.checkpoint_every);
-  check_positive("splits", config.splits.size());
-  if (config.buildings) check_positive("buildings", *config.buildings);
-}
-
-namespace {
-
-// Differences of two objects, except the names that are left out.
-template <class LeftOut>
-void compare(const Json& a, const Json& b, const LeftOut& left_out,
-             std::vector<std::string>& found) {
-  const auto text = [](const Json& config, const std::string& name) {
-    return config.contains(name) ? config.at(name).dump() : std::string("none");
-  };
-  Json names = a;
-  names.update(b);  // either may lack what it has no value for
-  for (const auto& [name, value] : names.items()) {
-    const std::string was = text(a, name), is = text(b, name);
-    if (left_out(name) || was == is) continue;
-    found.push_back(fmt::format("{}: {}, not {}", name, was, is));
-  }
-}
-
-std::vector<std::string> other_agent(const TrainConfig& there, const TrainConfig& here) {
-  if (there.agent == here.agent) return {};
-  return {fmt::format("agent: {}, not {}", to_string(there.agent), to_string(here.agent))};
-}
-
-}  // namespace
-
-std::vector<std::string> size_differences(const TrainConfig& there, const TrainConfig& here) {
-  std::vector<std::string> found = other_agent(there, here);
-  if (!found.empty()) return found;
-  const auto left_out = [](std::string_view name) {
-    return name == "max_words" || name == "inputs" || name == "dropout" ||
-           name == "feature_dropout";
-  };
-  compare(detail::network_to_json(there), detail::network_to_json(here), left_out, found);
-  return found;
-}
-
-std::vector<std::string> differences(const TrainConfig& there, const TrainConfig& here) {
-  std::vector<std::string> found = other_agent(there, here);
-  if (!found.empty()) return found;
-  const auto free = [&](std::string_view name) { return is_free(name, here.schedule); };
-  compare(detail::network_to_json(there), detail::network_to_json(here), free, found);
-  compare(detail::to_json(there), detail::to_json(here), free, found);
-  return found;
+  check_ranges(config);
 }
 
 }  // namespace enfilade::models

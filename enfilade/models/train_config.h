@@ -1,17 +1,13 @@
 /// \file  How an agent is trained.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "enfilade/models/duet_config.h"
 #include "enfilade/models/network_config.h"
-#include "enfilade/models/panoramic_config.h"
-#include "enfilade/models/seq2seq_ce_config.h"
-#include "enfilade/models/speaker_config.h"
-#include "enfilade/models/text_kind.h"
 
 namespace enfilade::models {
 
@@ -23,17 +19,18 @@ enum class AgentKind : std::uint8_t {
   kSpeaker,    ///< EnvDrop's speaker (Tan et al. 2019): describes paths in words
   kSeq2SeqCe,  ///< Krantz et al. 2020: continuous, with VLN-CE's four actions
 };
-/// "seq2seq", "panoramic", "duet", "speaker", "seq2seq-ce"
-std::string_view to_string(AgentKind value) noexcept;
-AgentKind parse_agent_kind(std::string_view name);  ///< \throws ArgumentError
+constexpr std::array<std::string_view, 5> names_of(AgentKind /*enum*/) {
+  return {"seq2seq", "panoramic", "duet", "speaker", "seq2seq-ce"};
+}
 
 /// Purpose of a training of duet.
 enum class Stage : std::uint8_t {
   kFineTune,  ///< it chooses actions, with a teacher
   kPretrain,  ///< it guesses: masked words and views, the next step, the object
 };
-std::string_view to_string(Stage value) noexcept;  ///< "fine-tune", "pretrain"
-Stage parse_stage(std::string_view name);          ///< \throws ArgumentError
+constexpr std::array<std::string_view, 2> names_of(Stage /*enum*/) {
+  return {"fine-tune", "pretrain"};
+}
 
 /// Behaviour of an agent that chose `end` away from its goal, while others of its batch continue.
 enum class AfterEnd {
@@ -41,8 +38,9 @@ enum class AfterEnd {
              ///< its recorded path has ended
   kStays,    ///< it neither moves nor is labelled
 };
-std::string_view to_string(AfterEnd value) noexcept;  ///< "walks-on", "stays"
-AfterEnd parse_after_end(std::string_view name);      ///< \throws ArgumentError
+constexpr std::array<std::string_view, 2> names_of(AfterEnd /*enum*/) {
+  return {"walks-on", "stays"};
+}
 
 /// The viewpoint that `forward` leads to.
 enum class ForwardTo {
@@ -51,8 +49,9 @@ enum class ForwardTo {
   kIntended,  ///< where the label is `forward`, the neighbour that it means, so the teacher stays
               ///< on the shortest path; uses the goal, so never for results
 };
-std::string_view to_string(ForwardTo value) noexcept;  ///< "nearest", "intended"
-ForwardTo parse_forward_to(std::string_view name);     ///< \throws ArgumentError
+constexpr std::array<std::string_view, 2> names_of(ForwardTo /*enum*/) {
+  return {"nearest", "intended"};
+}
 
 /// How gradients become updates.
 enum class Optimizer : std::uint8_t {
@@ -60,40 +59,41 @@ enum class Optimizer : std::uint8_t {
   kAdamW,    ///< Adam with decay of the weights beside it (Loshchilov, Hutter 2019), as PyTorch's
   kRmsProp,  ///< without momentum, not centred, as PyTorch's; no decay
 };
-std::string_view to_string(Optimizer value) noexcept;  ///< "adam", "adamw", "rmsprop"
-Optimizer parse_optimizer(std::string_view name);      ///< \throws ArgumentError
+constexpr std::array<std::string_view, 3> names_of(Optimizer /*enum*/) {
+  return {"adam", "adamw", "rmsprop"};
+}
 
 /// Learning rate after the warm-up.
 enum class Schedule : std::uint8_t {
   kConstant,
   kLinear,  ///< falls to 0 at TrainConfig::iterations, which then cannot be changed later
 };
-std::string_view to_string(Schedule value) noexcept;  ///< "constant", "linear"
-Schedule parse_schedule(std::string_view name);       ///< \throws ArgumentError
+constexpr std::array<std::string_view, 2> names_of(Schedule /*enum*/) {
+  return {"constant", "linear"};
+}
 
 /// Loss of a panoramic agent's own rollout.
 enum class SampledLoss : std::uint8_t {
   kLabels,     ///< the teacher's choice at every viewpoint: student-forcing
   kReinforce,  ///< rewards: advantage actor-critic, as EnvDrop
 };
-std::string_view to_string(SampledLoss value) noexcept;  ///< "labels", "reinforce"
-SampledLoss parse_sampled_loss(std::string_view name);   ///< \throws ArgumentError
+constexpr std::array<std::string_view, 2> names_of(SampledLoss /*enum*/) {
+  return {"labels", "reinforce"};
+}
 
 /// The node of its map that an agent's teacher names in the agent's own rollout.
 enum class MapTeacher : std::uint8_t {
   kSpl,   ///< the one with the shortest path through it to the goal
   kNdtw,  ///< the one that keeps nearest to the annotated path
 };
-std::string_view to_string(MapTeacher value) noexcept;  ///< "spl", "ndtw"
-MapTeacher parse_map_teacher(std::string_view name);    ///< \throws ArgumentError
+constexpr std::array<std::string_view, 2> names_of(MapTeacher /*enum*/) { return {"spl", "ndtw"}; }
 
 /// Last viewpoint of an agent with a map that has stopped by itself. Weights do not depend on it.
-enum class FinalStop : std::uint8_t {
+enum class StopRule : std::uint8_t {
   kBest,  ///< it goes back to where stopping was most probable, as the released DUET
   kOwn,   ///< it stays; it goes back only after the limit of actions
 };
-std::string_view to_string(FinalStop value) noexcept;  ///< "best", "own"
-FinalStop parse_final_stop(std::string_view name);     ///< \throws ArgumentError
+constexpr std::array<std::string_view, 2> names_of(StopRule /*enum*/) { return {"best", "own"}; }
 
 /// Settings of a training. The defaults are the paper's for seq2seq and student-forcing; recipe()
 /// has those of the other agents.
@@ -122,7 +122,7 @@ struct TrainConfig {
   double teacher_weight = 0.2;
   SampledLoss sampled_loss = SampledLoss::kReinforce;  ///< for panoramic
   MapTeacher map_teacher = MapTeacher::kSpl;           ///< duet only
-  FinalStop final_stop = FinalStop::kBest;             ///< duet only
+  StopRule final_stop = StopRule::kBest;               ///< duet only
   Stage stage = Stage::kFineTune;                      ///< duet only
   /// duet only: the hash of another model's weights (in its file) that training began with. No
   /// value: random ones.
@@ -156,8 +156,9 @@ enum class Recipe : std::uint8_t {
   kPublished,  ///< EnvDrop's run script, DUET's of R2R, the paper's of seq2seq: the defaults
   kSmall,      ///< ours: small networks from nothing, in synthetic homes, on two cores
 };
-std::string_view to_string(Recipe value) noexcept;  ///< "published", "small"
-Recipe parse_recipe(std::string_view name);         ///< \throws ArgumentError
+constexpr std::array<std::string_view, 2> names_of(Recipe /*enum*/) {
+  return {"published", "small"};
+}
 
 /// The settings of one agent by one recipe. \param stage of duet
 TrainConfig recipe(AgentKind agent, Recipe source = Recipe::kPublished,

@@ -13,7 +13,6 @@
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/models/detail/append_file.h"
 #include "enfilade/models/detail/event_file.h"
 
 namespace enfilade::models {
@@ -33,27 +32,38 @@ double now() {
   return rounded(std::chrono::duration<double>(since).count());
 }
 
+template <class Record>
 struct NumberField {
   const char* name;
-  double EvaluationRecord::*value;
+  double Record::*value;
   bool required = false;
 };
-constexpr std::array<NumberField, 6> kNumbers{
-    {{"loss", &EvaluationRecord::loss},
-     {"trajectory_length", &EvaluationRecord::trajectory_length},
-     {"nav_error", &EvaluationRecord::nav_error, true},
-     {"success_rate", &EvaluationRecord::success_rate, true},
-     {"oracle_success_rate", &EvaluationRecord::oracle_success_rate},
-     {"spl", &EvaluationRecord::spl}}};
 
-struct SpeakerField {
-  const char* name;
-  double SpeakerRecord::*value;
+// How an evaluation is written.
+template <class Record>
+struct Form;
+template <>
+struct Form<EvaluationRecord> {
+  static constexpr const char *kType = "evaluation", *kCountName = "episodes";
+  static constexpr auto kCount = &EvaluationRecord::episodes;
+  static constexpr std::array<NumberField<EvaluationRecord>, 6> kNumbers{
+      {{"loss", &EvaluationRecord::loss},
+       {"trajectory_length", &EvaluationRecord::trajectory_length},
+       {"nav_error", &EvaluationRecord::nav_error, true},
+       {"success_rate", &EvaluationRecord::success_rate, true},
+       {"oracle_success_rate", &EvaluationRecord::oracle_success_rate},
+       {"spl", &EvaluationRecord::spl}}};
 };
-constexpr std::array<SpeakerField, 4> kSpeakerNumbers{{{"loss", &SpeakerRecord::loss},
-                                                       {"perplexity", &SpeakerRecord::perplexity},
-                                                       {"accuracy", &SpeakerRecord::accuracy},
-                                                       {"bleu", &SpeakerRecord::bleu}}};
+template <>
+struct Form<SpeakerRecord> {
+  static constexpr const char *kType = "speaker", *kCountName = "instructions";
+  static constexpr auto kCount = &SpeakerRecord::instructions;
+  static constexpr std::array<NumberField<SpeakerRecord>, 4> kNumbers{
+      {{"loss", &SpeakerRecord::loss},
+       {"perplexity", &SpeakerRecord::perplexity},
+       {"accuracy", &SpeakerRecord::accuracy},
+       {"bleu", &SpeakerRecord::bleu}}};
+};
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
@@ -100,25 +110,15 @@ TrainRecord read_training(Line& line) {
           line.number("seconds", false).value_or(0), line.number("time", false).value_or(0)};
 }
 
-EvaluationRecord read_evaluation(Line& line) {
-  EvaluationRecord record;
+template <class Record>
+Record read_evaluation(Line& line) {
+  Record record;
   record.iteration = line.whole("iteration");
   record.split = line.text("split");
-  record.episodes = static_cast<std::size_t>(line.whole("episodes", false));
-  for (const NumberField& field : kNumbers) {
+  record.*Form<Record>::kCount =
+      static_cast<std::size_t>(line.whole(Form<Record>::kCountName, false));
+  for (const NumberField<Record>& field : Form<Record>::kNumbers) {
     record.*field.value = line.number(field.name, field.required).value_or(kMissing);
-  }
-  record.time = line.number("time", false).value_or(0);
-  return record;
-}
-
-SpeakerRecord read_speaker(Line& line) {
-  SpeakerRecord record;
-  record.iteration = line.whole("iteration");
-  record.split = line.text("split");
-  record.instructions = static_cast<std::size_t>(line.whole("instructions", false));
-  for (const SpeakerField& field : kSpeakerNumbers) {
-    record.*field.value = line.number(field.name, false).value_or(kMissing);
   }
   record.time = line.number("time", false).value_or(0);
   return record;
@@ -134,9 +134,11 @@ void add(TrainingHistory& history, const TrainRecord& record) {
   history.training.push_back(record);
 }
 
-// Adds an evaluation; those of its split that it comes again for go.
+// Adds a line, if it is an evaluation of that kind; those of its split that it comes again for go.
 template <class Record>
-void add_to(std::vector<Record>& records, Record record) {
+void add_evaluation(Line& line, std::vector<Record>& records) {
+  if (line.type() != Form<Record>::kType) return;
+  auto record = read_evaluation<Record>(line);
   std::erase_if(records, [&record](const Record& old) {
     return old.split == record.split && old.iteration >= record.iteration;
   });
@@ -189,8 +191,8 @@ TrainingHistory parse_training_log(std::string_view lines, const std::string& fi
   TrainingHistory history;
   for_each_line(lines, file, [&history](Line& line, std::string_view /*text*/) {
     if (line.type() == "train") add(history, read_training(line));
-    if (line.type() == "evaluation") add_to(history.evaluations, read_evaluation(line));
-    if (line.type() == "speaker") add_to(history.speaker, read_speaker(line));
+    add_evaluation(line, history.evaluations);
+    add_evaluation(line, history.speaker);
   });
   return history;
 }
@@ -210,17 +212,25 @@ struct TrainingLog::Impl {
   void show(const TrainRecord& record) {
     events.add({"train/loss", record.loss, record.iteration, record.time});
   }
-  void show(const EvaluationRecord& record) {
-    for (const NumberField& field : kNumbers) {
+  template <class Record>
+  void show(const Record& record) {
+    for (const NumberField<Record>& field : Form<Record>::kNumbers) {
       const std::string tag = fmt::format("{}/{}", record.split, field.name);
       events.add({tag, record.*field.value, record.iteration, record.time});
     }
   }
-  void show(const SpeakerRecord& record) {
-    for (const SpeakerField& field : kSpeakerNumbers) {
-      const std::string tag = fmt::format("{}/{}", record.split, field.name);
-      events.add({tag, record.*field.value, record.iteration, record.time});
+  template <class Record>
+  void add(Record record) {
+    record.time = now();
+    Json line{
+        {"type", Form<Record>::kType}, {"iteration", record.iteration}, {"split", record.split}};
+    for (const NumberField<Record>& field : Form<Record>::kNumbers) {
+      line[field.name] = record.*field.value;
     }
+    line[Form<Record>::kCountName] = record.*Form<Record>::kCount;
+    line["time"] = record.time;
+    write(line);
+    show(record);
   }
   void write(const Json& line) { lines.write(line.dump() + "\n"); }
 
@@ -256,24 +266,7 @@ void TrainingLog::add(TrainRecord record) {
   impl_->show(record);
 }
 
-void TrainingLog::add(EvaluationRecord record) {
-  record.time = now();
-  Json line{{"type", "evaluation"}, {"iteration", record.iteration}, {"split", record.split}};
-  for (const NumberField& field : kNumbers) line[field.name] = record.*field.value;
-  line["episodes"] = record.episodes;
-  line["time"] = record.time;
-  impl_->write(line);
-  impl_->show(record);
-}
-
-void TrainingLog::add(SpeakerRecord record) {
-  record.time = now();
-  Json line{{"type", "speaker"}, {"iteration", record.iteration}, {"split", record.split}};
-  for (const SpeakerField& field : kSpeakerNumbers) line[field.name] = record.*field.value;
-  line["instructions"] = record.instructions;
-  line["time"] = record.time;
-  impl_->write(line);
-  impl_->show(record);
-}
+void TrainingLog::add(EvaluationRecord record) { impl_->add(std::move(record)); }
+void TrainingLog::add(SpeakerRecord record) { impl_->add(std::move(record)); }
 
 }  // namespace enfilade::models

@@ -8,7 +8,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/models/detail/append_file.h"
+#include "enfilade/models/detail/event_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::models {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "enfilade/core/progress.h"
-#include "enfilade/core/shard.h"
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/neural/encoder.h"
 #include "enfilade/scan/panorama_set.h"

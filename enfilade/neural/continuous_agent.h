@@ -2,14 +2,13 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "enfilade/agents/continuous_agent.h"
 #include "enfilade/agents/continuous_setup.h"
-#include "enfilade/continuous/scene.h"
+#include "enfilade/continuous/eyes.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/models/train_config.h"
 #include "enfilade/neural/encoder.h"
@@ -17,14 +16,9 @@
 
 namespace enfilade::neural {
 
-/// What a building looks like, by its scan. Called from one thread; what it returned last is kept
-/// for some buildings.
-using SceneOfScan =
-    std::function<std::shared_ptr<const enfilade::continuous::Scene>(const std::string&)>;
-
 /// How an agent sees.
 struct ContinuousSight {
-  SceneOfScan scene_of;
+  enfilade::continuous::SceneSource scene_of;  ///< called from one thread
   EncoderConfig encoder;  ///< turns pictures into features; its weights stay as they are
   int threads = 0;        ///< of drawing, 0: all cores; changes no result
 };

@@ -1,8 +1,11 @@
 /// \file  libtorch on this machine: its version, BLAS, speed and threads.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
+
+#include "enfilade/core/enum_names.h"
 
 namespace enfilade::neural {
 
@@ -15,8 +18,9 @@ enum class Precision : std::uint8_t {
   kTf32,      ///< factors are rounded to 10 bits in the matrix units, sums are float32
   kBfloat16,  ///< PyTorch's autocast: products, and what lies between them, in bfloat16
 };
-std::string_view to_string(Precision value) noexcept;  ///< "float32", "tf32", "bfloat16"
-Precision parse_precision(std::string_view name);      ///< \throws ArgumentError
+constexpr std::array<std::string_view, 3> names_of(Precision /*enum*/) {
+  return {"float32", "tf32", "bfloat16"};
+}
 
 /// Device and processes of a training.
 struct Computing {

@@ -1,5 +1,6 @@
 /// \file  Image encoders: networks that turn pictures into feature vectors.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/geometry/camera.h"
 #include "enfilade/render/renderer.h"
 
@@ -20,7 +22,10 @@ enum class Preprocessing {
   kTorchvision,  ///< R G B in [0, 1], minus ImageNet's mean, by its deviation
 };
 
-std::string_view to_string(Preprocessing preprocessing) noexcept;  ///< "caffe", "torchvision"
+/// Names in commands and files, in the order of the values.
+constexpr std::array<std::string_view, 2> names_of(Preprocessing /*enum*/) {
+  return {"caffe", "torchvision"};
+}
 
 /// Which network, with which weights, on which device.
 struct EncoderConfig {

@@ -2,21 +2,17 @@
 
 #include <fmt/format.h>
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "enfilade/agents/panorama.h"
-#include "enfilade/agents/route.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/models/instruction_words.h"
 #include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/duet/duet_split.h"
-#include "enfilade/neural/panoramic/panoramic_split.h"
-#include "enfilade/neural/seq2seq/model.h"
-#include "enfilade/neural/seq2seq/seq2seq_agent.h"
+#include "enfilade/neural/panoramic/panoramic_episode.h"
+#include "enfilade/neural/seq2seq/evaluation.h"
 
 namespace enfilade::neural {
 namespace {
@@ -34,10 +30,44 @@ class PlannedAgent : public TrainedAgent {
   std::uint64_t iteration() const noexcept override { return iteration_; }
   // The kind, as in config.json.
   std::string_view name() const override { return to_string(config_.training.agent); }
-  void enter(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) override;
-  void start(std::span<const agents::Observation> batch) override;
+  void enter(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) override {
+    prepare(episodes, usable_features(config_, features));
+    episodes_ = &episodes;
+    panoramas_ = std::make_unique<agents::PanoramaCache>(episodes.graphs);
+    slots_.clear();
+  }
+
+  void start(std::span<const agents::Observation> batch) override {
+    std::vector<std::size_t> episodes;
+    for (const agents::Observation& seen : batch) {
+      episodes.push_back(static_cast<std::size_t>(seen.episode - episodes_->episodes.data()));
+    }
+    slots_.clear();
+    for (const tasks::Trajectory& trajectory : walk(episodes)) {
+      Slot slot{agents::Route(turning_),
+                {trajectory.turning_point, trajectory.object, trajectory.point}};
+      std::vector<ViewpointIndex> way;
+      for (const tasks::TrajectoryPoint& point : trajectory.points) {
+        // An entry a turn, or the start: the agent is there already.
+        if (!way.empty() ? way.back() != point.viewpoint
+                         : point.viewpoint != trajectory.points.front().viewpoint) {
+          way.push_back(point.viewpoint);
+        }
+      }
+      slot.route.set(way);
+      slots_.push_back(std::move(slot));
+    }
+  }
+
   void act(std::span<const agents::Observation> batch,
-           std::span<agents::Decision> decisions) override;
+           std::span<agents::Decision> decisions) override {
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if (batch[i].ended) continue;
+      const ScanIndex scan = episodes_->graphs->at(batch[i].graph->scan());
+      const auto next = slots_[i].route.next(batch[i], panoramas_->at({scan, batch[i].viewpoint}));
+      decisions[i] = next ? *next : agents::Decision::stop_with(slots_[i].answer);
+    }
+  }
 
  protected:
   // enter() of the kind. \param features that it uses; null if it does not see
@@ -59,45 +89,6 @@ class PlannedAgent : public TrainedAgent {
   std::unique_ptr<agents::PanoramaCache> panoramas_;
   std::vector<Slot> slots_;
 };
-
-void PlannedAgent::enter(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) {
-  prepare(episodes, usable_features(config_, features));
-  episodes_ = &episodes;
-  panoramas_ = std::make_unique<agents::PanoramaCache>(episodes.graphs);
-  slots_.clear();
-}
-
-void PlannedAgent::start(std::span<const agents::Observation> batch) {
-  std::vector<std::size_t> episodes;
-  for (const agents::Observation& seen : batch) {
-    episodes.push_back(static_cast<std::size_t>(seen.episode - episodes_->episodes.data()));
-  }
-  slots_.clear();
-  for (const tasks::Trajectory& trajectory : walk(episodes)) {
-    Slot slot{agents::Route(turning_),
-              {trajectory.turning_point, trajectory.object, trajectory.point}};
-    std::vector<ViewpointIndex> way;
-    for (const tasks::TrajectoryPoint& point : trajectory.points) {
-      // An entry a turn, or the start: the agent is there already.
-      if (!way.empty() ? way.back() != point.viewpoint
-                       : point.viewpoint != trajectory.points.front().viewpoint) {
-        way.push_back(point.viewpoint);
-      }
-    }
-    slot.route.set(way);
-    slots_.push_back(std::move(slot));
-  }
-}
-
-void PlannedAgent::act(std::span<const agents::Observation> batch,
-                       std::span<agents::Decision> decisions) {
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    if (batch[i].ended) continue;
-    const ScanIndex scan = episodes_->graphs->at(batch[i].graph->scan());
-    const auto next = slots_[i].route.next(batch[i], panoramas_->at({scan, batch[i].viewpoint}));
-    decisions[i] = next ? *next : agents::Decision::stop_with(slots_[i].answer);
-  }
-}
 
 // \tparam Split made of episodes, words, a TrainConfig and features, and of objects if it is a
 // split of an agent that may name one; rollout_episodes() and rollout_and_write() of Network and

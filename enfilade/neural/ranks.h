@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <exception>
 #include <functional>
 #include <map>
@@ -27,7 +28,7 @@ class LostRank : public CutShort {
 struct RankPlace {
   int rank = 0, size = 1;
   int local_rank = 0, local_size = 1;  ///< among those of this computer
-  std::string host;        ///< computer of rank 0, which opens a store for the ranks to meet
+  std::string host = {};   ///< computer of rank 0, which opens a store for the ranks to meet
   std::uint16_t port = 0;  ///< of the store
   std::string launcher;    ///< "torchrun", "srun" or "mpirun"
 };
@@ -37,8 +38,7 @@ using Variables = std::function<const char*(const char*)>;
 /// The place that torchrun (and all that sets RANK and WORLD_SIZE), Open MPI, MPICH or a step of
 /// Slurm put into the environment. No value: the process was started alone.
 /// \throws ArgumentError naming a variable that is missing or is not a number
-std::optional<RankPlace> find_place(const Variables& variables);
-std::optional<RankPlace> find_place();  ///< of this process's environment
+std::optional<RankPlace> find_place(const Variables& variables = std::getenv);
 
 /// The first computer of a list as Slurm writes it: "node[07-12,20],login" has "node07".
 std::string first_host(std::string_view nodes);

@@ -4,10 +4,7 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <cstddef>
-#include <filesystem>
 #include <map>
-#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -15,6 +12,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/written_lists.h"
 #include "enfilade/models/subwords.h"
 #include "enfilade/models/train_config.h"
 #include "enfilade/neural/duet/duet_network.h"
@@ -25,6 +23,7 @@ namespace enfilade::neural {
 namespace {
 
 namespace fs = std::filesystem;
+using features::bare_name;
 using features::NamedArray;
 using features::TensorFile;
 using models::AgentKind;
@@ -33,17 +32,12 @@ using models::TextKind;
 
 // A released vocabulary, by the rows of a network's table of words.
 struct KnownVocabulary {
-  std::string where;  // "bert-base-uncased's: https://...", or what is wanted in general
-  Letters letters = Letters::kFolded;
-};
-
-struct Row {
   std::size_t rows;
-  std::string_view where;
+  std::string_view where;  // "that of bert-base-uncased: ...", or what is wanted in general
   Letters letters;
 };
 // Sizes of the published vocabularies; EnvDrop appends <BOS> to the 991 words of R2R's training.
-constexpr std::array<Row, 4> kKnown{{
+constexpr std::array<KnownVocabulary, 4> kKnown{{
     {30'522, "that of bert-base-uncased: vocab.txt in https://huggingface.co/bert-base-uncased",
      Letters::kFolded},
     {28'996, "that of bert-base-cased: vocab.txt in https://huggingface.co/bert-base-cased",
@@ -57,13 +51,12 @@ constexpr std::array<Row, 4> kKnown{{
 }};
 
 KnownVocabulary known_vocabulary(std::size_t rows) {
-  for (const Row& row : kKnown) {
-    if (row.rows == rows) return {std::string(row.where), row.letters};
-  }
-  return {
-      "the one that the weights were trained with: vocab.txt of BERT's form, "
-      "sentencepiece.bpe.model of XLM-R's, or a word a line",
-      Letters::kFolded};
+  const auto* const found = std::ranges::find(kKnown, rows, &KnownVocabulary::rows);
+  if (found != kKnown.end()) return *found;
+  return {rows,
+          "the one that the weights were trained with: vocab.txt of BERT's form, "
+          "sentencepiece.bpe.model of XLM-R's, or a word a line",
+          Letters::kFolded};
 }
 
 // SentencePiece's by the name `.model`, word pieces by the line "[CLS]", else words.
@@ -104,14 +97,9 @@ constexpr std::string_view kPretrainedWords = "bert.embeddings.word_embeddings.w
 constexpr std::string_view kPretrainedMap = "bert.global_encoder.gmap_step_embeddings.weight";
 constexpr std::string_view kListener = "decoder.candidate_att_layer.linear_in.weight";
 
-std::string_view without_wrapper(std::string_view name) {
-  constexpr std::string_view kWrapper = "module.";
-  return name.starts_with(kWrapper) ? name.substr(kWrapper.size()) : name;
-}
-
 bool has(const TensorFile& file, std::string_view name) {
   return std::ranges::any_of(
-      file.arrays(), [&](const NamedArray& array) { return without_wrapper(array.name) == name; });
+      file.arrays(), [&](const NamedArray& array) { return bare_name(array.name) == name; });
 }
 
 bool is_pretrained_duet(const TensorFile& file) {
@@ -174,26 +162,18 @@ auto briefly(const fs::path& file, std::string_view family, const Read& read) {
 
 // Checkpoints of DUET's pretraining name the network "bert" and have the heads beside it; their
 // cross layers read in the other direction too, for masked words alone.
-std::string name_after_pretraining(std::string_view name) {
-  name = without_wrapper(name);
+std::string name_after_pretraining(std::string_view given) {
+  const std::string name = bare_name(given);
   constexpr std::string_view kNetwork = "bert.";
   for (const std::string_view part : {".lang_self_att.", ".lang_inter.", ".lang_output."}) {
-    if (name.find(part) != std::string_view::npos) return std::string(name);
+    if (name.find(part) != std::string::npos) return name;
   }
-  if (name.starts_with(kNetwork)) return "vln_" + std::string(name);
+  if (name.starts_with(kNetwork)) return "vln_" + name;
   for (const std::string_view head :
        {"global_sap_head.", "local_sap_head.", "sap_fuse_linear.", "og_head."}) {
-    if (name.starts_with(head)) return "vln_bert." + std::string(name);
+    if (name.starts_with(head)) return "vln_bert." + name;
   }
-  return std::string(name);  // of tasks that the agent has not
-}
-
-// The same arrays by other names, in a file beside the weights to be.
-TensorFile renamed(const TensorFile& file, const fs::path& into) {
-  std::vector<NamedArray> arrays(file.arrays().begin(), file.arrays().end());
-  for (NamedArray& array : arrays) array.name = name_after_pretraining(array.name);
-  features::write_safetensors(into, arrays);
-  return TensorFile::open(into);
+  return name;  // of tasks that the agent has not
 }
 
 // What the file has beside the agent's arrays.
@@ -202,12 +182,15 @@ std::vector<std::string> left_out(const TensorFile& file, AgentKind agent) {
   for (const auto& [name, value] : file.metadata()) {
     if (value.empty()) found.push_back(name);
   }
+  for (const auto& [name, reason] : file.left_out()) {
+    found.push_back(fmt::format("{}: {}", name, reason));
+  }
   if (agent != AgentKind::kDuet) return found;
   std::map<std::string, std::size_t> parts;
   for (const NamedArray& array : file.arrays()) {
-    const std::string_view name = without_wrapper(array.name);
+    const std::string name = bare_name(array.name);
     if (name.starts_with("vln_bert.") || name_after_pretraining(name) != name) continue;
-    ++parts[std::string(name.substr(0, name.find('.')))];
+    ++parts[name.substr(0, name.find('.'))];
   }
   for (const auto& [part, n] : parts) found.push_back(fmt::format("{}: {} arrays", part, n));
   return found;
@@ -291,7 +274,7 @@ class Import {
     imported_.family = "DUET (Chen et al., 2022)";
     const bool pretrained = is_pretrained_duet(released);
     if (pretrained) imported_.family += ", from its pretraining";
-    const TensorFile file = pretrained ? renamed(released, files_.weights()) : released;
+    const TensorFile file = pretrained ? released.renamed(name_after_pretraining) : released;
     const auto network = briefly(options_.file, imported_.family, [&] {
       return duet::DuetNetwork(duet::infer_config(file, options_.heads), file);
     });
@@ -335,7 +318,9 @@ class Import {
                       "file: give --vocabulary FILE, {}",
                       options_.file.string(), rows, known.where));
     }
-    const std::string content = read_file(options_.vocabulary);
+    const bool pieces = options_.vocabulary.extension() == ".model";  // no text
+    const std::string content =
+        pieces ? read_file(options_.vocabulary) : read_plain_text(options_.vocabulary);
     training().text = text_kind_of(options_.vocabulary, content);
     training().letters = options_.letters.value_or(known.letters);
     const std::size_t entries = entries_in(options_.vocabulary, content, training());

@@ -58,7 +58,7 @@ class ReleasedWeightsTest : public ::testing::Test {
     write_file_atomically(path("vocab.txt"),
                           "[PAD]\n[UNK]\n[CLS]\n[SEP]\n[MASK]\ngo\nleft\n##s\n.\n");
     write_file_atomically(path("words.txt"), "<PAD>\n<UNK>\n<EOS>\ngo\nleft\n");
-    duet_.save(path("duet.safetensors"));
+    features::write_safetensors(path("duet.safetensors"), core::as_arrays(duet_.weights()));
     released_.file = path("duet.safetensors");
     released_.vocabulary = path("vocab.txt");
     released_.heads = 2;
@@ -73,6 +73,12 @@ class ReleasedWeightsTest : public ::testing::Test {
     change(arrays);
     features::write_safetensors(path("changed.safetensors"), arrays);
     released_.file = path("changed.safetensors");
+  }
+  // A name of the agent's as DUET's pretraining has it.
+  static std::string in_pretraining(const std::string& name) {
+    const std::string part = name.substr(std::string("vln_bert.").size());
+    const bool is_head = part.find("_head.") != std::string::npos || part.starts_with("sap_");
+    return is_head ? part : "bert." + part;
   }
   std::string refused() {
     return refusal([&] { import_weights(released_, path("model")); });
@@ -110,23 +116,44 @@ TEST_F(ReleasedWeightsTest, NamesOfPretrainingAreThoseOfTheAgent) {
   std::vector<float> numbers(4);
   rewrite([&](std::vector<NamedArray>& arrays) {
     for (NamedArray& array : arrays) {
-      array.name = array.name.substr(std::string("vln_").size());
-      const std::string head = array.name.substr(std::string("bert.").size());
-      const bool is_head = head.find("_head.") != std::string::npos || head.starts_with("sap_");
-      array.name = "module." + (is_head ? head : array.name);
+      // As data parallelism, torch.compile() and Lightning put one around the other.
+      array.name = "module._orig_mod.model." + in_pretraining(array.name);
     }
     const auto extra = [&](const char* name) {
       arrays.push_back({name, features::DType::kFloat32, {4}, std::as_bytes(std::span(numbers))});
     };
     extra("module.mlm_head.predictions.bias");
+    extra("mlm_head.predictions.bias");  // no array of the agent, so it may be there twice
     extra("module.bert.local_encoder.encoder.x_layers.0.lang_inter.dense.bias");
   });
   const ImportedWeights found = import_weights(released_, path("model"));
   EXPECT_THAT(found.family, HasSubstr("pretraining"));
-  EXPECT_THAT(found.left_out, ElementsAre("bert: 1 arrays", "mlm_head: 1 arrays"));
+  EXPECT_THAT(found.left_out, ElementsAre("bert: 1 arrays", "mlm_head: 2 arrays"));
   const models::StateFile state = models::open_state(path("model/weights.safetensors"));
   const duet::DuetNetwork again(tiny_duet(), state.file);
   EXPECT_EQ(core::hash_of(again.weights()), core::hash_of(duet_.weights()));
+}
+
+TEST_F(ReleasedWeightsTest, FaultsOfAPretrainedFileNameItAndTheirReason) {
+  rewrite([](std::vector<NamedArray>& arrays) {
+    for (NamedArray& array : arrays) array.name = in_pretraining(array.name);
+    arrays.push_back(arrays.front());
+    arrays.back().name = "module." + arrays.front().name;
+  });
+  EXPECT_THAT(refused(), AllOf(HasSubstr("changed.safetensors"), HasSubstr("repeated-array")));
+  rewrite([](std::vector<NamedArray>& arrays) {
+    for (NamedArray& array : arrays) {
+      array.name = in_pretraining(array.name);
+      if (array.name != "bert.embeddings.position_embeddings.weight") continue;
+      array.type = features::DType::kFloat16;
+      array.bytes = array.bytes.first(array.bytes.size() / 2);
+    }
+  });
+  std::string file = read_file(released_.file);
+  file[file.find("\"F16\"") + 1] = 'I';
+  write_file_atomically(released_.file, file);
+  EXPECT_THAT(refused(), AllOf(HasSubstr("changed.safetensors"), HasSubstr("I16"),
+                               HasSubstr("position_embeddings"), HasSubstr("missing-array")));
 }
 
 TEST_F(ReleasedWeightsTest, EnvDropsListenerReadsWords) {

@@ -33,9 +33,6 @@ class Speaker {
   /// \throws FileError for a missing file; InvalidInput for damaged files, or weights or a
   /// vocabulary that do not fit; ArgumentError for another agent's model
   explicit Speaker(const std::filesystem::path& folder);
-  ~Speaker();
-  Speaker(Speaker&&) noexcept;
-  Speaker& operator=(Speaker&&) noexcept;
 
   const models::ModelConfig& config() const noexcept;
   std::uint64_t iteration() const noexcept;  ///< of the weights
@@ -57,7 +54,7 @@ class Speaker {
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;  // of all copies
 };
 
 }  // namespace enfilade::neural

@@ -2,27 +2,17 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <algorithm>
 #include <chrono>
-#include <functional>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
-#include <variant>
 
 #include "enfilade/core/file.h"
-#include "enfilade/core/folder_lock.h"
-#include "enfilade/models/instructions.h"
+#include "enfilade/core/part_file.h"
 #include "enfilade/models/model_directory.h"
-#include "enfilade/neural/continuous/learner.h"
 #include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/core/learner.h"
 #include "enfilade/neural/core/torch_device.h"
-#include "enfilade/neural/duet/duet_learner.h"
-#include "enfilade/neural/panoramic/panoramic_learner.h"
 #include "enfilade/neural/ranks.h"
-#include "enfilade/neural/seq2seq/seq2seq_learner.h"
-#include "enfilade/neural/speaker/speaker_learner.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score_table.h"
 
@@ -34,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kLogEvery = 10;  // iterations a line of training loss
 
-double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+double seconds_of(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
 // The episodes of several splits as one.
 tasks::EpisodeSet join(std::vector<tasks::EpisodeSet> sets) {
@@ -51,20 +41,16 @@ tasks::EpisodeSet join(std::vector<tasks::EpisodeSet> sets) {
   return all;
 }
 
-// Leaves only the episodes in the first `most` scans, in the order of the paths.
-void keep_buildings(tasks::EpisodeSet& episodes, std::size_t most) {
-  std::vector<ScanIndex> scans;
-  for (const tasks::ReferencePath& path : episodes.paths) {
-    if (std::ranges::find(scans, path.scan) == scans.end()) scans.push_back(path.scan);
-  }
-  if (scans.size() < most) {
-    throw ArgumentError(
-        fmt::format("buildings: {}, but split {} has {}", most, episodes.split, scans.size()));
-  }
-  scans.resize(most);
-  std::erase_if(episodes.episodes, [&](const tasks::Episode& episode) {
-    return std::ranges::find(scans, episodes.path_of(episode).scan) == scans.end();
-  });
+// body() of the data, on graphs or in continuous space.
+template <class Body>
+auto visit(const TrainingData& data, const Body& body) {
+  const ContinuousData* const continuous = data.continuous();
+  return continuous != nullptr ? body(*continuous) : body(data.graph());
+}
+
+const std::string& text_of(const tasks::Episode& episode) { return episode.text; }
+const std::string& text_of(const tasks::ContinuousEpisode& episode) {
+  return episode.instruction.text;
 }
 
 [[noreturn]] void refuse_origin(const models::ModelFiles& files,
@@ -98,15 +84,15 @@ std::optional<Origin> open_origin(const models::TrainConfig& config,
 models::InstructionWords words_of(const models::TrainConfig& config, const TrainingData& data,
                                   const std::optional<Origin>& origin) {
   if (origin) return models::load_instruction_words(origin->files, origin->config);
-  if (const ContinuousData* const continuous = data.continuous()) {
-    std::vector<std::string> texts;
-    for (const auto& episode : continuous->training.episodes) {
-      texts.push_back(episode.instruction.text);
-    }
-    return models::InstructionWords(tasks::Vocabulary::build(texts, config.least_count));
-  }
   return models::InstructionWords(
-      models::training_vocabulary(data.graph().training, config.least_count));
+      tasks::Vocabulary::build(visit(data,
+                                     [](const auto& own) {
+                                       std::vector<std::string> texts;
+                                       for (const auto& episode : own.training.episodes)
+                                         texts.push_back(text_of(episode));
+                                       return texts;
+                                     }),
+                               config.least_count));
 }
 
 models::TrainConfig completed(models::TrainConfig config, const TrainingData& data,
@@ -114,14 +100,10 @@ models::TrainConfig completed(models::TrainConfig config, const TrainingData& da
                               const std::optional<Origin>& origin) {
   const tasks::Vocabulary* const vocabulary = words.vocabulary();
   config.network.vocabulary = vocabulary != nullptr ? vocabulary->size() : words.size();
-  if (const ContinuousData* const continuous = data.continuous()) {
-    const auto& encoder = data.fingerprint.features;
-    config.network.features = encoder ? encoder->dimensions : 0;
-    fix_updates(config, continuous->training.episodes.size());
-  } else {
-    const auto& features = data.graph().features;
-    config.network.features =
-        config.network.inputs.vision && features ? features->info().dimensions : 0;
+  const auto& features = data.fingerprint.features;
+  config.network.features = config.network.inputs.vision && features ? features->dimensions : 0;
+  if (config.agent == models::AgentKind::kSeq2SeqCe) {
+    fix_updates(config, data.continuous()->training.episodes.size());
   }
   if (!origin) return config;
   config.text = origin->config.text;
@@ -130,13 +112,6 @@ models::TrainConfig completed(models::TrainConfig config, const TrainingData& da
   const std::vector<std::string> differ = size_differences(origin->config, config);
   if (!differ.empty()) refuse_origin(origin->files, differ);
   return config;
-}
-
-void require_goals(const tasks::EpisodeSet& episodes) {
-  if (!goals_hidden(episodes)) return;
-  throw ArgumentError(
-      fmt::format("split {}: its goals are hidden, so it cannot be trained on or validated with",
-                  episodes.split));
 }
 
 // Checks that the model in the directory has this config and data.
@@ -159,29 +134,17 @@ void check_same_model(const models::ModelFiles& files, const models::ModelConfig
       files.folder.string(), fmt::join(found, "\n  ")));
 }
 
-std::unique_ptr<core::Learner> make_learner(const models::TrainConfig& config,
-                                            const models::InstructionWords& words,
-                                            const std::string& device_name,
-                                            const models::ModelFiles& files,
-                                            const TrainingListener& listener) {
+std::unique_ptr<core::Learner> make_learner(const core::LearnerParts& parts) {
   using models::AgentKind;
-  const tasks::Vocabulary* const vocabulary = words.vocabulary();
-  if (config.agent == AgentKind::kSeq2Seq) {
-    return seq2seq::make_learner(config, *vocabulary, device_name);
+  const AgentKind agent = parts.config.agent;
+  if (agent == AgentKind::kDuet) {
+    return parts.config.stage == models::Stage::kPretrain ? core::make_pretraining_learner(parts)
+                                                          : core::make_duet_learner(parts);
   }
-  const c10::Device device = core::open_agents_device(device_name);
-  if (config.agent == AgentKind::kDuet) {
-    return config.stage == models::Stage::kPretrain
-               ? duet::make_pretraining_learner(config, words, device)
-               : duet::make_duet_learner(config, words, device);
-  }
-  // The others read no pieces in training, so there is a vocabulary.
-  if (config.agent == AgentKind::kSeq2SeqCe) {
-    return continuous::make_learner(config, *vocabulary, files, device, listener.gathering);
-  }
-  return config.agent == AgentKind::kSpeaker
-             ? speaker::make_speaker_learner(config, *vocabulary, device)
-             : panoramic::make_panoramic_learner(config, *vocabulary, device);
+  if (agent == AgentKind::kSeq2Seq) return core::make_seq2seq_learner(parts);
+  if (agent == AgentKind::kSeq2SeqCe) return core::make_continuous_learner(parts);
+  return agent == AgentKind::kSpeaker ? core::make_speaker_learner(parts)
+                                      : core::make_panoramic_learner(parts);
 }
 
 void check(const Computing& computing, models::AgentKind agent) {
@@ -189,7 +152,7 @@ void check(const Computing& computing, models::AgentKind agent) {
   if (computing.device == "cpu") {
     throw ArgumentError(
         fmt::format("precision {}: the CPU computes in float32 alone; cards have it",
-                    to_string(computing.precision)));
+                    enum_name(computing.precision)));
   }
   const bool own_gradients =
       agent == models::AgentKind::kSeq2Seq || agent == models::AgentKind::kSeq2SeqCe;
@@ -214,7 +177,8 @@ class Training {
         model_{completed(config, data, words_, origin_), data.fingerprint},
         ranks_(computing.ranks != nullptr ? *computing.ranks : alone_),
         lock_(lock()),
-        learner_(make_learner(model_.training, words_, computing.device, files_, listener)) {}
+        learner_(make_learner({model_.training, words_, core::open_agents_device(computing.device),
+                               files_, listener.gathering})) {}
 
   bool run() {
     if (!ranks_.alone()) ranks_.agree(facts());
@@ -254,7 +218,7 @@ class Training {
   // By field, so that what differs is named.
   RankFacts facts() const {
     RankFacts facts{{"--device", device_kind_},
-                    {"--precision", std::string(to_string(precision_))}};
+                    {"--precision", std::string(enum_name(precision_))}};
     const nlohmann::json fields = nlohmann::json::parse(to_json(model_)).flatten();
     for (const auto& [path, value] : fields.items()) {
       facts[path] = value.dump();
@@ -272,7 +236,7 @@ class Training {
   // Processes that computed otherwise would drift apart.
   std::string hash_of_weights() const {
     std::size_t hash = 0;
-    const core::State state = learner_->weights();
+    const core::SavedState state = learner_->weights();
     for (const features::NamedArray& array : state.arrays) {
       const std::string_view bytes(reinterpret_cast<const char*>(array.bytes.data()),
                                    array.bytes.size());
@@ -340,7 +304,7 @@ class Training {
       return learner_->update(iteration_);
     }();
     ++iteration_;
-    const double whole = seconds(Clock::now() - begin);
+    const double whole = seconds_of(Clock::now() - begin);
     last_loss_ = update.loss;
     training_seconds_ += whole;
     data_seconds_ += update.data_seconds;
@@ -374,16 +338,14 @@ class Training {
   void tell() const {
     if (!listener_.iteration) return;
     const double pace =
-        seconds(Clock::now() - begin_) / static_cast<double>(iteration_ - begun_at_);
+        seconds_of(Clock::now() - begin_) / static_cast<double>(iteration_ - begun_at_);
     listener_.iteration({iteration_, config().iterations, last_loss_,
                          pace * static_cast<double>(config().iterations - iteration_),
                          data_seconds_ / training_seconds_});
   }
 
   void evaluate(std::optional<models::TrainingLog>& log) {
-    const ContinuousData* const continuous = data_.continuous();
-    const std::size_t splits =
-        continuous != nullptr ? continuous->validation.size() : data_.graph().validation.size();
+    const std::size_t splits = visit(data_, [](const auto& own) { return own.validation.size(); });
     for (std::size_t k = 0; k < splits; ++k) {
       core::Evaluated evaluated = learner_->evaluate(k, iteration_, files_);
       if (!log) continue;
@@ -454,7 +416,7 @@ TrainingData load_training_data(const dataset::Dataset& dataset, const models::T
   const auto load = [&](const std::string& split, tasks::Instructions instructions) {
     const tasks::Annotations annotations = dataset.annotations(split);
     tasks::EpisodeSet episodes = make_episodes(annotations, dataset.graphs(), instructions);
-    require_goals(episodes);
+    core::require_goals(episodes);
     data.fingerprint.add(annotations);
     data.fingerprint.add_graphs(episodes);
     return episodes;
@@ -464,7 +426,15 @@ TrainingData load_training_data(const dataset::Dataset& dataset, const models::T
     training.push_back(load(split, tasks::Instructions::kAll));
   }
   own.training = join(std::move(training));
-  if (config.buildings) keep_buildings(own.training, *config.buildings);
+  if (config.buildings) {
+    tasks::EpisodeSet& set = own.training;
+    core::keep_buildings(set, set.paths, *config.buildings, [&](const auto& one) {
+      if constexpr (requires { one.scan; })
+        return one.scan;
+      else
+        return set.path_of(one).scan;
+    });
+  }
   for (const std::string& split : config.validation) {
     own.validation.push_back(load(split, tasks::Instructions::kScored));
   }
@@ -477,23 +447,19 @@ bool train(const models::TrainConfig& config, const TrainingData& data, const fs
   validate(config);
   check(computing, config.agent);
   const bool free = config.agent == models::AgentKind::kSeq2SeqCe;
-  const ContinuousData* const continuous = data.continuous();
-  if (free != (continuous != nullptr)) {
+  if (free != (data.continuous() != nullptr)) {
     throw ArgumentError(
-        fmt::format("the agent {} walks {}; the data is for the other way of walking",
-                    to_string(config.agent), free ? "freely" : "in the graph"));
+        fmt::format("the agent {} is for {}; the data is for the other kind of environment",
+                    to_string(config.agent), free ? "continuous environments" : "graphs"));
   }
-  if (config.network.inputs.vision &&
-      !(free ? data.fingerprint.features.has_value() : data.graph().features.has_value())) {
+  const bool sees = data.fingerprint.features && (free || data.graph().features);
+  if (config.network.inputs.vision && !sees) {
     throw ArgumentError("the agent is to see, so it needs features");
   }
-  const bool none =
-      free ? continuous->training.episodes.empty() : data.graph().training.episodes.empty();
-  if (none) {
-    throw ArgumentError(
-        fmt::format("split {}: no episode to train on",
-                    free ? continuous->training.split : data.graph().training.split));
-  }
+  visit(data, [](const auto& own) {
+    if (!own.training.episodes.empty()) return;
+    throw ArgumentError(fmt::format("split {}: no episode to train on", own.training.split));
+  });
   return Training(config, data, directory, computing, listener, from).run();
 }
 

@@ -1,22 +1,23 @@
 #include "enfilade/neural/train.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <fmt/format.h>
 #include <array>
 #include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
+
 #include <stdexcept>
 
 #include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/core/folder_lock.h"
+#include "enfilade/core/part_file.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/neural/seq2seq/model.h"
+#include "enfilade/neural/seq2seq/evaluation.h"
 #include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/tasks/score_table.h"
@@ -25,7 +26,6 @@
 
 namespace enfilade::neural {
 namespace EN_UNIT {
-
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -141,15 +141,13 @@ TEST_F(TrainerTest, GoesOnToTheBitAfterBeingStoppedAnywhere) {
   std::size_t way = 0;
   for (const models::TrainConfig& config : ways_to_train()) {
     const std::string name = std::to_string(way++) + std::string(to_string(config.agent));
-    train_into(fresh(name), config);
+    const fs::path whole = fresh(name), stopped = fresh(name + "_stopped");
+    train_into(whole, config);
     // Before the first checkpoint, between two, right after one, and between evaluation and end.
-    for (const std::uint64_t stop : {3U, 7U, 10U, 12U}) {
-      const fs::path folder = fresh(name + "_" + std::to_string(stop));
-      train_until(folder, config, stop);
-      EXPECT_TRUE(train_into(folder, config));
-      EXPECT_EQ(weights(folder), weights(fresh(name))) << name << " stopped at " << stop;
-      EXPECT_EQ(log(folder), log(fresh(name))) << name << " stopped at " << stop;
-    }
+    for (const std::uint64_t stop : {3U, 7U, 10U, 12U}) train_until(stopped, config, stop);
+    EXPECT_TRUE(train_into(stopped, config));
+    EXPECT_EQ(weights(stopped), weights(whole)) << name;
+    EXPECT_EQ(log(stopped), log(whole)) << name;
   }
 }
 
@@ -220,9 +218,9 @@ TEST_F(TrainerTest, SaysWhichPrecisionThereIs) {
                   "precision bfloat16: the agent seq2seq is trained in float32 or tf32")));
   EXPECT_FALSE(fs::exists(fresh("model") / "config.json"));
   for (const auto value : {Precision::kFloat32, Precision::kTf32, Precision::kBfloat16}) {
-    EXPECT_EQ(parse_precision(to_string(value)), value);
+    EXPECT_EQ(models::parse_name<Precision>("precision", enum_name(value)), value);
   }
-  EXPECT_THAT([] { parse_precision("half"); },
+  EXPECT_THAT([] { models::parse_name<Precision>("precision", "half"); },
               ThrowsMessage<ArgumentError>(HasSubstr("float32 or tf32 or bfloat16 is allowed")));
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "enfilade/features/feature_set.h"
-#include "enfilade/models/data_fingerprint.h"
+#include "enfilade/models/model_directory.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::neural {
@@ -22,7 +22,7 @@ struct GraphData {
 
 /// What an agent is trained and validated on: load_training_data(), load_continuous_data().
 struct TrainingData {
-  models::DataFingerprint fingerprint;
+  models::DataFingerprint fingerprint;  ///< its features are those of the episodes
   std::variant<GraphData, std::shared_ptr<const ContinuousData>> episodes;
 
   /// \throws std::bad_variant_access for an agent of the continuous world

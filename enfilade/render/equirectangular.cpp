@@ -6,7 +6,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/render/cpu/pack.h"
-#include "enfilade/render/cpu/sampling.h"
+#include "enfilade/render/cpu/row_plan.h"
 #include "enfilade/render/detail/batch.h"
 #include "enfilade/render/detail/layers.h"
 #include "enfilade/render/renderer.h"
@@ -32,7 +32,7 @@ Pixel pixel_towards(Vec3d direction) {
 
 class Drawer {
  public:
-  Drawer(const detail::Batch& batch, const View& view, const Mat3d& panorama_from_world,
+  Drawer(const detail::ViewBatch& batch, const View& view, const Mat3d& panorama_from_world,
          std::uint32_t width, std::uint32_t height, const Outputs& outputs)
       : faces_(batch.faces()),
         view_(batch.views().front()),
@@ -78,7 +78,7 @@ class Drawer {
     }
   }
 
-  void draw_block(std::span<const Pixel> pixels, const cpu::Place& place) const {
+  void draw_block(std::span<const Pixel> pixels, const cpu::BlockPlace& place) const {
     std::array<std::uint32_t, cpu::kBlock> rgba, instances;
     std::array<std::uint16_t, cpu::kBlock> depth, classes;
     if (outputs_.colour) {
@@ -101,7 +101,7 @@ class Drawer {
   Mat3d panorama_from_world_;
   std::uint32_t width_, height_;
   const Outputs& outputs_;
-  cpu::Packer packer_;
+  cpu::PixelPacker packer_;
   std::array<float, cpu::kBlock> ones_{};
 };
 
@@ -114,7 +114,7 @@ void render_equirectangular(const std::shared_ptr<FaceCache>& faces, const View&
   const Camera size{width, height, degrees(90)};
   validate(size, {&view, 1}, outputs, faces->panoramas());
   detail::refuse_stream(outputs);
-  detail::Batch batch(faces);
+  detail::ViewBatch batch(faces);
   batch.fill_whole(view, outputs);
   const auto& poses = faces->panoramas().source(view.scan).poses();
   const Drawer drawer(batch, view, transpose(poses[view.viewpoint.at()].world_from_panorama), width,

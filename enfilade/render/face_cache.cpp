@@ -16,13 +16,12 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/memory.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/render/detail/cell_pool.h"
 #include "enfilade/render/detail/layers.h"
 #include "enfilade/render/detail/shared_cells.h"
-#include "enfilade/render/detail/shared_key.h"
+#include "enfilade/render/detail/shared_file.h"
 
 namespace enfilade::render {
 namespace {
@@ -290,7 +289,7 @@ void FaceCache::Impl::take_shared(const Lock& lock, Entry& entry, detail::Shared
 // With `bytes` of memory; 0: the source has it.
 Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size, std::size_t bytes,
                             Plan& plan) {
-  using Found = detail::SharedCells::Found;
+  using ClaimResult = detail::SharedCells::ClaimResult;
   auto entry = std::make_unique<Entry>();
   std::vector<Unit>* units = &plan.decode;
   entry->key = key;
@@ -299,8 +298,8 @@ Entry& FaceCache::Impl::add(Lock& lock, const FaceKey& key, std::uint32_t size, 
   if (shared && bytes > 0) entry->shared_key = shared_keys->key(key, size);
   if (entry->shared_key) {
     auto claim = shared->claim(*entry->shared_key, bytes);
-    if (claim.found == Found::kReady) units = &plan.found;
-    if (claim.found == Found::kElsewhere) units = &plan.await;
+    if (claim.found == ClaimResult::kReady) units = &plan.found;
+    if (claim.found == ClaimResult::kElsewhere) units = &plan.await;
     if (claim.pin) take_shared(lock, *entry, std::move(claim), bytes);
   }
   if (bytes > 0 && !entry->pin && units == &plan.decode) take_own(lock, *entry, bytes);
@@ -453,7 +452,7 @@ void FaceCache::Impl::await(Unit& unit, Time limit) {
       const std::size_t bytes = face_bytes(entry->key.layer, entry->size);
       auto claim = shared->claim(*entry->shared_key, bytes, limit);
       const Lock lock(mutex);
-      if (claim.found == detail::SharedCells::Found::kReady) {
+      if (claim.found == detail::SharedCells::ClaimResult::kReady) {
         std::swap(found.entries[k], unit.entries[k]);
       }
       claim.pin ? take_shared(lock, *entry, std::move(claim), bytes)

@@ -31,8 +31,8 @@ struct Face {
 /// Bytes of a decoded face in a FaceCache.
 std::size_t face_bytes(scan::Layer layer, std::uint32_t size) noexcept;
 
-/// A sixteenth of available_memory() (core/memory.h), at least 64 MiB and at most 1 GiB. That holds
-/// a building's panoramas on most computers, with room for a dozen such processes.
+/// A sixteenth of available_memory() (core/threads.h), at least 64 MiB and at most 1 GiB. That
+/// holds a building's panoramas on most computers, with room for a dozen such processes.
 std::size_t default_cache_bytes();
 
 /// A file in which the processes of a computer share decoded faces: each face is decoded once and

@@ -10,6 +10,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/scan/store.h"
+#include "tests/support/colour_texel.h"
 #include "tests/support/made_panoramas.h"
 #include "tests/support/panoramas.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "enfilade/render/pack_pixels.h"
+#include "enfilade/render/renderer.h"
 
 #include <gtest/gtest.h>
 

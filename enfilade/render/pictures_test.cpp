@@ -1,4 +1,4 @@
-#include "enfilade/render/pictures.h"
+#include "enfilade/render/renderer.h"
 
 #include <gtest/gtest.h>
 

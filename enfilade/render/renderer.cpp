@@ -6,17 +6,11 @@
 #include <cmath>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/render/cpu/renderer.h"
-#include "enfilade/render/cuda/renderer.h"
-#if EN_WITH_GL
-#include "enfilade/render/gl/renderer.h"
-#endif
+#include "enfilade/render/cpu/pack.h"
+#include "enfilade/render/detail/layers.h"
 
 namespace enfilade::render {
 namespace {
-
-constexpr std::array<std::string_view, 4> kBackends{"cpu", "cpu-scalar", "gl",
-                                                    "cuda"};  // by Backend
 
 void validate_size(std::string_view name, std::size_t bytes, std::size_t pixels,
                    std::size_t pixel_bytes) {
@@ -73,18 +67,8 @@ void validate(const View& view, std::size_t place, const scan::PanoramaSet& pano
 }  // namespace
 
 std::size_t pixel_bytes(ColourFormat format) noexcept {
-  switch (format) {
-    case ColourFormat::kRgb8:
-    case ColourFormat::kBgr8:
-      return 3;
-    case ColourFormat::kRgba8:
-      return 4;
-    case ColourFormat::kPlanarFloat16:
-      return 6;
-    case ColourFormat::kPlanarFloat32:
-      return 12;
-  }
-  return 0;
+  constexpr std::array<std::size_t, 5> kBytes{3, 3, 4, 6, 12};  // by ColourFormat
+  return kBytes[static_cast<std::size_t>(format)];
 }
 
 std::size_t pixel_bytes(DepthFormat format) noexcept {
@@ -93,14 +77,6 @@ std::size_t pixel_bytes(DepthFormat format) noexcept {
 
 std::size_t pixel_bytes(ClassFormat format) noexcept {
   return format == ClassFormat::kUint8 ? 1 : 2;
-}
-
-std::string_view to_string(Backend backend) { return kBackends[static_cast<std::size_t>(backend)]; }
-
-std::optional<Backend> parse_backend(std::string_view name) {
-  const auto found = std::ranges::find(kBackends, name);
-  if (found == kBackends.end()) return std::nullopt;
-  return static_cast<Backend>(found - kBackends.begin());
 }
 
 std::vector<Backend> backends() {
@@ -151,13 +127,47 @@ std::unique_ptr<Renderer> make_renderer(std::shared_ptr<FaceCache> faces,
   if (config.threads < 0) {
     throw ArgumentError(fmt::format("config.threads: {}, below 0", config.threads));
   }
-  if (config.backend == Backend::kCuda) return cuda::make_cuda_renderer(std::move(faces), config);
-  if (config.backend != Backend::kGl) return cpu::make_cpu_renderer(std::move(faces), config);
+  if (config.backend == Backend::kCuda) return detail::make_cuda_renderer(std::move(faces), config);
+  if (config.backend != Backend::kGl) return detail::make_cpu_renderer(std::move(faces), config);
 #if EN_WITH_GL
-  return gl::make_gl_renderer(std::move(faces), config);
+  return detail::make_gl_renderer(std::move(faces), config);
 #else
   throw ArgumentError("config.backend: gl, but this build has no OpenGL (EN_WITH_GL was OFF)");
 #endif
+}
+
+void pack_colours(const ColourOutput& output, const PixelRun& run,
+                  std::span<const std::uint32_t> rgba) {
+  Outputs outputs;
+  outputs.colour = output;
+  const cpu::PixelPacker packer(cpu::simd_kernels(), outputs, false);
+  packer.pack({rgba.data(), nullptr, nullptr, nullptr, nullptr},
+              {run.view, run.first, rgba.size(), run.view_pixels, nullptr});
+}
+
+Outputs outputs_into(Pictures& pictures, scan::LayerMask layers, std::uint32_t width,
+                     std::uint32_t height, std::size_t views) {
+  const auto rows = static_cast<std::uint32_t>(height * views);
+  const auto wanted = [&](scan::Layer layer) { return detail::has(layers, layer); };
+  Outputs outputs;
+  if (wanted(scan::Layer::kColour)) {
+    pictures.colour = image::Image8(width, rows, 3);
+    outputs.colour.emplace().pixels = std::as_writable_bytes(std::span(pictures.colour.pixels));
+  }
+  if (wanted(scan::Layer::kDepth)) {
+    pictures.depth = image::Image16(width, rows, 1);
+    outputs.depth.emplace().format = DepthFormat::kQuarterMillimetresUint16;
+    outputs.depth->pixels = std::as_writable_bytes(std::span(pictures.depth.pixels));
+  }
+  if (wanted(scan::Layer::kClass)) {
+    pictures.classes = image::Image16(width, rows, 1);
+    outputs.classes.emplace().pixels = std::as_writable_bytes(std::span(pictures.classes.pixels));
+  }
+  if (wanted(scan::Layer::kInstance)) {
+    pictures.instances = image::Image32(width, rows, 1);
+    outputs.instances.emplace().pixels = pictures.instances.pixels;
+  }
+  return outputs;
 }
 
 }  // namespace enfilade::render

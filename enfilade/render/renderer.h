@@ -13,7 +13,9 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/geometry/camera.h"
+#include "enfilade/image/image.h"
 #include "enfilade/render/face_cache.h"
+#include "enfilade/scan/panorama_source.h"
 
 namespace enfilade::render {
 
@@ -148,8 +150,9 @@ enum class Backend : std::uint8_t {
   kGl,         ///< OpenGL through EGL, without a display
   kCuda,       ///< a card of NVIDIA; the pictures are those of the CPU to the bit
 };
-std::string_view to_string(Backend backend);                  ///< "cpu", "cpu-scalar", "gl", "cuda"
-std::optional<Backend> parse_backend(std::string_view name);  ///< by such a name
+constexpr std::array<std::string_view, 4> names_of(Backend /*enum*/) {
+  return {"cpu", "cpu-scalar", "gl", "cuda"};
+}
 /// The back ends of this build. kCuda is always among them; without a card it throws.
 std::vector<Backend> backends();
 
@@ -160,7 +163,7 @@ struct RendererConfig {
   Legacy legacy = {};
   std::string gl_device =
       {};  ///< index or UUID of an EGL device ("0"); empty: the first that works
-  /// Backend::kCpu: one of cpu_targets() (gl_devices.h); empty: the fastest here. The pictures are
+  /// Backend::kCpu: one of cpu_targets() (devices.h); empty: the fastest here. The pictures are
   /// the same to the bit.
   std::string cpu_target = {};
   std::string cuda_device = {};  ///< number of a card, counted from 0; empty: "0"
@@ -195,5 +198,31 @@ std::array<View, kDiscreteViews> discrete_views(ScanIndex scan, ViewpointIndex v
 void render_equirectangular(const std::shared_ptr<FaceCache>& faces, const View& view,
                             std::uint32_t width, std::uint32_t height, const Outputs& outputs,
                             int threads = 0);
+
+/// A run of pixels of one view: `first` is the place of its first pixel in the view, row-major.
+struct PixelRun {
+  std::size_t view = 0;         ///< its place in the batch
+  std::size_t first = 0;        ///< pixels
+  std::size_t view_pixels = 0;  ///< width times height
+};
+
+/// Writes colours in the output's format, with the CPU back end's kernels. Allocates nothing.
+/// \param rgba R in the lowest byte  \pre validate(outputs); the run lies in its view
+void pack_colours(const ColourOutput& output, const PixelRun& run,
+                  std::span<const std::uint32_t> rgba);
+
+/// n views, one above the other: shape (n height, width). Layers that are not drawn are empty.
+struct Pictures {
+  image::Image8 colour;      ///< RGB
+  image::Image16 depth;      ///< quarter millimetres along the optical axis; 0: no reading
+  image::Image16 classes;    ///< 0: none
+  image::Image32 instances;  ///< 0: none
+};
+
+/// Makes room in `pictures` for `views` views of the layers in `layers`. Other layers do not
+/// change.
+/// \returns outputs for Renderer::render(), valid as long as `pictures` is not changed
+Outputs outputs_into(Pictures& pictures, scan::LayerMask layers, std::uint32_t width,
+                     std::uint32_t height, std::size_t views = 1);
 
 }  // namespace enfilade::render

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "tests/support/made_panoramas.h"
 
@@ -299,7 +300,7 @@ TEST_P(EachBackend, ABatchIsItsViewsAndSmallCachesOnlyCostTime) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EachBackend, ::testing::ValuesIn(backends()), [](const auto& row) {
-  std::string name(to_string(row.param));
+  std::string name(enum_name(row.param));
   std::erase(name, '-');
   return name;
 });
@@ -368,8 +369,9 @@ TEST(Renderer, DiscreteViewsAreInTheOrderOfMatterSimsViewIndex) {
 }
 
 TEST(Renderer, BackendsHaveNames) {
-  for (const Backend backend : backends()) EXPECT_EQ(parse_backend(to_string(backend)), backend);
-  EXPECT_FALSE(parse_backend("vulkan").has_value());
+  for (const Backend backend : backends())
+    EXPECT_EQ(find_enum<Backend>(enum_name(backend)), backend);
+  EXPECT_FALSE(find_enum<Backend>("vulkan").has_value());
   EXPECT_THAT([] { make_renderer(nullptr); }, ThrowsMessage<ArgumentError>(HasSubstr("null")));
 }
 

@@ -10,8 +10,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/models/decisions.h"
-#include "enfilade/report/parts/moments.h"
-#include "enfilade/report/parts/page_texts.h"
+#include "enfilade/report/parts/gallery.h"
+#include "enfilade/report/parts/page.h"
 #include "enfilade/report/report.h"
 #include "tests/support/made_run.h"
 #include "tests/support/page.h"

@@ -8,12 +8,12 @@
 #include <string_view>
 
 #include "enfilade/core/base64.h"
-#include "enfilade/report/parts/picture_parts.h"
+#include "enfilade/report/parts/parts.h"
+#include "enfilade/tasks/objects.h"
 #include "tests/support/made_run.h"
 
 namespace enfilade::report {
 namespace EN_UNIT {
-
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -37,7 +37,7 @@ class Goals : public ::testing::Test {
     run_.split = "val_unseen";
     tasks::Trajectory walk;
     walk.points = {{ViewpointIndex(0), {}, {}}, {ViewpointIndex(1), {}, {}}};
-    run_.trajectories = {walk};
+    run_.trajectories = std::vector{walk};
   }
   testing::MadeRun made_;
   std::optional<dataset::Dataset> data_;

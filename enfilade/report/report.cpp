@@ -1,6 +1,7 @@
 #include "enfilade/report/report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -9,15 +10,11 @@
 #include "enfilade/core/file.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/models/training_log.h"
-#include "enfilade/report/parts/dataset_parts.h"
 #include "enfilade/report/parts/gallery.h"
 #include "enfilade/report/parts/page.h"
-#include "enfilade/report/parts/picture_parts.h"
-#include "enfilade/report/parts/result_parts.h"
-#include "enfilade/report/parts/walk_parts.h"
+#include "enfilade/report/parts/parts.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/report/run_directory.h"
-#include "enfilade/report/scored_runs.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 
@@ -51,68 +48,20 @@ Json config_json(const ModelDirectory& model) {
   }
 }
 
-// What the head of the page says of the data; empty texts are left out.
-struct DataFacts {
-  std::string benchmark;
-  std::size_t buildings = 0;
-  std::string instructions;
-};
-
-Json about_json(const ReportConfig& config, const dataset::Dataset& data,
-                const std::vector<ModelDirectory>& models, const DataFacts& of_data) {
-  Json facts = Json::array();
-  const auto add = [&facts](const std::string& name, const std::string& value) {
-    if (!value.empty()) facts.push_back({name, value});
-  };
-  add("benchmark", of_data.benchmark);
-  add("data", fmt::format("{}, {} buildings{}",
-                          std::filesystem::weakly_canonical(data.folder()).filename().string(),
-                          of_data.buildings, data.synthetic() ? " (synthetic model homes)" : ""));
-  add("instructions", of_data.instructions);
-  Json configs = Json::array();
-  for (const ModelDirectory& model : models) {
-    add("model " + model.agent, model_fact(model));
-    configs.push_back({{"name", model.agent}, {"config", config_json(model)}});
-  }
-  for (const auto& [name, value] : config.facts) facts.push_back({name, value});
-  return {{"title", config.title},
-          {"synthetic", data.synthetic()},
-          {"facts", std::move(facts)},
-          {"models", std::move(configs)}};
-}
-
-Json continuous_page(const ReportConfig& config, const dataset::Dataset& data,
-                     const Progress& progress) {
-  const RunDirectory found = find_runs(config.runs, data, *config.benchmark);
-  const ScoredRuns runs = score_runs(found, data, progress);
-  std::string instructions;
-  for (const auto& [split, episodes] : runs.continuous_splits) {
-    instructions +=
-        fmt::format("{}{} {}", instructions.empty() ? "" : ", ", split, episodes.episodes.size());
-  }
-  return {{"table", Json::parse(to_json(make_table(runs, data.synthetic())))},
-          {"curves", parts::curves_part(found)},
-          {"errors", parts::errors_part(runs)},
-          {"walks", parts::walks_part(runs, config.episodes_of_a_kind, data.synthetic())},
-          {"about", about_json(config, data, found.models,
-                               {std::string(config.benchmark->title), runs.buildings->size(),
-                                std::move(instructions)})}};
-}
-
 // Builds the page's data, one part after the other.
 class Reporter {
  public:
   Reporter(const ReportConfig& config, const dataset::Dataset& data, const Progress& progress)
       : config_(config),
         data_(data),
-        progress_(progress),
+        floor_(config.benchmark->continuous()),
+        progress_(floor_ ? Progress() : progress),
         found_(find_runs(config.runs, data, *config.benchmark)),
-        runs_(score_runs(found_, data)),
+        runs_(score_runs(found_, data, floor_ ? progress : Progress())),
         synthetic_(data.synthetic()) {
-    const tasks::Task task = config.benchmark->task;
-    const bool r2r = task == tasks::Task::kR2r;
-    for (const std::string& split : r2r ? data.splits() : data.splits(task)) {
-      splits_.push_back(r2r ? data.annotations(split) : data.annotations(task, split));
+    if (floor_) return;
+    for (const std::string& split : data.splits(*config.benchmark)) {
+      splits_.push_back(data.annotations(config.benchmark->task, split));
     }
   }
 
@@ -120,6 +69,19 @@ class Reporter {
     step("table", [this] { return Json::parse(to_json(make_table(runs_, synthetic_))); });
     step("curves", [this] { return parts::curves_part(found_); });
     step("errors", [this] { return parts::errors_part(runs_); });
+    if (floor_) {
+      page_["walks"] = parts::walks_part(runs_, config_.episodes_of_a_kind, synthetic_);
+    } else {
+      add_graph_parts();
+    }
+    page_["about"] = about();
+    return std::move(page_);
+  }
+
+ private:
+  static constexpr std::size_t kSteps = 10;
+
+  void add_graph_parts() {
     step("byLength", [this] { return parts::by_length_part(runs_); });
     step("gallery", [this] { return gallery(); });
     step("plans", [this] { return plans(); });
@@ -127,12 +89,7 @@ class Reporter {
     step("panoramas", [this] { return parts::panoramas_part(data_, config_.panoramas); });
     step("lengths", [this] { return parts::lengths_part(splits_, runs_.graphs); });
     step("words", [this] { return parts::words_part(splits_); });
-    page_["about"] = about();
-    return std::move(page_);
   }
-
- private:
-  static constexpr std::size_t kSteps = 10;
 
   void step(const char* name, const std::function<Json()>& make) {
     page_[name] = make();
@@ -142,7 +99,7 @@ class Reporter {
   Json gallery() {
     chosen_run_ = parts::choose_run(runs_, found_);
     if (!chosen_run_) return parts::missing("There are no results that can be scored.");
-    const tasks::EpisodeSet& episodes = runs_.splits.at(chosen_run_->run->split);
+    const tasks::EpisodeSet& episodes = *runs_.split_of(*chosen_run_->run).on_graph();
     chosen_ = choose_episodes(*chosen_run_, episodes, config_.episodes_of_a_kind);
     return gallery_part(*chosen_run_, episodes, chosen_, data_);
   }
@@ -154,25 +111,50 @@ class Reporter {
     for (const parts::ChosenEpisode& one : chosen_) {
       if (first.empty() || first.back().kind != one.kind) first.push_back(one);
     }
-    return plans_part(*chosen_run_->run, runs_.splits.at(chosen_run_->run->split), first);
+    return plans_part(*chosen_run_->run, *runs_.split_of(*chosen_run_->run).on_graph(), first);
   }
 
-  Json about() const {
-    std::string instructions;
+  // "train 14039, val_seen 1021": of all splits; in continuous space of those that runs have.
+  std::string instructions() const {
+    std::vector<std::string> counts;
     for (const tasks::Annotations& split : splits_) {
       std::size_t count = 0;
       for (const tasks::PathAnnotation& path : split.paths) count += path.instructions.size();
-      instructions += fmt::format("{}{} {}", instructions.empty() ? "" : ", ", split.split, count);
+      counts.push_back(fmt::format("{} {}", split.split, count));
     }
-    return about_json(
-        config_, data_, found_.models,
-        {config_.benchmark->in_paper ? std::string() : std::string(config_.benchmark->title),
-         runs_.graphs->size(), std::move(instructions)});
+    for (const auto& [name, split] : runs_.splits) {
+      if (floor_) counts.push_back(fmt::format("{} {}", name, split.size()));
+    }
+    return fmt::format("{}", fmt::join(counts, ", "));
+  }
+
+  // The head of the page; empty texts are left out.
+  Json about() const {
+    Json facts = Json::array(), configs = Json::array();
+    const auto add = [&facts](const std::string& name, std::string_view value) {
+      if (!value.empty()) facts.push_back({name, value});
+    };
+    if (!config_.benchmark->in_paper) add("benchmark", config_.benchmark->title);
+    add("data", fmt::format("{}, {} buildings{}",
+                            std::filesystem::weakly_canonical(data_.folder()).filename().string(),
+                            floor_ ? runs_.buildings->size() : runs_.graphs->size(),
+                            synthetic_ ? " (synthetic model homes)" : ""));
+    add("instructions", instructions());
+    for (const ModelDirectory& model : found_.models) {
+      add("model " + model.agent, model_fact(model));
+      configs.push_back({{"name", model.agent}, {"config", config_json(model)}});
+    }
+    for (const auto& [name, value] : config_.facts) facts.push_back({name, value});
+    return {{"title", config_.title},
+            {"synthetic", synthetic_},
+            {"facts", std::move(facts)},
+            {"models", std::move(configs)}};
   }
 
   const ReportConfig& config_;
   const dataset::Dataset& data_;
-  const Progress& progress_;
+  bool floor_;  // in continuous space: the page has fewer parts, and the scoring tells its progress
+  Progress progress_;
   RunDirectory found_;
   ScoredRuns runs_;
   std::vector<tasks::Annotations> splits_;
@@ -188,9 +170,7 @@ class Reporter {
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress) {
   const std::string title = data.synthetic() ? config.title + " (synthetic homes)" : config.title;
-  return parts::make_page(title, config.benchmark->continuous()
-                                     ? continuous_page(config, data, progress)
-                                     : Reporter(config, data, progress).run());
+  return parts::make_page(title, Reporter(config, data, progress).run());
 }
 
 }  // namespace enfilade::report

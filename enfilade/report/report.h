@@ -31,7 +31,7 @@ struct ReportConfig {
 /// is missing (no pictures, no model) says so in its place. The same input gives the same page,
 /// except the random word that names its own scripts to the browser.
 /// \throws as find_runs(), score_runs(), models::load_training_log() and
-/// models::load_attention(); Error if this build has no D3; errors of broken panoramas
+/// models::load_recorded_split(); Error if this build has no D3; errors of broken panoramas
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,
                         const Progress& progress = {});
 

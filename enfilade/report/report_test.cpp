@@ -11,9 +11,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/report/parts/page.h"
-#include "enfilade/report/parts/page_texts.h"
-#include "enfilade/report/parts/picture_parts.h"
-#include "enfilade/report/parts/result_parts.h"
+#include "enfilade/report/parts/parts.h"
 #include "tests/support/made_run.h"
 #include "tests/support/page.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "enfilade/core/check.h"
@@ -35,8 +34,7 @@ std::size_t split_rank(const std::string& split) {
   return static_cast<std::size_t>(std::ranges::find(kOrder, split) - kOrder.begin());
 }
 
-// Quantile 0.975 of Student's distribution with this many degrees of freedom (from a printed
-// table).
+// Quantile 0.975 of Student's distribution, from a printed table.
 double student_quantile(std::size_t freedom) {
   constexpr std::array<double, 30> kTable{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306,
                                           2.262,  2.228, 2.201, 2.179, 2.160, 2.145, 2.131, 2.120,
@@ -46,39 +44,21 @@ double student_quantile(std::size_t freedom) {
   return 1.960 + 2.45 / static_cast<double>(freedom);  // within 0.001 of the table's next entries
 }
 
-// The means of one run on all episodes, or on those in a language.
-struct Means {
-  std::size_t episodes = 0;
-  std::vector<tasks::MeanInterval> values;  // by column; shares in [0, 1]
-};
-struct RunMeans {
-  std::string agent, split;
-  Means all;
-  std::map<std::string, Means> languages;
-};
-
 // Of one run; shares in [0, 1], whatever the scorer prints.
-tasks::MeanInterval value_of(const tasks::ScoreTable& score, std::string_view name) {
+tasks::MeanInterval value_of(const RunScores& scores, const TableColumn& column) {
+  const tasks::ScoreTable& score = column.scored.empty() ? scores.ours : *scores.by_task;
+  const std::string_view name = column.scored.empty() ? column.metric : column.scored;
   const tasks::MeanInterval mean = score.mean(name);
   const double scale = score.scorer->metrics[score.scorer->place_of(name)].scale;
   return {mean.mean / scale, mean.low / scale, mean.high / scale};
 }
 
-Means means_of(const Scores& scores, std::span<const TableColumn> columns) {
-  Means means{scores.ours.episodes, {}};
-  for (const TableColumn& column : columns) {
-    means.values.push_back(column.scored.empty() ? value_of(scores.ours, column.metric)
-                                                 : value_of(*scores.by_task, column.scored));
-  }
-  return means;
-}
-
 // Several runs: the mean of their means, with Student's interval.
-tasks::MeanInterval value_over(const std::vector<const Means*>& runs, std::size_t k,
+tasks::MeanInterval value_over(const std::vector<const RunScores*>& runs,
                                const TableColumn& column) {
-  if (runs.size() == 1) return runs.front()->values[k];
+  if (runs.size() == 1) return value_of(*runs.front(), column);
   std::vector<double> means;
-  for (const Means* run : runs) means.push_back(run->values[k].mean);
+  for (const RunScores* run : runs) means.push_back(value_of(*run, column).mean);
   tasks::MeanInterval interval = student_interval(means);
   interval.low = std::max(interval.low, column.least);
   if (column.scale != 1) interval.high = std::min(interval.high, 1.0);
@@ -86,29 +66,26 @@ tasks::MeanInterval value_over(const std::vector<const Means*>& runs, std::size_
 }
 
 // A row of a language, or of all where it is empty.
-TableRow make_row(const std::vector<const RunMeans*>& runs, std::span<const TableColumn> columns,
+TableRow make_row(const std::vector<const ScoredRun*>& runs, std::span<const TableColumn> columns,
                   const std::string& language) {
   TableRow row;
   row.agent = without_seed(runs.front()->agent);
   row.split = runs.front()->split;
   row.language = language;
-  std::vector<const Means*> means;
-  for (const RunMeans* run : runs) {
+  std::vector<const RunScores*> scores;
+  for (const ScoredRun* run : runs) {
     row.runs.push_back(run->agent);
-    means.push_back(language.empty() ? &run->all : &run->languages.at(language));
+    scores.push_back(language.empty() ? &run->scores : &run->languages.at(language));
   }
-  row.episodes = means.front()->episodes;
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    row.values.push_back(value_over(means, k, columns[k]));
-  }
+  row.episodes = scores.front()->ours.episodes;
+  for (const TableColumn& column : columns) row.values.push_back(value_over(scores, column));
   return row;
 }
 
-// Runs of one agent and split, by split; they are sorted by agent, and a split's rows keep that
-// order.
-std::vector<std::vector<const RunMeans*>> groups_of(const std::vector<RunMeans>& runs) {
-  std::vector<std::vector<const RunMeans*>> groups;
-  for (const RunMeans& run : runs) {
+// Runs of one agent and split, by split; a split's rows keep the order of agents.
+std::vector<std::vector<const ScoredRun*>> groups_of(const std::vector<ScoredRun>& runs) {
+  std::vector<std::vector<const ScoredRun*>> groups;
+  for (const ScoredRun& run : runs) {
     const auto same = std::ranges::find_if(groups, [&run](const auto& group) {
       return group.front()->split == run.split &&
              without_seed(group.front()->agent) == without_seed(run.agent);
@@ -124,19 +101,6 @@ std::vector<std::vector<const RunMeans*>> groups_of(const std::vector<RunMeans>&
     return std::pair(split_rank(x), x) < std::pair(split_rank(y), y);
   });
   return groups;
-}
-
-void add_rows(const std::vector<RunMeans>& runs, ResultsTable& table) {
-  const bool papers = table.benchmark->in_paper && !table.synthetic;
-  for (const auto& group : groups_of(runs)) {
-    TableRow& row = table.rows.emplace_back(make_row(group, table.columns, {}));
-    if (papers && row.episodes == published_episodes(row.split)) {
-      row.published = published_row(row.agent, row.split);
-    }
-    for (const auto& [language, means] : group.front()->languages) {
-      table.rows.push_back(make_row(group, table.columns, language));
-    }
-  }
 }
 
 }  // namespace
@@ -159,15 +123,16 @@ ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
   table.columns = table_columns(*runs.benchmark);
   table.synthetic = synthetic;
   table.left_out = runs.left_out;
-  std::vector<RunMeans> means;
-  for (const ScoredRun& run : runs.runs) {
-    RunMeans& one =
-        means.emplace_back(RunMeans{run.agent, run.split, means_of(run.scores, table.columns), {}});
-    for (const auto& [language, scores] : run.languages) {
-      one.languages.emplace(language, means_of(scores, table.columns));
+  const bool papers = table.benchmark->in_paper && !table.synthetic;
+  for (const auto& group : groups_of(runs.runs)) {
+    TableRow& row = table.rows.emplace_back(make_row(group, table.columns, {}));
+    if (papers && row.episodes == published_episodes(row.split)) {
+      row.published = published_row(row.agent, row.split);
+    }
+    for (const auto& [language, scores] : group.front()->languages) {
+      table.rows.push_back(make_row(group, table.columns, language));
     }
   }
-  add_rows(means, table);
   return table;
 }
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/report/scored_runs.h"
+#include "enfilade/report/run_directory.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/bootstrap.h"
 #include "enfilade/tasks/goal.h"
@@ -21,7 +21,7 @@ struct TableColumn {
   double scale = 1;         ///< 100 for what is shown in per cent
   int digits = 2;           ///< after the point
   std::string_view scored =
-      {};            ///< what Benchmark::table_scorer calls its mean; empty: Scores::ours has it
+      {};            ///< what Benchmark::table_scorer calls its mean; empty: RunScores::ours has it
   double least = 0;  ///< the smallest value that is possible
 };
 /// The columns of a benchmark's published tables, in their order. All of them have "success".

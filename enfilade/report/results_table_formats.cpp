@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "enfilade/core/check.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
@@ -13,6 +16,125 @@ namespace enfilade::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using tasks::Task;
+
+constexpr double kAny = -std::numeric_limits<double>::infinity();
+
+constexpr auto kR2r = std::to_array<TableColumn>({
+    {"trajectory_length", "TL (m)"},
+    {"nav_error", "NE (m)"},
+    {"success", "SR (%)", 100, 1},
+    {"oracle_success", "OSR (%)", 100, 1},
+    {"spl", "SPL (%)", 100, 1},
+});
+// SPL against the length of the reference path, as HAMT has it.
+constexpr auto kR2rLast = std::to_array<TableColumn>({
+    {"trajectory_length", "TL (m)", 1, 2, "lengths"},
+    {"nav_error", "NE (m)", 1, 2, "nav_error"},
+    {"success", "SR (%)", 100, 1, "sr"},
+    {"oracle_success", "OSR (%)", 100, 1, "oracle_sr"},
+    {"spl", "SPL (%)", 100, 1, "spl"},
+});
+constexpr auto kR2rBack = std::to_array<TableColumn>({
+    {"success", "SR (%)", 100, 1, "sr"},
+    {"spl", "SPL (%)", 100, 1, "spl"},
+    {"nav_error", "NE (m)", 1, 2, "nav_error"},
+    {"trajectory_length", "TL (m)", 1, 2, "lengths"},
+});
+// The star: turns on the spot are taken once (docs/design/dtw-of-turns.md).
+constexpr auto kR4r = std::to_array<TableColumn>({
+    {"ndtw_collapsed", "nDTW* (%)", 100, 1},
+    {"sdtw_collapsed", "SDTW* (%)", 100, 1},
+    {"cls", "CLS (%)", 100, 1, "CLS"},
+    {"ndtw", "nDTW (%)", 100, 1, "nDTW"},
+    {"success", "SR (%)", 100, 1, "sr"},
+    {"nav_error", "NE (m)", 1, 2, "nav_error"},
+});
+constexpr auto kRxr = std::to_array<TableColumn>({
+    {"success", "SR (%)", 100, 1, "sr"},
+    {"nav_error", "NE (m)", 1, 2, "nav_error"},
+    {"ndtw_collapsed", "nDTW* (%)", 100, 1},
+    {"sdtw_collapsed", "SDTW* (%)", 100, 1},
+    {"ndtw", "nDTW (%)", 100, 1, "nDTW"},
+    {"sdtw", "SDTW (%)", 100, 1, "SDTW"},
+});
+constexpr auto kReverie = std::to_array<TableColumn>({
+    {"success", "SR (%)", 100, 1, "success_rate"},
+    {"oracle_success", "OSR (%)", 100, 1, "oracle success_rate"},
+    {"spl", "SPL (%)", 100, 1, "spl"},
+    {"rgs", "RGS (%)", 100, 1, "rgs"},
+    {"rgspl", "RGSPL (%)", 100, 1, "rgspl"},
+});
+constexpr auto kCvdn = std::to_array<TableColumn>({
+    {"goal_progress", "GP (m)", 1, 2, "gp", kAny},
+    {"success", "SR (%)", 100, 1, "sr"},
+    {"oracle_success", "OSR (%)", 100, 1, "oracle_sr"},
+    {"spl", "SPL (%)", 100, 1, "spl"},
+    {"trajectory_length", "TL (m)", 1, 2, "lengths"},
+});
+constexpr auto kSoon = std::to_array<TableColumn>({
+    {"success", "SR (%)", 100, 1, "sr"},
+    {"spl", "SPL (%)", 100, 1, "spl"},
+    {"oracle_success", "OSR (%)", 100, 1, "oracle_sr"},
+    {"detection_spl", "FSPL (%)", 100, 1, "det_spl"},
+    {"detection", "found (%)", 100, 1, "det_sr"},
+});
+
+constexpr auto kContinuous = std::to_array<TableColumn>({
+    {"path_length", "TL (m)"},
+    {"distance_to_goal", "NE (m)"},
+    {"success", "SR (%)", 100, 1},
+    {"oracle_success", "OSR (%)", 100, 1},
+    {"spl", "SPL (%)", 100, 1},
+    {"ndtw", "nDTW (%)", 100, 1},
+    {"sdtw", "SDTW (%)", 100, 1},
+});
+
+// What a benchmark's table has. Scorer and source: those of Benchmark::table_scorer where empty.
+struct Table {
+  std::span<const TableColumn> columns;
+  std::string_view scorer = {}, source = {};
+};
+constexpr Table kOnFloor{kContinuous, "vln-ce",
+                         "the measures of jacobkrantz/VLN-CE; nDTW and SDTW exact"};
+// In the order of tasks::benchmarks().
+constexpr auto kTables = std::to_array<Table>({{kR2r},
+                                               {kR2rLast},
+                                               {kR2rBack},
+                                               {kR4r},
+                                               {kRxr},
+                                               {kReverie},
+                                               {kCvdn},
+                                               {kSoon},
+                                               kOnFloor,
+                                               kOnFloor});
+
+const Table& table_of(const tasks::Benchmark& benchmark) noexcept {
+  const auto row = static_cast<std::size_t>(&benchmark - tasks::benchmarks().data());
+  EN_CHECK(row < kTables.size());
+  return kTables[row];
+}
+
+constexpr const char* kNaviLlm = "README of zd11024/NaviLLM";
+constexpr const char* kNavGpt2 = "README of GengzeZhou/NavGPT-2";
+
+// Read in these texts on 2026-11-22.
+constexpr auto kResults = std::to_array<PublishedResult>({
+    {Task::kR2r, "Speaker-Follower, greedy", "its README", 0.355, {}, {}},
+    {Task::kR2r,
+     "EnvDrop with back-translation, PyTorch 1.7.1",
+     "README of airsplay/R2R-EnvDrop",
+     0.535,
+     0.488,
+     {}},
+    {Task::kR2r, "NaviLLM", kNaviLlm, 0.67, 0.59, {}},
+    {Task::kR2r, "NavGPT-2 XL", kNavGpt2, 0.6989, 0.5886, {}},
+    {Task::kR2r, "NavGPT-2 XXL", kNavGpt2, 0.7382, 0.6106, {}},
+    {Task::kReverie, "NaviLLM", kNaviLlm, 0.4215, 0.3568, {}},
+    {Task::kReverie, "NaviLLM without pretraining", kNaviLlm, 0.4456, 0.3663, {}},
+    {Task::kCvdn, "NaviLLM", kNaviLlm, {}, {}, 6.16},
+    {Task::kSoon, "NaviLLM", kNaviLlm, 0.3833, 0.2924, {}},
+});
 
 constexpr const char* kSynthetic =
     "SYNTHETIC: model homes made by Enfilade. Not to be compared with any published figure.";
@@ -84,12 +206,12 @@ std::vector<PublishedResult> published_beside(const ResultsTable& table) {
 
 // The scorer behind the columns, and its repository; empty for our own.
 std::string_view scorer_of(const ResultsTable& table) {
-  return table.benchmark->continuous() ? "vln-ce" : table.benchmark->table_scorer;
+  const std::string_view own = table_of(*table.benchmark).scorer;
+  return own.empty() ? table.benchmark->table_scorer : own;
 }
 std::string_view source_of(const ResultsTable& table) {
-  const tasks::Benchmark& benchmark = *table.benchmark;
-  if (benchmark.continuous()) return "the measures of jacobkrantz/VLN-CE; nDTW and SDTW exact";
-  return benchmark.scorer(benchmark.table_scorer).source;
+  const std::string_view own = table_of(*table.benchmark).source;
+  return own.empty() ? table.benchmark->scorer(table.benchmark->table_scorer).source : own;
 }
 
 bool has_stars(const ResultsTable& table) {
@@ -291,5 +413,11 @@ std::string to_markdown(const ResultsTable& table) {
   for (const std::string& note : notes_of(table)) text += "\n" + note + "\n";
   return text;
 }
+
+std::span<const TableColumn> table_columns(const tasks::Benchmark& benchmark) noexcept {
+  return table_of(benchmark).columns;
+}
+
+std::span<const PublishedResult> published_results() noexcept { return kResults; }
 
 }  // namespace enfilade::report

@@ -4,17 +4,20 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <functional>
 #include <optional>
 #include <set>
 #include <system_error>
 #include <tuple>
 #include <utility>
+#include <variant>
 
+#include "enfilade/agents/continuous_setup.h"
+#include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/core/written_lists.h"
 #include "enfilade/models/model_directory.h"
+#include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/files.h"
 
@@ -48,32 +51,36 @@ std::vector<fs::path> entries(const fs::path& folder) {
   return paths;
 }
 
+// "val_seen.json.gz" -> "val_seen". No value for files with other endings.
+std::optional<std::string> json_stem(const fs::path& file) {
+  const std::string name = file.filename().string();
+  for (const std::string_view ending : {".json", ".json.gz"}) {
+    if (name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
+  }
+  return std::nullopt;
+}
+
 // The files of a folder that may be results.
 std::vector<fs::path> json_files(const fs::path& folder) {
   std::error_code code;
   if (!fs::is_directory(folder, code)) return {};
   std::vector<fs::path> files;
   for (const fs::path& path : entries(folder)) {
-    if (path.extension() == ".json" && fs::is_regular_file(path, code)) files.push_back(path);
+    if (json_stem(path) && fs::is_regular_file(path, code)) files.push_back(path);
   }
   return files;
 }
 
-// The first character of a text that is not blank; none of an empty one.
-char first_sign(const fs::path& file) {
-  std::ifstream text(file);
-  char first = '\0';
-  text >> first;
-  return first;
-}
-
 // Enough for the first pose of a walk.
 std::string beginning_of(const fs::path& file) {
-  std::string text(std::size_t{64} << 10U, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(text.data(), std::ssize(text));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  return text;
+  return text_beginning(file, std::size_t{64} << 10U);
+}
+
+// The first character of a text that is not blank; none of an empty one.
+char first_sign(const fs::path& file) {
+  const std::string text = text_beginning(file, 1024);
+  const std::string_view first = trimmed(text);
+  return first.empty() ? '\0' : first.front();
 }
 
 // The files that are named, and those in named folders and their results/.
@@ -95,10 +102,10 @@ std::vector<fs::path> candidates(std::span<const fs::path> named) {
 
 class Finder {
  public:
-  /// \param has_split  whether the data have annotations of a split
-  /// \param results  what a results file begins with: [ of the graph, { of continuous space
-  Finder(fs::path data, std::function<bool(const std::string&)> has_split, char results)
-      : data_(std::move(data)), has_split_(std::move(has_split)), results_(results) {}
+  Finder(const dataset::Dataset& data, const tasks::Benchmark& benchmark)
+      : data_(data), begin_(benchmark.continuous() ? '{' : '[') {
+    found_.benchmark = &benchmark;
+  }
 
   void add(const fs::path& named) {
     std::error_code code;
@@ -123,11 +130,13 @@ class Finder {
   }
 
  private:
-  bool has_split(const std::string& split) const { return has_split_(split); }
+  bool has_split(const std::string& split) const {
+    return data_.has_split(*found_.benchmark, split);
+  }
   // A file that is of neither is loaded, which says what is wrong with it.
   bool is_other(const fs::path& file) const {
     const char first = first_sign(file);
-    return first != results_ && (first == '[' || first == '{');
+    return first != begin_ && (first == '[' || first == '{');
   }
 
   void add_folder(const fs::path& folder) {
@@ -153,15 +162,15 @@ class Finder {
     std::error_code code;
     if (!fs::is_directory(folder / "results", code)) return;
     for (const fs::path& path : entries(folder / "results")) {
-      const std::string split = path.stem().string();
-      if (path.extension() != ".json" || !has_split(split) || is_other(path)) continue;
-      add_results(path, agent, split);
+      const auto split = json_stem(path);
+      if (!split || !has_split(*split) || is_other(path)) continue;
+      add_results(path, agent, *split);
     }
   }
 
   void add_results_of(const fs::path& folder) {
     for (const fs::path& path : entries(folder)) {
-      if (path.extension() != ".json" || is_other(path)) continue;
+      if (!json_stem(path) || is_other(path)) continue;
       if (const auto name = parse(path)) add_results(path, name->first, name->second);
     }
   }
@@ -170,8 +179,9 @@ class Finder {
     // "models/student/results/val_seen.json": its agent is the folder's name.
     const fs::path whole = fs::weakly_canonical(file);
     const fs::path owner = whole.parent_path().parent_path();
-    if (is_model(owner) && has_split(whole.stem().string())) {
-      add_results(file, owner.filename().string(), whole.stem().string());
+    const std::string split = json_stem(whole).value_or(whole.stem().string());
+    if (is_model(owner) && has_split(split)) {
+      add_results(file, owner.filename().string(), split);
       return;
     }
     const auto name = parse(file);
@@ -179,7 +189,7 @@ class Finder {
       throw LookupError(
           fmt::format("{}: its name says no split of {}; AGENT_SPLIT.json is expected, such as "
                       "random_val_unseen.json",
-                      file.string(), data_.string()));
+                      file.string(), data_.folder().string()));
     }
     add_results(file, name->first, name->second);
   }
@@ -187,7 +197,7 @@ class Finder {
   // "random_val_unseen.json" -> random, val_unseen. The longest split that fits, so that an agent
   // may have "_" in its name, and a split too.
   std::optional<std::pair<std::string, std::string>> parse(const fs::path& file) {
-    const std::string stem = file.stem().string();
+    const std::string stem = json_stem(file).value_or(file.stem().string());
     for (std::size_t at = stem.find('_', 1); at != std::string::npos; at = stem.find('_', at + 1)) {
       const std::string split = stem.substr(at + 1);
       if (has_split(split)) return std::pair(stem.substr(0, at), split);
@@ -206,9 +216,8 @@ class Finder {
     found_.results.push_back({file, agent, split});
   }
 
-  fs::path data_;
-  std::function<bool(const std::string&)> has_split_;
-  char results_;
+  const dataset::Dataset& data_;
+  char begin_;  // of results files
   RunDirectory found_;
   std::set<fs::path> models_;
 };
@@ -250,7 +259,21 @@ const tasks::Benchmark* find_continuous(std::span<const fs::path> named) {
   return nullptr;
 }
 
-RunDirectory find(Finder finder, std::span<const fs::path> named) {
+}  // namespace
+
+const tasks::Benchmark* find_benchmark_of_runs(std::span<const fs::path> named) {
+  if (const tasks::Benchmark* found = find_continuous(named)) return found;
+  for (const fs::path& file : candidates(named)) {
+    if (const auto task = tasks::find_task_of_results(read_text_file(file))) {
+      return &tasks::benchmark(*task);
+    }
+  }
+  return nullptr;
+}
+
+RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data,
+                       const tasks::Benchmark& benchmark) {
+  Finder finder(data, benchmark);
   for (const fs::path& path : named) finder.add(path);
   RunDirectory found = finder.take();
   if (found.results.empty() && found.models.empty()) {
@@ -264,32 +287,68 @@ RunDirectory find(Finder finder, std::span<const fs::path> named) {
   return found;
 }
 
-}  // namespace
+namespace {
 
-const tasks::Benchmark* find_benchmark_of_runs(std::span<const fs::path> named) {
-  if (const tasks::Benchmark* found = find_continuous(named)) return found;
-  for (const fs::path& file : candidates(named)) {
-    if (const auto task = tasks::find_task_of_results(read_file(file))) {
-      return &tasks::benchmark(*task);
-    }
+using tasks::Trajectories;
+
+RunScores score(const Trajectories& trajectories, const tasks::Split& split,
+                const continuous::Buildings* buildings) {
+  const tasks::Benchmark& benchmark = split.benchmark();
+  const auto by = [&](const tasks::Scorer& scorer) {
+    return agents::compute_score(trajectories, split, buildings, scorer);
+  };
+  RunScores scores{by(split.on_graph() ? tasks::own_scorer() : benchmark.scorers.front())};
+  if (!benchmark.table_scorer.empty()) {
+    scores.by_task = by(benchmark.scorer(benchmark.table_scorer));
   }
-  return nullptr;
+  return scores;
 }
 
-RunDirectory find_runs(std::span<const fs::path> named, const dataset::Dataset& data,
-                       const tasks::Benchmark& benchmark) {
-  const auto has_split = [&](const std::string& split) {
-    if (benchmark.task == tasks::Task::kR2r && !benchmark.continuous())
-      return data.has_split(split);
-    if (!benchmark.continuous()) return data.has_split(benchmark.task, split);
-    return std::ranges::any_of(tasks::episode_places(benchmark, split), [&](const fs::path& place) {
-      return file_exists(data.folder() / place);
-    });
-  };
-  RunDirectory found =
-      find(Finder(data.folder(), has_split, benchmark.continuous() ? '{' : '['), named);
-  found.benchmark = &benchmark;
-  return found;
+// Empty in continuous space.
+std::map<std::string, RunScores> score_languages(const Trajectories& trajectories,
+                                                 const tasks::Split& split) {
+  std::map<std::string, RunScores> scores;
+  if (!split.on_graph() || !split.benchmark().languages) return scores;
+  std::map<std::string, std::vector<tasks::Trajectory>> by_language;
+  for (const auto& one : std::get<std::vector<tasks::Trajectory>>(trajectories)) {
+    const std::string& language = split.on_graph()->episodes[one.episode].details.language;
+    if (!language.empty()) by_language[language].push_back(one);
+  }
+  for (auto& [language, walks] : by_language) {
+    Trajectories part = std::move(walks);
+    const tasks::Split there = part_of(split, part);
+    scores.emplace(language, score(part, there, nullptr));
+  }
+  return scores;
+}
+
+}  // namespace
+
+ScoredRuns score_runs(const RunDirectory& found, const dataset::Dataset& data,
+                      const Progress& progress) {
+  const tasks::Benchmark& benchmark = *found.benchmark;
+  ScoredRuns scored;
+  scored.benchmark = &benchmark;
+  scored.buildings = agents::open_buildings(benchmark, data.folder());
+  if (!scored.buildings) scored.graphs = data.graphs();
+  std::size_t done = 0;
+  for (const ResultsFile& file : found.results) {
+    if (!scored.splits.contains(file.split)) {
+      scored.splits.emplace(file.split, data.split(benchmark, file.split));
+    }
+    const tasks::Split& split = scored.splits.at(file.split);
+    if (split.goals_hidden()) {
+      scored.left_out.push_back(
+          fmt::format("{} on {}: the goals of this split are hidden", file.agent, file.split));
+    } else {
+      ScoredRun& run = scored.runs.emplace_back(ScoredRun{file.agent, file.split});
+      run.trajectories = tasks::load_trajectories(file.file, split);
+      run.scores = score(run.trajectories, split, scored.buildings.get());
+      run.languages = score_languages(run.trajectories, split);
+    }
+    if (progress) progress(++done, found.results.size());
+  }
+  return scored;
 }
 
 }  // namespace enfilade::report

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/report/results_table.h"
 #include "tests/support/made_run.h"
 
@@ -53,6 +55,16 @@ TEST_F(RunDirectoryTest, FindsResultsAndModelsInThePapersOrder) {
               ElementsAre("shortest@val_seen", "random@val_seen", "teacher@val_seen",
                           "student-2@val_seen", "student-10@val_seen", "ablation@val_seen"));
   EXPECT_EQ(find({made_.run()}).models.size(), 4U);
+}
+
+TEST_F(RunDirectoryTest, FindsPackedResultsAndThoseWithAByteOrderMark) {
+  const fs::path plain = made_.run() / "results/random_val_seen.json";
+  made_.write_results(plain, 1);
+  const std::string text = read_file(plain);
+  write_file_atomically(made_.run() / "results/other_val_seen.json.gz", gzip(text, 6));
+  write_file_atomically(made_.run() / "results/marked_val_seen.json", "\xEF\xBB\xBF" + text);
+  EXPECT_THAT(names(find({made_.run()})),
+              ElementsAre("random@val_seen", "marked@val_seen", "other@val_seen"));
 }
 
 TEST_F(RunDirectoryTest, TakesFilesAndModelsByName) {

@@ -1,10 +1,11 @@
-#include "enfilade/report/scored_runs.h"
+#include "enfilade/report/run_directory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
 
@@ -21,7 +22,6 @@
 
 namespace enfilade::report {
 namespace EN_UNIT {
-
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -71,7 +71,7 @@ class ScoredWalks : public ::testing::Test {
          .seed = seed,
          .simulator = agents::continuous_setup(benchmark_).simulator});
     write_file_atomically(made_.run() / (as + "_" + split + ".json"),
-                          to_json(walks, episodes_, tasks::ContinuousResultsForm::kR2r));
+                          to_json(walks, episodes_, tasks::ContinuousForm::kR2r));
   }
   RunDirectory found() const {
     return find_runs(std::vector<fs::path>{made_.run()}, data_, benchmark_);

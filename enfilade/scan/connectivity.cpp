@@ -7,11 +7,13 @@
 #include <optional>
 #include <set>
 #include <sstream>
+#include <system_error>
 #include <unordered_map>
 #include <utility>
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::scan {
 namespace {
@@ -112,20 +114,32 @@ std::filesystem::path scan_list_file(const std::filesystem::path& directory) {
   return directory / "scans.txt";
 }
 
+// A list made by `ls` has the files' names.
+std::string_view without_suffix(std::string_view name) {
+  for (const std::string_view suffix : {".gz", "_connectivity.json"}) {
+    if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
+  }
+  return name;
+}
+
 // Scan ids with white space between them; none in a blank text.
-std::vector<std::string> parse_scan_list(const std::string& text, const std::string& file) {
-  std::istringstream words(text);
+std::vector<std::string> parse_scan_list(std::string_view text, const std::string& file) {
   std::vector<std::string> scans;
-  std::set<std::string> seen;
+  std::set<std::string, std::less<>> seen;
   Faults faults(file);
   const Path root;
-  for (std::string scan; words >> scan; scans.push_back(scan)) {
+  const auto add = [&](std::string_view scan) {
     if (!is_scan_id(scan)) {
       faults.error(root, "bad-scan-id",
                    fmt::format("{:?} is not a scan id (letters, digits, _ and -)", scan));
-    } else if (!seen.insert(scan).second) {
+    } else if (!seen.emplace(scan).second) {
       faults.error(root, "repeated-scan", fmt::format("{:?} stands in the list twice", scan));
     }
+    scans.emplace_back(scan);
+  };
+  for (const ListLine& line : list_lines(text)) {
+    std::istringstream words{std::string(line.text)};
+    for (std::string word; words >> word;) add(without_suffix(word));
   }
   faults.throw_if_errors();
   return scans;
@@ -141,9 +155,9 @@ struct ScanList {
 ScanList read_scan_list(const std::filesystem::path& file) {
   if (!file_exists(file)) return {};
   ScanList list;
-  list.text = read_file(file);
+  list.text = read_plain_text(file);
   list.scans = parse_scan_list(list.text, file.string());
-  if (list.scans.empty()) list.text.clear();
+  if (trimmed(list.text).empty()) list.text.clear();
   return list;
 }
 
@@ -167,9 +181,18 @@ std::filesystem::path connectivity_file(const std::filesystem::path& directory,
   return directory / fmt::format("{}_connectivity.json", scan);
 }
 
+std::optional<std::filesystem::path> find_connectivity(const std::filesystem::path& directory,
+                                                       std::string_view scan) {
+  std::filesystem::path file = connectivity_file(directory, scan);
+  if (file_exists(file)) return file;
+  file += ".gz";
+  return file_exists(file) ? std::optional(file) : std::nullopt;
+}
+
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan) {
   require_scan_id(scan);
-  return read(json::Document::load(connectivity_file(directory, scan)), std::string(scan));
+  const auto file = find_connectivity(directory, scan).value_or(connectivity_file(directory, scan));
+  return read(json::Document::load(file), std::string(scan));
 }
 
 Connectivity parse_connectivity(std::string_view json, std::string scan, const std::string& file) {
@@ -218,7 +241,7 @@ std::vector<std::string> load_scan_list(const std::filesystem::path& directory) 
     throw FileError(file.string() + ": no such file, but " + below.string() +
                     " is there: name that folder, " + below.parent_path().string());
   }
-  std::vector<std::string> scans = parse_scan_list(read_file(file), file.string());
+  std::vector<std::string> scans = parse_scan_list(read_plain_text(file), file.string());
   if (scans.empty()) {
     refuse(file.string(), Path().text(), "no-scans", "lists no scan; one id a line is expected");
   }

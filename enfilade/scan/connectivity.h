@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,7 +39,7 @@ bool is_scan_id(std::string_view scan);
 /// \throws LookupError naming `scan` if it is not a scan id
 void require_scan_id(std::string_view scan);
 
-/// Reads `<directory>/<scan>_connectivity.json`.
+/// Reads `<directory>/<scan>_connectivity.json`, or the same with `.gz` where that is not there.
 /// \throws FileError if it cannot be read
 /// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
 /// - not JSON; a missing, repeated or wrongly typed field
@@ -53,7 +54,8 @@ Connectivity parse_connectivity(std::string_view json, std::string scan, const s
 std::string to_json(const Connectivity& connectivity);
 
 /// Writes `<directory>/<scan>_connectivity.json` and adds the scan to the folder's `scans.txt`, if
-/// it is not there. Creates the folder. A blank list is replaced.
+/// it is not there. Creates the folder. A blank list is replaced; another one is kept as UTF-8
+/// without a byte-order mark.
 /// \throws FileError; InvalidInput if the list repeats an id or holds one that is no scan id: then
 /// nothing is written
 void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity);
@@ -63,6 +65,8 @@ void save_connectivity(const std::filesystem::path& directory, const Connectivit
 void check_scan_list(const std::filesystem::path& directory);
 
 /// The scans of a connectivity folder: the ids in its `scans.txt` (white space between), in order.
+/// They may end with `_connectivity.json`. Lines of any system, a byte-order mark and lines that
+/// begin with # are accepted.
 /// \throws FileError; InvalidInput if the list is blank, repeats an id, or holds one that is no
 /// scan id
 std::vector<std::string> load_scan_list(const std::filesystem::path& directory);
@@ -70,5 +74,8 @@ std::vector<std::string> load_scan_list(const std::filesystem::path& directory);
 /// `<directory>/<scan>_connectivity.json`.
 std::filesystem::path connectivity_file(const std::filesystem::path& directory,
                                         std::string_view scan);
+/// That file, or else the packed one (`.json.gz`); no value: neither is there.
+std::optional<std::filesystem::path> find_connectivity(const std::filesystem::path& directory,
+                                                       std::string_view scan);
 
 }  // namespace enfilade::scan

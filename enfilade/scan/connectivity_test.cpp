@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/scan/data_root.h"
 #include "tests/support/temporary_folder.h"
 
@@ -125,6 +126,9 @@ TEST(ScanList, RefusesWhatIsNoList) {
     }
   };
   EXPECT_EQ(message("a\nb\r\nc"), "3");
+  EXPECT_EQ(message("\xEF\xBB\xBFroom\r\n\r\nhall\r\n"), "2");
+  EXPECT_EQ(message(std::string("\xFF\xFEr\0\n\0h\0", 8)), "2");
+  EXPECT_THAT(message("# ours\nroom # no comment"), HasSubstr("\"#\" is not a scan id"));
   EXPECT_THAT(message(" \n"), HasSubstr("lists no scan"));
   EXPECT_THAT(message("a b a"), HasSubstr("\"a\" stands in the list twice"));
   EXPECT_THAT(message("../a"), HasSubstr("not a scan id"));
@@ -149,6 +153,23 @@ TEST(Connectivity, SavesAGraphAndListsItsScanOnce) {
   graph.scan = "b";
   save_connectivity(folder, graph);
   EXPECT_EQ(read_file(folder / "scans.txt"), "a row\nb\n");
+  write_file_atomically(folder / "scans.txt", "\xEF\xBB\xBF# ours\r\nrow_connectivity.json\r\n");
+  save_connectivity(folder, three_in_a_row());
+  save_connectivity(folder, graph);
+  EXPECT_EQ(load_scan_list(folder), (std::vector<std::string>{"row", "b"}));
+  EXPECT_EQ(read_file(folder / "scans.txt"), "# ours\r\nrow_connectivity.json\r\nb\n");
+}
+
+TEST(Connectivity, MayBePacked) {
+  const tests::TemporaryFolder made("packed_graph");
+  save_connectivity(made.path(), three_in_a_row());
+  const fs::path file = connectivity_file(made.path(), "row");
+  write_file_atomically(file.string() + ".gz", gzip(read_file(file), 6));
+  fs::remove(file);
+  EXPECT_EQ(load_connectivity(made.path(), "row").entries.size(), 3U);
+  fs::remove(file.string() + ".gz");
+  EXPECT_THAT([&] { load_connectivity(made.path(), "row"); },
+              ::testing::ThrowsMessage<FileError>(HasSubstr("row_connectivity.json: ")));
 }
 
 TEST(Connectivity, BeginsABlankListOfScansAnew) {

@@ -17,12 +17,19 @@ namespace fs = std::filesystem;
 using Candidates = std::span<const fs::path>;
 
 const std::array<fs::path, 2> kScanLists{"connectivity/scans.txt", "scans.txt"};
-const std::array<fs::path, 2> kRegionMaps{"regions/region_to_panorama.json",
-                                          "region_to_panorama.json"};
+const std::array<fs::path, 4> kRegionMaps{"regions/region_to_panorama.json",
+                                          "regions/region_to_panorama.json.gz",
+                                          "region_to_panorama.json", "region_to_panorama.json.gz"};
 
-std::array<fs::path, 4> annotation_files(std::string_view split) {
+std::array<fs::path, 8> annotation_files(std::string_view split) {
   const std::string name = fmt::format("R2R_{}.json", split);
-  return {fs::path("r2r") / name, fs::path("tasks/R2R/data") / name, fs::path("R2R") / name, name};
+  std::array<fs::path, 8> files;
+  std::size_t k = 0;
+  for (const char* folder : {"r2r", "tasks/R2R/data", "R2R", ""}) {
+    files[k++] = fs::path(folder) / name;
+    files[k++] = fs::path(folder) / (name + ".gz");
+  }
+  return files;
 }
 
 std::optional<fs::path> find_first(const fs::path& folder, Candidates candidates) {
@@ -31,15 +38,6 @@ std::optional<fs::path> find_first(const fs::path& folder, Candidates candidates
     if (fs::exists(folder / candidate, ignored)) return folder / candidate;
   }
   return std::nullopt;
-}
-
-fs::path first_existing(const fs::path& folder, std::string_view what, Candidates candidates) {
-  if (const auto found = find_first(folder, candidates)) return *found;
-  std::string tried;
-  for (const fs::path& candidate : candidates) {
-    tried += (tried.empty() ? "" : ", ") + candidate.string();
-  }
-  throw FileError(fmt::format("{}: holds no {}; tried: {}", folder.string(), what, tried));
 }
 
 }  // namespace
@@ -63,22 +61,22 @@ std::optional<DataRoot> DataRoot::from_environment() {
 }
 
 fs::path DataRoot::connectivity() const {
-  return first_existing(folder_, "list of scans", kScanLists).parent_path();
+  return first_of("list of scans", kScanLists).parent_path();
 }
 
 fs::path DataRoot::annotations(std::string_view split) const {
-  return first_existing(folder_, fmt::format("annotations of split {:?}", split),
-                        annotation_files(split));
+  return first_of(fmt::format("annotations of split {:?}", split), annotation_files(split));
 }
 
-bool DataRoot::has_annotations(std::string_view split) const {
-  return !split.empty() && find_first(folder_, annotation_files(split)).has_value();
-}
-
-fs::path DataRoot::regions() const { return first_existing(folder_, "region map", kRegionMaps); }
+fs::path DataRoot::regions() const { return first_of("region map", kRegionMaps); }
 
 fs::path DataRoot::first_of(std::string_view what, Candidates places) const {
-  return first_existing(folder_, what, places);
+  if (const auto found = find_first(folder_, places)) return *found;
+  std::string tried;
+  for (const fs::path& candidate : places) {
+    tried += (tried.empty() ? "" : ", ") + candidate.string();
+  }
+  throw FileError(fmt::format("{}: holds no {}; tried: {}", folder_.string(), what, tried));
 }
 
 PanoramaPlaces DataRoot::panoramas() const {

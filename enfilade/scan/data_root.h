@@ -11,8 +11,8 @@ namespace enfilade::scan {
 
 /// Paths of the files in a folder that holds graphs, annotations and panoramas. Layouts: Enfilade's
 /// (`connectivity/`, `r2r/`, `regions/`), a checkout of Matterport3DSimulator (`connectivity/`,
-/// `tasks/R2R/data/`), or all files side by side. dataset::Dataset opens these files. A plain
-/// value: any thread.
+/// `tasks/R2R/data/`), or all files side by side. JSON may be packed (`.json.gz`). dataset::Dataset
+/// opens these files. A plain value: any thread.
 class DataRoot {
  public:
   /// Searches at each request for a file. \throws FileError if `folder` is not a folder.
@@ -26,10 +26,8 @@ class DataRoot {
 
   // Each throws FileError naming every place that was tried.
   std::filesystem::path connectivity() const;                       ///< folder with scans.txt
-  std::filesystem::path annotations(std::string_view split) const;  ///< R2R_<split>.json
+  std::filesystem::path annotations(std::string_view split) const;  ///< R2R_<split>.json, not packed
   std::filesystem::path regions() const;                            ///< region_to_panorama.json
-  /// Whether annotations() would find the split's file; false for "".
-  bool has_annotations(std::string_view split) const;
   /// The first of several files or folders, relative to folder(), that is there.
   /// \param what  for messages: "boxes of objects"
   /// \throws FileError naming every one that was tried

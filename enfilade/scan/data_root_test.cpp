@@ -33,7 +33,8 @@ TEST(DataRoot, KnowsTheLayoutsInTheWild) {
             root / "checkout/tasks/R2R/data/R2R_train.json");
   EXPECT_EQ(DataRoot(root / "flat").connectivity(), root / "flat");
   EXPECT_THAT([&] { DataRoot(root / "ours").annotations("val"); },
-              ThrowsMessage<FileError>(HasSubstr("tried: r2r/R2R_val.json, tasks/R2R/data/")));
+              ThrowsMessage<FileError>(
+                  HasSubstr("tried: r2r/R2R_val.json, r2r/R2R_val.json.gz, tasks/R2R/data/")));
   EXPECT_THAT([&] { DataRoot(root / "ours").regions(); },
               ThrowsMessage<FileError>(HasSubstr("holds no region map")));
   EXPECT_THROW(DataRoot(root / "absent"), FileError);

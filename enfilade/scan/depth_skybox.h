@@ -4,8 +4,8 @@
 #include <span>
 
 #include "enfilade/image/image.h"
+#include "enfilade/scan/matterport_cameras.h"
 #include "enfilade/scan/panorama_source.h"
-#include "enfilade/scan/undistorted_cameras.h"
 
 namespace enfilade::scan {
 
@@ -28,18 +28,12 @@ image::CubeMap<std::uint16_t> depth_skybox(std::span<const DepthImage> images,
                                            const PanoramaPose& eye, std::uint32_t size,
                                            int threads = 0);
 
-/// How holes of a depth panorama are filled.
-struct HoleFilling {
-  std::array<double, 3> space_sigma{12, 5, 8};      ///< texels, pass by pass
-  std::array<double, 3> range_sigma{.2, .08, .02};  ///< of luminance in [0, 1]
-};
-
 /// Fills texels that are 0 from the readings around them. A cross-bilateral filter guided by the
 /// RGB picture, in passes from coarse to fine, across the edges of faces. Other readings do not
 /// change. Texels too far from any reading stay 0.
 /// \pre depth and colour have one size
 image::CubeMap<std::uint16_t> fill_holes(const image::CubeMap<std::uint16_t>& depth,
                                          const image::CubeMap<std::uint8_t>& colour,
-                                         const HoleFilling& options = {}, int threads = 0);
+                                         int threads = 0);
 
 }  // namespace enfilade::scan

@@ -5,16 +5,20 @@
 #include <zip.h>
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <mutex>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 
 namespace enfilade::scan {
 namespace {
@@ -114,17 +118,20 @@ bool is_of_the_system(const zip_error_t& error) {
   return kind == ZIP_ET_SYS || code == ZIP_ER_NOENT || code == ZIP_ER_OPEN || code == ZIP_ER_MEMORY;
 }
 
-[[noreturn]] void fail_open(zip_error_t& error, const std::string& name) {
+[[noreturn]] void fail_zip(zip_error_t& error, const std::string& name, bool opening) {
   const std::string words = zip_error_strerror(&error);
   const bool system = is_of_the_system(error);
   const int code = zip_error_code_zip(&error);
   zip_error_fini(&error);
-  if (system) throw FileError(fmt::format("{}: cannot open: {}", name, words));
-  if (lacks_list_of_entries(code)) {
+  if (system) {
+    throw FileError(fmt::format("{}: cannot {}: {}", name, opening ? "open" : "read", words));
+  }
+  if (opening && lacks_list_of_entries(code)) {
     refuse(name, "", "no-zip",
            "no zip file, or one that is cut off: the list of entries at its end is missing");
   }
-  refuse(name, "", "bad-zip", fmt::format("a damaged zip file: {}", words));
+  refuse(name, "", "bad-zip",
+         fmt::format("a damaged {}: {}", opening ? "zip file" : "entry of a zip file", words));
 }
 
 std::string_view bare(std::string_view path) { return path.substr(path.rfind('/') + 1); }
@@ -197,11 +204,11 @@ class Zip final : public FileTree {
     zip_source_t* source = path_.empty()
                                ? zip_source_buffer_create(bytes_.data(), bytes_.size(), 0, &error)
                                : zip_source_file_create(path_.c_str(), 0, -1, &error);
-    if (source == nullptr) fail_open(error, name_);
+    if (source == nullptr) fail_zip(error, name_, true);
     zip_t* zip = zip_open_from_source(source, ZIP_RDONLY, &error);
     if (zip == nullptr) {
       zip_source_free(source);
-      fail_open(error, name_);
+      fail_zip(error, name_, true);
     }
     zip_error_fini(&error);
     return Handle(zip);
@@ -284,11 +291,7 @@ class Zip final : public FileTree {
   [[noreturn]] static void fail_read(const zip_error_t* error, const std::string& path) {
     zip_error_t copy = *error;
     copy.str = nullptr;  // the cached text belongs to libzip
-    const std::string words = zip_error_strerror(&copy);
-    const bool system = is_of_the_system(copy);
-    zip_error_fini(&copy);
-    if (system) throw FileError(fmt::format("{}: cannot read: {}", path, words));
-    refuse(path, "", "bad-zip", fmt::format("a damaged entry of a zip file: {}", words));
+    fail_zip(copy, path, false);
   }
 
   fs::path path_;      ///< empty: in memory
@@ -326,6 +329,106 @@ std::shared_ptr<const FileTree> FileTree::zip(const fs::path& path, ZipNames nam
 std::shared_ptr<const FileTree> FileTree::zip_in_memory(std::string bytes,
                                                         const std::string& name) {
   return std::make_shared<Zip>(fs::path(), std::move(bytes), name, ZipNames::kBare);
+}
+
+// --- writing --------------------------------------------------------------------------------
+
+namespace {
+
+// The layout is that of PKWARE's APPNOTE.TXT, sections 4.3 and 4.4.
+constexpr std::uint32_t kLocalHeader = 0x04034b50, kListEntry = 0x02014b50, kListEnd = 0x06054b50;
+constexpr std::uint16_t kVersion = 20, kUtf8Names = 0x0800, kDeflated = 8;
+constexpr std::uint16_t kFirstDay = 0x0021;  // 1980-01-01
+// Around the deflated bytes, gzip has a header of this size and, behind, checksum and size.
+constexpr std::size_t kGzipHeader = 10, kGzipTrailer = 8, kChecksum = 4;
+
+void put16(std::string& bytes, std::size_t value) {
+  for (const unsigned shift : {0U, 8U}) bytes += static_cast<char>(value >> shift & 0xffU);
+}
+
+void put32(std::string& bytes, std::size_t value) {
+  for (const unsigned shift : {0U, 8U, 16U, 24U}) {
+    bytes += static_cast<char>(value >> shift & 0xffU);
+  }
+}
+
+void check(std::span<const ZipEntry> entries) {
+  constexpr std::size_t kMost16 = std::numeric_limits<std::uint16_t>::max();
+  if (entries.size() > kMost16) {
+    throw ArgumentError(fmt::format("{} files in a zip; {} at most", entries.size(), kMost16));
+  }
+  std::set<std::string_view> names;
+  for (const ZipEntry& entry : entries) {
+    if (entry.name.empty() || entry.name.size() > kMost16) {
+      throw ArgumentError(fmt::format("a name of {} bytes in a zip; 1 to {} are allowed",
+                                      entry.name.size(), kMost16));
+    }
+    if (!names.insert(entry.name).second) {
+      throw ArgumentError(fmt::format("{:?} is twice in a zip", entry.name));
+    }
+  }
+}
+
+void check_size(std::size_t bytes) {
+  if (bytes >= std::numeric_limits<std::uint32_t>::max()) {
+    throw ArgumentError(fmt::format("a zip of {} bytes; less than 4 GiB is allowed", bytes));
+  }
+}
+
+// What the header of an entry and its place in the list have in common.
+std::string common_fields(const ZipEntry& entry, std::string_view checksum, std::size_t packed) {
+  std::string bytes;
+  put16(bytes, kVersion);
+  put16(bytes, kUtf8Names);
+  put16(bytes, kDeflated);
+  put16(bytes, 0);  // midnight
+  put16(bytes, kFirstDay);
+  bytes += checksum;
+  put32(bytes, packed);
+  put32(bytes, entry.content.size());
+  put16(bytes, entry.name.size());
+  put16(bytes, 0);  // no extra fields
+  return bytes;
+}
+
+}  // namespace
+
+std::string zip(std::span<const ZipEntry> entries) {
+  check(entries);
+  std::string bytes, list;
+  for (const ZipEntry& entry : entries) {
+    check_size(entry.content.size());
+    const std::string gzipped = gzip(entry.content, 6);
+    const std::string_view whole = gzipped;
+    const std::size_t packed = whole.size() - kGzipHeader - kGzipTrailer;
+    const std::string_view checksum = whole.substr(kGzipHeader + packed, kChecksum);
+    const std::string fields = common_fields(entry, checksum, packed);
+    check_size(bytes.size());
+    const std::size_t place = bytes.size();
+    put32(bytes, kLocalHeader);
+    bytes.append(fields).append(entry.name).append(whole.substr(kGzipHeader, packed));
+    put32(list, kListEntry);
+    put16(list, kVersion);
+    list += fields;
+    put16(list, 0);  // no comment
+    put16(list, 0);  // first disk
+    put16(list, 0);  // attributes
+    put32(list, 0);
+    put32(list, place);
+    list += entry.name;
+  }
+  const std::size_t place = bytes.size();
+  check_size(place + list.size());
+  bytes += list;
+  put32(bytes, kListEnd);
+  put16(bytes, 0);
+  put16(bytes, 0);
+  put16(bytes, entries.size());
+  put16(bytes, entries.size());
+  put32(bytes, list.size());
+  put32(bytes, place);
+  put16(bytes, 0);  // no comment
+  return bytes;
 }
 
 }  // namespace enfilade::scan

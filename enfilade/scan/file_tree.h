@@ -1,10 +1,12 @@
-/// \file  FileTree: the files of a folder or of a zip file.
+/// \file  FileTree: the files of a folder or of a zip file. And the writer of small zip files, as
+/// NumPy's `.npz` are.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,5 +52,17 @@ class FileTree {
   /// \throws FileError
   virtual std::string state() const = 0;
 };
+
+/// A file in a zip file.
+struct ZipEntry {
+  std::string name;  ///< with '/' between folders; unique, not empty, UTF-8, at most 65,535 bytes
+  std::string content;
+};
+
+/// A zip file with these entries, in this order, each deflated. The same entries give the same
+/// bytes: all times are 1980-01-01. FileTree::zip_in_memory() reads it.
+/// \throws ArgumentError for an empty, repeated or too long name, more than 65,535 entries, and
+/// more than 4 GiB (both need zip64)
+std::string zip(std::span<const ZipEntry> entries);
 
 }  // namespace enfilade::scan

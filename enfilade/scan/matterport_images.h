@@ -1,8 +1,11 @@
-/// \file  Panoramas in the files of Matterport3D's download and of Matterport3DSimulator.
+/// \file  Panoramas in the files of Matterport3D's download and of Matterport3DSimulator, and the
+/// names of these files.
 #pragma once
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "enfilade/scan/panorama_source.h"
 
@@ -28,40 +31,29 @@ namespace enfilade::scan {
 /// Matterport3DSimulator renders strips. The names of class and instance strips are Enfilade's own:
 /// Matterport3D has no semantic pictures. Depth from undistorted images has the size of the colour
 /// faces. It takes seconds for each panorama, in the calling thread; pack() such scans first.
-class MatterportImages final : public PanoramaSource {
- public:
-  /// \param root as above  \param connectivity folder of `<scan>_connectivity.json`
-  /// \throws LookupError if no folder or zip of sky-boxes is found, naming all that were tried;
-  /// FileError, InvalidInput for a broken zip or connectivity file
-  static std::shared_ptr<const MatterportImages> open(const std::filesystem::path& root,
-                                                      const std::filesystem::path& connectivity,
-                                                      const std::string& scan);
-  ~MatterportImages() override;
+/// \param root as above  \param connectivity folder of `<scan>_connectivity.json`
+/// \throws LookupError if no folder or zip of sky-boxes is found, naming all that were tried;
+/// FileError, InvalidInput for a broken zip or connectivity file
+std::shared_ptr<const PanoramaSource> open_matterport_images(
+    const std::filesystem::path& root, const std::filesystem::path& connectivity,
+    const std::string& scan);
 
-  Connectivity connectivity() const override;
-  FaceSizes face_sizes(ViewpointIndex viewpoint) const override;
-  bool reads_whole_panoramas() const noexcept override { return true; }
-  /// The JPEG files of faces unchanged, or a strip's, cut between its blocks
-  /// (image::cut_jpeg_strip). No value if that cannot be done.
-  /// \throws as read_colour()
-  std::optional<std::array<std::string, kCubeFaces>> colour_jpegs(
-      ViewpointIndex viewpoint) const override;
-  std::string state() const override;  ///< names, sizes and times of all files
-  std::string tried(Layer layer, ViewpointIndex viewpoint) const override;
+// --- names of files ---
 
- private:
-  struct Impl;
-  void read(Layer layer, ViewpointIndex viewpoint, FaceMask wanted,
-            const FaceBuffers& buffers) const override;
-  template <class Read>
-  auto with_context(ViewpointIndex viewpoint, const Read& read) const;
-  FaceSizes sizes_at(ViewpointIndex viewpoint) const;
-  template <class T>
-  image::CubeMap<T> checked(Layer layer, ViewpointIndex viewpoint,
-                            std::optional<image::CubeMap<T>> map) const;
-  explicit MatterportImages(std::unique_ptr<Impl> impl, std::string origin,
-                            std::vector<PanoramaPose> poses, std::string scan);
-  std::unique_ptr<Impl> impl_;
-};
+/// The viewpoint's strip of six faces in `matterport_skybox_images`, as Matterport3DSimulator's
+/// preprocessing names colour and depth, and Enfilade classes and instances.
+std::string skybox_strip_name(std::string_view viewpoint, Layer layer);
+/// One colour face there. \param face 0 .. 5
+std::string skybox_face_name(std::string_view viewpoint, std::size_t face);
+
+/// Names for camera 0 (up), 1 (level), 2 (down) at turn 0 .. 5: `<viewpoint>_i<cam>_<yaw>.jpg` in
+/// `undistorted_color_images`, ...
+std::string colour_image_name(std::string_view viewpoint, std::size_t camera, std::size_t yaw);
+/// ... `<viewpoint>_d<cam>_<yaw>.png` in `undistorted_depth_images`, ...
+std::string depth_image_name(std::string_view viewpoint, std::size_t camera, std::size_t yaw);
+/// ... `<viewpoint>_pose_<cam>_<yaw>.txt` in `matterport_camera_poses`, ...
+std::string camera_pose_name(std::string_view viewpoint, std::size_t camera, std::size_t yaw);
+/// ... and, for all turns, `<viewpoint>_intrinsics_<cam>.txt` in `matterport_camera_intrinsics`.
+std::string camera_intrinsics_name(std::string_view viewpoint, std::size_t camera);
 
 }  // namespace enfilade::scan

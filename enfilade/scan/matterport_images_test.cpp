@@ -94,11 +94,11 @@ class MatterportImagesTest : public ::testing::Test {
     fs::create_directories(zip.parent_path());
     write_file_atomically(zip, testing::zip_of(entries));
   }
-  std::shared_ptr<const MatterportImages> open() const {
-    return MatterportImages::open(root(), root() / "connectivity", "house");
+  std::shared_ptr<const PanoramaSource> open() const {
+    return open_matterport_images(root(), root() / "connectivity", "house");
   }
   template <class Expected>
-  std::string refusal(const std::function<void(const MatterportImages&)>& action) const {
+  std::string refusal(const std::function<void(const PanoramaSource&)>& action) const {
     return tests::refusal<Expected>([&] { action(*open()); });
   }
   /// What reading v0 with these files says.
@@ -375,7 +375,7 @@ TEST_F(MatterportImagesTest, BuildsDepthOutOfUndistortedImages) {
   EXPECT_THAT(source->face_sizes(kV0), ElementsAre(kSize, kSize, 0, 0));
   EXPECT_THAT(source->face_sizes(kV1), ElementsAre(kSize, 0, 0, 0)) << "has no cameras";
   const Panorama read = read_panorama(*source, kV0);
-  const auto cameras = parse_undistorted_cameras(made.conf, "made").cameras;
+  const auto cameras = parse_undistorted_cameras(made.conf, "made");
   const std::vector<DepthImage> images{{cameras[0], made.ahead}, {cameras[1], made.behind}};
   EXPECT_EQ(read.depth, fill_holes(depth_skybox(images, source->poses()[0], kSize), read.colour));
   // The wall ahead is at 3 m from a camera that stands 5 cm nearer to it than the eye.
@@ -399,7 +399,7 @@ TEST_F(MatterportImagesTest, NamesTheUndistortedFileThatIsMissingOrBroken) {
   write(skybox(), faces_of("v0", testing::panorama(kSize, 1)));
   write(conf, {{"house.conf", made.conf}});
   write(depth, {made.images()[0]});
-  const auto read = [](const MatterportImages& source) { read_panorama(source, kV0); };
+  const auto read = [](const PanoramaSource& source) { read_panorama(source, kV0); };
   EXPECT_THAT(refusal<FileError>(read),
               AllOf(HasSubstr("v0_d1_3.png: no such file, though house.conf lists it"),
                     HasSubstr((depth / "v0_d1_3.png").string()), HasSubstr("viewpoint \"v0\"")));

@@ -28,9 +28,9 @@ std::string shape_of(const std::vector<std::size_t>& shape) {
 }
 
 // The header: a dictionary as Python writes it, with the keys descr, fortran_order and shape.
-class Header {
+class NpyHeader {
  public:
-  explicit Header(std::string_view text) : text_(text) {}
+  explicit NpyHeader(std::string_view text) : text_(text) {}
 
   void read() {
     take('{');
@@ -130,7 +130,7 @@ class Header {
 };
 
 // The header's bytes, and where the data begin.
-std::pair<std::string_view, std::size_t> header_of(std::string_view bytes) {
+std::pair<std::string_view, std::size_t> npy_header_of(std::string_view bytes) {
   if (!bytes.starts_with(kMagic) || bytes.size() < kMagic.size() + 4) {
     throw Error("no array of NumPy's: it does not begin with \\x93NUMPY");
   }
@@ -153,22 +153,9 @@ std::pair<std::string_view, std::size_t> header_of(std::string_view bytes) {
 }
 
 NpyKind kind_of(const std::string& type) {
-  switch (type.size() < 3 ? '\0' : type[1]) {
-    case 'f':
-      return NpyKind::kFloat;
-    case 'i':
-      return NpyKind::kInteger;
-    case 'u':
-      return NpyKind::kUnsigned;
-    case 'b':
-      return NpyKind::kBool;
-    case 'U':
-      return NpyKind::kText;
-    case 'S':
-      return NpyKind::kBytes;
-    default:
-      break;
-  }
+  constexpr std::string_view kLetters = "fiubUS";  // in the order of NpyKind
+  const std::size_t kind = type.size() < 3 ? kLetters.npos : kLetters.find(type[1]);
+  if (kind != kLetters.npos) return static_cast<NpyKind>(kind);
   throw Error(
       fmt::format("elements of type {:?}; numbers, bools and texts (\"<f4\", \"|b1\", "
                   "\"<U32\") are read",
@@ -255,14 +242,12 @@ std::vector<std::uint32_t> codes_of(std::string_view text) {
 NpyArray NpyArray::parse(std::string bytes) {
   NpyArray array;
   array.bytes_ = std::move(bytes);
-  const auto [text, data] = header_of(array.bytes_);
-  Header header(text);
+  const auto [text, data] = npy_header_of(array.bytes_);
+  NpyHeader header(text);
   header.read();
   array.kind_ = kind_of(header.type);
   array.item_ = bytes_of_item(header.type, array.kind_);
-  array.big_endian_ = header.type[0] == '>';
   array.type_ = std::move(header.type);
-  array.fortran_ = *header.fortran;
   array.shape_ = *std::move(header.shape);
   array.size_ = product(array.shape_, array.item_);
   array.data_ = data;
@@ -271,35 +256,50 @@ NpyArray NpyArray::parse(std::string bytes) {
     throw Error(fmt::format("{} bytes of elements, not the {} of shape {} and type {:?}", there,
                             wanted, shape_of(array.shape_), array.type_));
   }
+  array.put_in_order(*header.fortran, array.type_[0] == '>');
   return array;
 }
 
 std::string NpyArray::shape_text() const { return shape_of(shape_); }
 
-std::size_t NpyArray::place(std::size_t i) const {
-  if (!fortran_) return data_ + i * item_;
-  // From the last dimension, which C order counts fastest; in the file the first is.
-  std::size_t stride = size_, at = 0;
-  for (std::size_t d = shape_.size(); d-- > 0;) {
-    stride /= shape_[d];
-    at += i % shape_[d] * stride;
-    i /= shape_[d];
+// The elements in C order, each little-endian.
+void NpyArray::put_in_order(bool fortran, bool big_endian) {
+  const std::size_t width = kind_ == NpyKind::kText ? 4 : kind_ == NpyKind::kBytes ? 1 : item_;
+  const bool swapped = big_endian && width > 1;
+  if (!fortran && !swapped) return;
+  std::string ordered(size_ * item_, '\0');
+  for (std::size_t i = 0; i < size_; ++i) {
+    std::size_t from = i;
+    if (fortran) {
+      // From the last dimension, which C order counts fastest; in the file the first is.
+      std::size_t stride = size_, rest = i;
+      from = 0;
+      for (std::size_t d = shape_.size(); d-- > 0;) {
+        stride /= shape_[d];
+        from += rest % shape_[d] * stride;
+        rest /= shape_[d];
+      }
+    }
+    for (std::size_t k = 0; k < item_; ++k) {
+      const std::size_t at = swapped ? k / width * width + (width - 1 - k % width) : k;
+      ordered[i * item_ + at] = bytes_[data_ + from * item_ + k];
+    }
   }
-  return data_ + at * item_;
+  bytes_ = std::move(ordered);
+  data_ = 0;
 }
+
+static_assert(std::endian::native == std::endian::little, "elements are kept little-endian");
 
 std::uint64_t NpyArray::integer(std::size_t begin, std::size_t bytes) const {
   std::uint64_t value = 0;
-  for (std::size_t k = 0; k < bytes; ++k) {
-    const std::size_t at = begin + (big_endian_ ? k : bytes - 1 - k);
-    value = value << 8U | static_cast<unsigned char>(bytes_[at]);
-  }
+  std::memcpy(&value, bytes_.data() + data_ + begin, bytes);
   return value;
 }
 
 double NpyArray::number(std::size_t i) const {
   EN_CHECK_LT(i, size_);
-  const std::uint64_t bits = integer(place(i), item_);
+  const std::uint64_t bits = integer(i * item_, item_);
   if (kind_ == NpyKind::kBool) return bits != 0 ? 1 : 0;
   if (kind_ == NpyKind::kUnsigned) return static_cast<double>(bits);
   if (kind_ == NpyKind::kInteger) {
@@ -316,24 +316,12 @@ double NpyArray::number(std::size_t i) const {
 
 void NpyArray::copy_elements(std::span<std::byte> out) const {
   EN_CHECK_EQ(out.size(), size_ * item_);
-  if (out.empty()) return;
-  const std::size_t width = kind_ == NpyKind::kText ? 4 : kind_ == NpyKind::kBytes ? 1 : item_;
-  if (!fortran_ && (!big_endian_ || width == 1)) {
-    std::memcpy(out.data(), bytes_.data() + data_, out.size());
-    return;
-  }
-  for (std::size_t i = 0; i < size_; ++i) {
-    const std::size_t from = place(i);
-    for (std::size_t k = 0; k < item_; ++k) {
-      const std::size_t at = big_endian_ ? k / width * width + (width - 1 - k % width) : k;
-      out[i * item_ + at] = static_cast<std::byte>(bytes_[from + k]);
-    }
-  }
+  if (!out.empty()) std::memcpy(out.data(), bytes_.data() + data_, out.size());
 }
 
 std::string NpyArray::text(std::size_t i) const {
   EN_CHECK_LT(i, size_);
-  const std::size_t begin = place(i), width = kind_ == NpyKind::kText ? 4 : 1;
+  const std::size_t begin = i * item_, width = kind_ == NpyKind::kText ? 4 : 1;
   std::vector<std::uint32_t> codes;
   for (std::size_t k = 0; k < item_; k += width) {
     const auto code = static_cast<std::uint32_t>(integer(begin + k, width));

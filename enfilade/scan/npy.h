@@ -25,7 +25,7 @@ class NpyArray {
   NpyKind kind() const noexcept { return kind_; }
   bool is_number() const noexcept { return kind_ < NpyKind::kText; }
   bool is_text() const noexcept { return !is_number(); }
-  const std::string& type() const noexcept { return type_; }  ///< "<f4"
+  const std::string& type() const noexcept { return type_; }  ///< "<f4", as in the file
   /// Empty: a scalar. The product is size(), which has no overflow.
   const std::vector<std::size_t>& shape() const noexcept { return shape_; }
   std::string shape_text() const;  ///< "(3, 16)"
@@ -40,13 +40,12 @@ class NpyArray {
   std::string text(std::size_t i) const;
 
  private:
-  std::size_t place(std::size_t i) const;  // in the file, of element i in C order
+  void put_in_order(bool fortran, bool big_endian);
   std::uint64_t integer(std::size_t begin, std::size_t bytes) const;
 
   std::string bytes_, type_;
   NpyKind kind_ = NpyKind::kFloat;
   std::size_t item_ = 1, data_ = 0, size_ = 1;
-  bool big_endian_ = false, fortran_ = false;
   std::vector<std::size_t> shape_;
 };
 

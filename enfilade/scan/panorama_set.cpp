@@ -32,7 +32,7 @@ std::shared_ptr<const PanoramaSource> find_panoramas(const PanoramaPlaces& place
     if (std::filesystem::exists(packed, ignored)) return Store::open(packed);
     tried += fmt::format("\n  {}", packed.string());
     try {
-      return MatterportImages::open(folder, places.connectivity, scan);
+      return open_matterport_images(folder, places.connectivity, scan);
     } catch (const LookupError& error) {  // lists what it looked for
       tried += fmt::format("\n  {}", error.what());
     }

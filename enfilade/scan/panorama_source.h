@@ -13,7 +13,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/ids.h"
 #include "enfilade/geometry/cube_map.h"
-#include "enfilade/image/cube_border.h"
+#include "enfilade/image/face_cells.h"
 #include "enfilade/image/image.h"
 #include "enfilade/image/jpeg_rows.h"
 #include "enfilade/scan/connectivity.h"
@@ -66,8 +66,8 @@ struct PanoramaPose {
   bool included = true;       ///< part of the navigation graph; if not, it may have no pictures
 };
 
-/// The panoramas of one scan. Implementations: MatterportImages (files as downloaded), Store (one
-/// packed file), MemoryPanoramas. All functions may be called from any thread at once.
+/// The panoramas of one scan. Implementations: files as downloaded (open_matterport_images()),
+/// Store (one packed file), MemoryPanoramas. All functions may be called from any thread at once.
 class PanoramaSource {
  public:
   virtual ~PanoramaSource() = default;

@@ -6,6 +6,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/scan/data_root.h"
+#include "tests/support/colour_texel.h"
 #include "tests/support/panoramas.h"
 
 namespace enfilade::scan {

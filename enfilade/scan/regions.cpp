@@ -6,7 +6,7 @@
 #include <ranges>
 
 #include "enfilade/core/detail/json.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/numbers.h"
 
 namespace enfilade::scan {
@@ -38,7 +38,7 @@ void read_region(Element element, std::uint32_t region, const Path& path, Faults
 }  // namespace
 
 RegionMap RegionMap::load(const std::filesystem::path& file) {
-  return parse(read_file(file), file.string());
+  return parse(read_text_file(file), file.string());
 }
 
 RegionMap RegionMap::parse(std::string_view text, const std::string& file) {
@@ -82,12 +82,6 @@ std::vector<std::string> RegionMap::scans() const {
   std::vector<std::string> names;
   for (const auto& [scan, viewpoints] : scans_) names.push_back(scan);
   return names;
-}
-
-std::size_t RegionMap::viewpoints() const noexcept {
-  std::size_t n = 0;
-  for (const auto& [scan, viewpoints] : scans_) n += viewpoints.size();
-  return n;
 }
 
 std::string to_json(const std::vector<ScanRegions>& scans) {

@@ -25,7 +25,6 @@ class RegionMap {
   std::optional<std::uint32_t> find(const std::string& scan, const std::string& viewpoint) const;
   std::vector<std::string> scans() const;                    ///< in alphabetical order
   std::size_t regions() const noexcept { return regions_; }  ///< in all scans together
-  std::size_t viewpoints() const noexcept;                   ///< in all regions together
 
  private:
   std::map<std::string, std::unordered_map<std::string, std::uint32_t>> scans_;

@@ -10,6 +10,7 @@
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/face_cells.h"
+#include "enfilade/scan/detail/face_coding.h"
 #include "enfilade/scan/detail/store_format.h"
 
 namespace enfilade::scan {

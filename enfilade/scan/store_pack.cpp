@@ -5,9 +5,10 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/image/cube_border.h"
+#include "enfilade/image/face_cells.h"
 #include "enfilade/image/jpeg_rows.h"
-#include "enfilade/scan/detail/store_writer.h"
+#include "enfilade/scan/detail/face_coding.h"
+#include "enfilade/scan/detail/store_format.h"
 #include "enfilade/scan/store.h"
 
 namespace enfilade::scan {

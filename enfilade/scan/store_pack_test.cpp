@@ -301,13 +301,13 @@ TEST(Pack, KeepsTheJpegsOfFilesAndNoticesWhenTheyChange) {
   write_file_atomically(connectivity_file(input.path(), "house"),
                         to_json(testing::row_of_viewpoints("house", 3)));
   const auto run = [&](const PackOptions& options) {
-    return pack(*MatterportImages::open(input.path(), input.path(), "house"), output.path(),
+    return pack(*open_matterport_images(input.path(), input.path(), "house"), output.path(),
                 options);
   };
   PackReport report = run({});
   EXPECT_EQ(report.panoramas, 2U);
   EXPECT_THAT(report.without, ElementsAre("v2"));
-  const auto source = MatterportImages::open(input.path(), input.path(), "house");
+  const auto source = open_matterport_images(input.path(), input.path(), "house");
   const auto kept = Store::open(report.file)->colour_jpegs(ViewpointIndex(1));
   const auto given = source->colour_jpegs(ViewpointIndex(1));
   ASSERT_TRUE(kept.has_value() && given.has_value());

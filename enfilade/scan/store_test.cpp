@@ -11,6 +11,7 @@
 
 #include "enfilade/core/file.h"
 #include "enfilade/scan/detail/store_format.h"
+#include "tests/support/colour_texel.h"
 #include "tests/support/panoramas.h"
 #include "tests/support/resident.h"
 #include "tests/support/temporary_folder.h"

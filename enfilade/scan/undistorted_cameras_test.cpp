@@ -1,4 +1,4 @@
-#include "enfilade/scan/undistorted_cameras.h"
+#include "enfilade/scan/matterport_cameras.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,11 +49,9 @@ std::string faults_of(const std::string& text) {
 }
 
 TEST(UndistortedCameras, AreReadAsTheyStand) {
-  const UndistortedCameras cameras = parse_undistorted_cameras(conf(), "s.conf");
-  EXPECT_EQ(cameras.depth_directory, "undistorted_depth_images");
-  EXPECT_EQ(cameras.colour_directory, "undistorted_color_images");
-  ASSERT_EQ(cameras.cameras.size(), 3U);
-  const UndistortedCamera& first = cameras.cameras[0];
+  const std::vector<UndistortedCamera> cameras = parse_undistorted_cameras(conf(), "s.conf");
+  ASSERT_EQ(cameras.size(), 3U);
+  const UndistortedCamera& first = cameras[0];
   EXPECT_EQ(first.depth_file, "a1_d0_0.png");
   EXPECT_EQ(first.colour_file, "a1_i0_0.jpg");
   EXPECT_EQ(first.viewpoint(), "a1");
@@ -63,17 +61,17 @@ TEST(UndistortedCameras, AreReadAsTheyStand) {
   EXPECT_EQ(first.cy, 509.5);
   EXPECT_EQ(first.position, (Vec3d{2.5, 3, 1.25}));
   EXPECT_EQ(first.world_from_camera * Vec3d({0, 0, -1}), (Vec3d{0, 1, 0})) << "it looks north";
-  EXPECT_EQ(cameras.cameras[1].fx, 1074.5) << "intrinsics hold until the next ones";
-  EXPECT_EQ(cameras.cameras[1].world_from_camera.m,
+  EXPECT_EQ(cameras[1].fx, 1074.5) << "intrinsics hold until the next ones";
+  EXPECT_EQ(cameras[1].world_from_camera.m,
             (std::array<double, 9>{.36, .48, -.8, -.8, .6, 0, .48, .64, .6}));
-  EXPECT_EQ(cameras.cameras[2].viewpoint(), "b_d2") << "`image` is `scan`";
-  EXPECT_EQ(cameras.cameras[2].cy, 511);
+  EXPECT_EQ(cameras[2].viewpoint(), "b_d2") << "`image` is `scan`";
+  EXPECT_EQ(cameras[2].cy, 511);
 }
 
 TEST(UndistortedCameras, PassOverCommandsWithoutEffectOnPictures) {
   EXPECT_EQ(faults_of(conf() + "\nrectangle 1 2 3\nmesh m.ply\ntexture_directory t\n"), "accepted");
   EXPECT_EQ(faults_of(""), "accepted");
-  EXPECT_THAT(parse_undistorted_cameras("n_images 0", "s.conf").cameras, IsEmpty());
+  EXPECT_THAT(parse_undistorted_cameras("n_images 0", "s.conf"), IsEmpty());
 }
 
 TEST(UndistortedCameras, NameLineValueAndWhatIsAllowed) {

@@ -1,4 +1,3 @@
-#include "enfilade/scan/zip_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,6 +10,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/proxy.h"
 
 namespace enfilade::service {
 namespace {
@@ -60,6 +61,7 @@ std::vector<Diagnostic> read_diagnostics(const nlohmann::json& error) {
 
 struct Client::Impl {
   std::string server;
+  std::string through;  // the proxy, for messages
   httplib::Client http;
   httplib::Headers headers;
 
@@ -69,13 +71,23 @@ struct Client::Impl {
       throw ArgumentError(
           fmt::format("server: {:?}, not an address like https://vln.example.org", server));
     }
+    if (const auto proxy = proxy_for(server)) {
+      through = fmt::format(" through the proxy {} ({})", proxy->address(), proxy->variable);
+      http.set_proxy(proxy->host, proxy->port);
+      if (!proxy->user.empty()) {
+        http.set_proxy_basic_auth(proxy->user, proxy->password);
+        // The library sends the proxy's login to the server, too, unless this header is there.
+        if (server.starts_with("https://")) headers.emplace("Proxy-Authorization", "");
+      }
+    }
     http.set_read_timeout(kAnswerSeconds);
     http.set_write_timeout(kAnswerSeconds);
   }
 
   SubmissionStatus read(const httplib::Result& result) const {
     if (!result) {
-      throw Error(fmt::format("{}: cannot be reached: {}", server, to_string(result.error())));
+      throw Error(
+          fmt::format("{}: cannot be reached{}: {}", server, through, to_string(result.error())));
     }
     const nlohmann::json answer = nlohmann::json::parse(result->body, nullptr, false);
     if (result->status == 200 || result->status == 202) {

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <functional>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "enfilade/service/server.h"
 #include "tests/support/raw_socket.h"
@@ -66,6 +68,28 @@ TEST(ClientAttacks, AnAddressOfTheClientsOwnMakingIsNotBelieved) {
                       return httplib::Headers{{"X-Forwarded-For", "198.51.100.3"}};
                     }),
               ::testing::ElementsAre(401));  // another client is not held up
+}
+
+// Gateways write the port of each connection to the address, or what they like.
+TEST(ClientAttacks, LimitsHoldBehindEveryProxy) {
+  ServerConfig config;
+  config.most_attempts = 3;
+  config.behind_proxy = true;
+  config.public_names = {"vln.example.org"};
+  const std::vector<std::function<std::string(int)>> entries{
+      [](int k) { return fmt::format("203.0.113.7:{}", 51234 + k); },
+      [](int k) { return fmt::format("192.0.2.{}, 203.0.113.8:{}", k, 51234 + k); },
+      [](int k) { return fmt::format("[2001:db8::{}]:{}", k, 51234 + k); },
+      [](int k) { return fmt::format("2001:db8:1::7:{}", 51234 + k); },
+      [](int k) { return fmt::format("\"[2001:db8:2::7]:{}\"", 51234 + k); },
+      [](int k) { return fmt::format("unknown{}", k); },
+      [](int k) { return fmt::format("203.0.113.7:{0}:{0}", k); },
+      [](int k) { return std::string(static_cast<std::size_t>(k), ','); }};
+  for (const auto& entry : entries) {
+    Served served(config);
+    const auto header = [&](int k) { return httplib::Headers{{"X-Forwarded-For", entry(k)}}; };
+    EXPECT_THAT(guess(served, 5, header), ::testing::Contains(429)) << entry(1);
+  }
 }
 
 TEST(ClientAttacks, ACookieFromBeforeTheLoginStaysAStrangers) {

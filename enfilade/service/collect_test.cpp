@@ -303,7 +303,6 @@ TEST_F(Collect, ProlificSendsIdsAndGetsItsCode) {
   body["sources"] = json::array({{{"split", "val_seen"}}});
   EXPECT_THAT(create(body).at("link").get<std::string>(),
               HasSubstr("PROLIFIC_PID={{%PROLIFIC_PID%}}"));
-  EXPECT_EQ(come(json::object()).join().at("status"), 422);
   Worker one = come(
       {{"PROLIFIC_PID", "5f0c00000000000000000001"}, {"STUDY_ID", "60aa"}, {"SESSION_ID", "60bb"}});
   json visit = one.write(one.begin().at("task"), kText);
@@ -320,6 +319,27 @@ TEST_F(Collect, ProlificSendsIdsAndGetsItsCode) {
   EXPECT_EQ(visits[0].at("finished"), true);
   EXPECT_THAT(served_.get("/api/v1/collections/pilot/workers?format=csv", organiser_)->body,
               HasSubstr("\"5f0c00000000000000000001\",\"60bb\",\"60aa\""));
+}
+
+TEST_F(Collect, ProlificsLinkWithoutIdsIsAPreview) {
+  json body = collection_body("pilot", "write");
+  body["platform"] = {{"kind", "prolific"}, {"completion_code", "C1ABC2DE"}};
+  create(body);
+  for (const json& bare :
+       {json::object(), json{{"PROLIFIC_PID", ""}, {"STUDY_ID", ""}, {"SESSION_ID", ""}},
+        json{{"PROLIFIC_PID", "{{%PROLIFIC_PID%}}"},
+             {"STUDY_ID", "{{%STUDY_ID%}}"},
+             {"SESSION_ID", "{{%SESSION_ID%}}"}}}) {
+    const json joined = come(bare).join();
+    EXPECT_EQ(joined.at("status"), 200) << bare;
+    EXPECT_EQ(joined.at("preview"), true) << bare;
+    EXPECT_TRUE(joined.contains("example")) << bare;
+    EXPECT_FALSE(joined.contains("token")) << bare;
+  }
+  // A worker whose link lost a part works for nothing in a preview: that is an error.
+  EXPECT_EQ(come({{"PROLIFIC_PID", "5f0c"}, {"STUDY_ID", "60aa"}}).join().at("status"), 422);
+  EXPECT_EQ(come({{"STUDY_ID", "60aa"}, {"SESSION_ID", "60bb"}}).join().at("status"), 422);
+  EXPECT_EQ(served_.json("/api/v1/collections/pilot/workers", organiser_).at("visits").size(), 0U);
 }
 
 }  // namespace EN_UNIT

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -79,45 +80,41 @@ void read_limits(const detail::Fields& fields, Phase& phase) {
   phase.teams = fields.integer("teams", 1, kMostTeams, phase.teams);
 }
 
-/// A text that has to be one of several. \returns its place; none, reported, if it is not
-std::optional<std::size_t> read_choice(const detail::Fields& fields, std::string_view name,
-                                       const std::vector<std::string_view>& allowed,
-                                       const char* code, json::Faults& faults) {
+/// One of several entries, by its name; null, reported, if the text names none.
+template <class Range>
+auto read_choice(const detail::Fields& fields, std::string_view name, Range allowed,
+                 const char* code, json::Faults& faults) {
+  const auto name_of = [](const auto& one) { return std::string_view(one.name); };
   const std::string text = fields.text(name, is_any, "", code);
-  const auto found = std::ranges::find(allowed, text);
-  if (found != allowed.end()) return static_cast<std::size_t>(found - allowed.begin());
+  const auto found = std::ranges::find(allowed, std::string_view(text), name_of);
+  if (found != allowed.end()) return &*found;
   faults.error(fields.path(name), code,
                fmt::format("{:?}, not one of {}", text.substr(0, detail::kQuoted),
-                           fmt::join(allowed, ", ")));
-  return std::nullopt;
+                           fmt::join(allowed | std::views::transform(name_of), ", ")));
+  return static_cast<decltype(&*found)>(nullptr);
 }
 
 /// "task", "scorer" and "primary", each of which says what is allowed in the next.
 void read_task(const detail::Fields& fields, Phase& phase, json::Faults& faults) {
   if (fields.has("task")) {
-    std::vector<std::string_view> names;
-    for (const tasks::Benchmark& one : tasks::benchmarks()) names.push_back(one.name);
-    const auto task = read_choice(fields, "task", names, "unknown-task", faults);
-    if (!task) return;
-    phase.benchmark = &tasks::benchmarks()[*task];
+    const auto* task = read_choice(fields, "task", tasks::benchmarks(), "unknown-task", faults);
+    if (task == nullptr) return;
+    phase.benchmark = task;
   }
   const auto scorers = phase.benchmark->scorers;
   phase.scorer = &scorers.front();
   if (fields.has("scorer")) {
-    std::vector<std::string_view> names;
-    for (const tasks::Scorer& one : scorers) names.push_back(one.name);
-    const auto scorer = read_choice(fields, "scorer", names, "unknown-scorer", faults);
-    if (!scorer) return;
-    phase.scorer = &scorers[*scorer];
+    phase.scorer = read_choice(fields, "scorer", scorers, "unknown-scorer", faults);
+    if (phase.scorer == nullptr) return;
   }
   phase.primary = phase.measures().front().name;
   if (!fields.has("primary")) return;
-  std::vector<std::string_view> names;
-  for (const tasks::Measure& measure : phase.measures()) {
-    if (measure.better == tasks::Better::kHigher) names.emplace_back(measure.name);
-  }
-  const auto primary = read_choice(fields, "primary", names, "bad-primary", faults);
-  if (primary) phase.primary = names[*primary];
+  const auto may_rank = [](const tasks::Measure& measure) {
+    return measure.better == tasks::Better::kHigher;
+  };
+  const auto* primary = read_choice(
+      fields, "primary", phase.measures() | std::views::filter(may_rank), "bad-primary", faults);
+  if (primary != nullptr) phase.primary = primary->name;
 }
 
 /// "experts": walks of a continuous split whose goals are secret. \pre the task is read
@@ -165,12 +162,8 @@ std::optional<Phase> read_phase(json::Element element, const json::Path& path,
 void check_openness(const std::vector<Phase>& phases, const json::Path& list,
                     json::Faults& faults) {
   for (std::size_t k = 0; k < phases.size(); ++k) {
-    const auto is_secret_twin = [&one = phases[k]](const Phase& other) {
-      return other.goals_secret() && other.split == one.split &&
-             share_paths(*other.benchmark, *one.benchmark);
-    };
-    const auto twin = std::ranges::find_if(phases, is_secret_twin);
-    if (phases[k].goals_secret() || twin == phases.end()) continue;
+    const Phase* twin = find_secret(phases, phases[k].split, *phases[k].benchmark);
+    if (phases[k].goals_secret() || twin == nullptr) continue;
     const json::Path path(list, k);
     faults.error(json::Path(path, "split"), "open-and-secret",
                  fmt::format("{:?} has secret goals in phase {:?}; give this phase \"annotations\" "
@@ -185,6 +178,14 @@ const tasks::Measure& Phase::primary_measure() const {
   const tasks::Measure* measure = tasks::find_measure(measures(), primary);
   EN_CHECK(measure != nullptr);
   return *measure;
+}
+
+const Phase* find_secret(std::span<const Phase> phases, std::string_view split,
+                         const tasks::Benchmark& benchmark) noexcept {
+  const auto found = std::ranges::find_if(phases, [&](const Phase& phase) {
+    return phase.goals_secret() && phase.split == split && share_paths(*phase.benchmark, benchmark);
+  });
+  return found == phases.end() ? nullptr : &*found;
 }
 
 std::vector<Phase> parse_phases(std::string_view text, const std::string& file) {

@@ -71,6 +71,10 @@ struct Phase {
 inline bool share_paths(const tasks::Benchmark& one, const tasks::Benchmark& other) noexcept {
   return one.paths == other.paths;
 }
+/// The first phase with secret goals that the benchmark's split of that name would reveal: both
+/// have the same paths. Null: there is none.
+const Phase* find_secret(std::span<const Phase> phases, std::string_view split,
+                         const tasks::Benchmark& benchmark) noexcept;
 
 /// Reads {"phases": [{"name", "split", ...}]}; docs/service.md has the fields and their defaults,
 /// of which some depend on whether the goals are secret. A relative path of annotations begins at

@@ -10,7 +10,7 @@
 #include "enfilade/arena/ask.h"
 #include "enfilade/arena/play.h"
 #include "enfilade/dataset/dataset.h"
-#include "enfilade/service/playing/replays.h"
+#include "enfilade/service/sessions/sessions.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "tests/support/refusal.h"
@@ -205,7 +205,7 @@ TEST_F(ReplayTest, BrokenTranscriptsAreNamedWithTheirLine) {
   change(transcripts / "2_0.jsonl", "\"told\":\"You", "\"tell\":\"You");
   write_file_atomically(transcripts / "2_1.jsonl", "");
   change(transcripts / "3_0.jsonl", "\"heading\":", "\"heading\":\"<b>\",\"was\":");
-  fs::resize_file(transcripts / "3_1.jsonl", playing::Replays::kMostBytes + 1);
+  fs::resize_file(transcripts / "3_1.jsonl", sessions::Replays::kMostBytes + 1);
   const json list = get("/run").at("list");
   ASSERT_EQ(list.size(), 6U);
   EXPECT_EQ(list[0].at("problem"), "the last line is no end of an episode");
@@ -359,12 +359,12 @@ TEST_F(ReplayTest, WalksInContinuousSpaceAreShownInWords) {
 
 TEST_F(ReplayTest, AFolderMayBeARunItself) {
   const fs::path folder = ask("run");
-  const playing::Replays one(Site::open(served_.root() / "data"), folder);
+  const sessions::Replays one(Site::open(served_.root() / "data"), folder);
   EXPECT_EQ(one.runs("").at("runs").at(0).at("run"), "run");
   EXPECT_EQ(one.episode("run", "1_0").at("steps").size(), 4U);
-  const playing::Replays none(Site::open(served_.root() / "data"), {});
+  const sessions::Replays none(Site::open(served_.root() / "data"), {});
   EXPECT_TRUE(none.runs("").at("runs").empty());
-  EXPECT_THAT(tests::refusal<FileError>([&] { playing::Replays(nullptr, folder / "run.json"); }),
+  EXPECT_THAT(tests::refusal<FileError>([&] { sessions::Replays(nullptr, folder / "run.json"); }),
               HasSubstr("run.json: not a folder"));
 }
 

@@ -1,4 +1,5 @@
-// Walking freely in a real home, over real sockets: its mesh, its floor, continuous episodes.
+// Continuous navigation in a real home, over real sockets: its mesh, its floor, continuous
+// episodes.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -12,7 +13,6 @@
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/homes/built_home.h"
-#include "enfilade/homes/home_floor.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/read_mesh.h"
 #include "tests/support/served_data.h"
@@ -52,7 +52,7 @@ class RoamingTest : public ::testing::Test {
     const auto& setup = agents::continuous_setup("r2r-ce");
     const auto homes = homes::read_home_list(data);
     floor_ = new mesh::FloorPolygons(homes::make_home_floor(
-        homes::build_home(homes.front().plan, homes::Surfaces::kPlain), setup.body));
+        homes::build_home(homes.front().plan, homes::HomeSurfaces::kPlain), setup.body));
     make_folder(data / setup.navigation_folder());
     continuous::save_navigation_mesh(
         *floor_, data / setup.navigation_folder() / continuous::navigation_mesh_name(kScan));

@@ -2,27 +2,17 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
-#include <array>
 #include <filesystem>
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/service/accounts/tokens.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/service/http/app.h"
-#include "enfilade/service/http/transport.h"
 #include "enfilade/service/http/web_files.h"
-#include "enfilade/service/store/sqlite.h"
-#include "enfilade/service/store/transfer.h"
+#include "enfilade/service/store/database.h"
 
 namespace enfilade::service {
 namespace {
-
-/// In the order of TokenRole.
-constexpr std::array<accounts::Role, 3> kRoles{accounts::Role::kOrganiser,
-                                               accounts::Role::kReviewer, accounts::Role::kTeam};
-static_assert(kRoles.size() == static_cast<std::size_t>(TokenRole::kTeam) + 1);
-
-accounts::Role stored_role(TokenRole role) { return kRoles.at(static_cast<std::size_t>(role)); }
 
 void check_exists(const std::string& database) {
   if (!store::is_url(database) && !std::filesystem::exists(database)) {
@@ -31,26 +21,6 @@ void check_exists(const std::string& database) {
 }
 
 }  // namespace
-
-struct Server::Impl {
-  http::App app;
-  http::Transport transport;
-
-  Impl(const std::shared_ptr<const Site>& site, const ServerConfig& config)
-      : app(site, config), transport(app, config) {}
-};
-
-Server::Server(const std::shared_ptr<const Site>& site, const ServerConfig& config) {
-  check_range("port", config.port, 0, 65535);
-  check_range("threads", config.threads, 1, 4096);
-  impl_ = std::make_unique<Impl>(site, config);
-}
-
-Server::~Server() = default;
-
-int Server::port() const noexcept { return impl_->transport.port(); }
-
-void Server::stop() { impl_->transport.stop(); }
 
 void give_back_large_memory() noexcept {
 #ifdef __GLIBC__
@@ -74,13 +44,13 @@ std::string create_token(const std::string& database, TokenRole role, const std:
   store::Database db(database);
   std::optional<std::int64_t> expires;
   if (days) expires = db.now() + std::int64_t{*days} * 24 * 3600;
-  return accounts::add_token(db, stored_role(role), label, expires);
+  return accounts::add_token(db, role, label, expires);
 }
 
 int revoke_tokens(const std::string& database, TokenRole role, const std::string& label) {
   check_exists(database);
   store::Database db(database);
-  return accounts::revoke_tokens(db, stored_role(role), label);
+  return accounts::revoke_tokens(db, role, label);
 }
 
 std::string create_team(const std::string& database, const std::string& name) {

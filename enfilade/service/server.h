@@ -1,5 +1,6 @@
 /// \file  The HTTP server of `enfilade serve`: viewer, evaluation and collection of instructions.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -98,12 +99,16 @@ void give_back_large_memory() noexcept;
 /// Whether this build contains the web client; without it only the API is served.
 bool has_web_client() noexcept;
 
-/// Roles whose tokens are created and revoked by hand. Workers get tokens by their links.
-enum class TokenRole {
+/// Roles of clients. Their tokens are created and revoked by hand; workers get theirs by links.
+enum class TokenRole : std::uint8_t {
+  kTeam,       ///< submits results
   kOrganiser,  ///< creates and exports collections, sees hidden scores
   kReviewer,   ///< accepts, rejects and corrects what workers submit
-  kTeam,       ///< submits results
+  kWorker,     ///< does the tasks of a collection
 };
+constexpr std::array<std::string_view, 4> names_of(TokenRole /*enum*/) {
+  return {"team", "organiser", "reviewer", "worker"};
+}
 
 /// Whether a database's URL has a password in it: other users can read command lines.
 bool has_password(const std::string& database);
@@ -115,6 +120,7 @@ std::string shown_database(const std::string& database);
 /// \returns the token; only its hash is stored
 /// \param label of the holder; for kTeam the name of an existing team
 /// \param days until it expires; no value: never
+/// \pre role is not kWorker
 /// \throws FileError; ArgumentError for a bad label; LookupError for an unknown team
 std::string create_token(const std::string& database, TokenRole role, const std::string& label,
                          std::optional<int> days);

@@ -7,7 +7,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/service/http/app.h"
+#include "enfilade/service/http/routes.h"
 #include "tests/support/refusal.h"
 #include "tests/support/served_data.h"
 
@@ -180,7 +180,7 @@ TEST(Server, TheDescriptionNamesEveryRouteAndNoOther) {
   served.stop();
   const http::App app(Site::open(served.root() / "data"), served.config());
   std::vector<std::string> routes;
-  for (const http::Route& route : app.router().routes()) {
+  for (const http::HttpRoute& route : app.router().routes()) {
     routes.push_back(route.method + " " + route.pattern);
   }
   EXPECT_THAT(described, ::testing::UnorderedElementsAreArray(routes));

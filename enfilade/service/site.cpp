@@ -12,6 +12,7 @@
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/core/check.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/score_table.h"
 
 namespace enfilade::service {
@@ -24,23 +25,6 @@ constexpr std::size_t kMostFaults = 20;
 
 bool has_hidden_goal(const tasks::Annotations& annotations) {
   return std::ranges::any_of(annotations.paths, &tasks::PathAnnotation::goal_hidden);
-}
-
-/// The data set's file of a split of a benchmark; none if it has none.
-std::optional<fs::path> find_file(const dataset::Dataset& data, tasks::Task task,
-                                  const std::string& split) {
-  try {
-    if (task == tasks::Task::kR2r) return data.annotations_file(split);
-    return data.annotations_file(task, split);
-  } catch (const FileError&) {
-    return std::nullopt;
-  }
-}
-
-std::optional<fs::path> find_file(const dataset::Dataset& data, const Phase& phase) {
-  const tasks::Benchmark& benchmark = *phase.benchmark;
-  if (!benchmark.continuous()) return find_file(data, benchmark.task, phase.split);
-  return agents::find_continuous_split(benchmark, data.folder(), phase.split);
 }
 
 /// Everything of a path that could tell where it leads, or what is asked for there, goes.
@@ -110,12 +94,13 @@ std::vector<fs::path> served_places(const dataset::Dataset& data,
   const scan::PanoramaPlaces panoramas = data.panorama_places();
   std::vector<fs::path> places{data.folder(), panoramas.connectivity};
   places.insert(places.end(), panoramas.images.begin(), panoramas.images.end());
-  for (const std::string& split : data.splits()) {
-    const fs::path file = data.annotations_file(split);
+  const tasks::Benchmark& r2r = tasks::benchmark(tasks::Task::kR2r);
+  for (const std::string& split : data.splits(r2r)) {
+    const fs::path file = data.episodes_file(r2r, split);
     places.insert(places.end(), {file, file.parent_path()});
   }
   for (const Phase& phase : phases) {
-    const auto file = find_file(data, phase);
+    const auto file = data.find_episodes(*phase.benchmark, phase.split);
     if (file) places.insert(places.end(), {*file, file->parent_path()});
   }
   std::erase_if(places, [](const fs::path& place) { return place.empty(); });
@@ -143,83 +128,75 @@ void check_is_elsewhere(const fs::path& secret, const Phase& phase,
   }
 }
 
-[[noreturn]] void refuse_hidden_goal(const Phase& phase, const std::string& file) {
-  throw InvalidInput({{Severity::kError, file, "$", "hidden-goal",
-                       "phase " + phase.name + " cannot be scored: a path in it has no goal"}});
-}
-
-tasks::EpisodeSet read_graph_goals(const Phase& phase, const dataset::Dataset& data,
-                                   std::shared_ptr<const graph::GraphSet> graphs) {
-  const tasks::Task task = phase.benchmark->task;
-  const auto public_file = [&] {
-    return task == tasks::Task::kR2r ? data.annotations_file(phase.split)
-                                     : data.annotations_file(task, phase.split);
-  };
-  const fs::path file = phase.goals_secret() ? phase.annotations : public_file();
-  const tasks::Annotations annotations = tasks::load_annotations(file, phase.split, task);
+tasks::Split read_on_graph(const Phase& phase, const fs::path& file, const dataset::Dataset& data,
+                           std::shared_ptr<const graph::GraphSet> graphs) {
+  const auto annotations = tasks::load_annotations(file, phase.split, phase.benchmark->task);
   if (phase.goals_secret()) check_ids_are_silent(annotations);
-  tasks::EpisodeSet episodes =
+  return tasks::Split(
       tasks::make_episodes(annotations, std::move(graphs), tasks::Instructions::kScored,
-                           tasks::needs_boxes(annotations) ? &data.objects() : nullptr);
-  if (tasks::goals_hidden(episodes)) refuse_hidden_goal(phase, file.string());
-  return episodes;
+                           tasks::needs_boxes(annotations) ? &data.objects() : nullptr));
 }
 
-ContinuousGoals read_continuous_goals(const Phase& phase, const dataset::Dataset& data,
-                                      const graph::GraphSet& graphs) {
-  const agents::ContinuousSetup& setup = agents::continuous_setup(*phase.benchmark);
-  ContinuousGoals goals;
-  if (phase.goals_secret()) {
-    goals.episodes = tasks::load_continuous_episodes(phase.annotations, phase.split);
-    if (!phase.experts.empty()) goals.experts = tasks::load_expert_walks(phase.experts);
-  } else {
-    goals.episodes = agents::load_continuous_split(*setup.benchmark, data.folder(), phase.split);
-    goals.experts = agents::load_experts_of(*setup.benchmark, data.folder(), phase.split);
+tasks::Split read_continuous(const Phase& phase, const dataset::Dataset& data) {
+  if (!phase.goals_secret()) return data.split(*phase.benchmark, phase.split);
+  std::shared_ptr<const tasks::ExpertWalks> experts;
+  if (!phase.experts.empty()) {
+    experts = std::make_shared<const tasks::ExpertWalks>(tasks::load_expert_walks(phase.experts));
   }
-  if (tasks::goals_hidden(goals.episodes)) refuse_hidden_goal(phase, goals.episodes.file);
-  goals.buildings =
-      std::make_shared<const continuous::Buildings>(data.folder() / setup.navigation_folder());
-  std::vector<std::size_t> all(goals.episodes.episodes.size());
+  return {*phase.benchmark,
+          std::make_shared<const tasks::ContinuousEpisodes>(
+              tasks::load_continuous_episodes(phase.annotations, phase.split)),
+          std::move(experts)};
+}
+
+SecretEpisodes read_goals(const Phase& phase, const dataset::Dataset& data,
+                          const std::shared_ptr<const graph::GraphSet>& graphs) {
+  const fs::path file =
+      phase.goals_secret() ? phase.annotations : data.episodes_file(*phase.benchmark, phase.split);
+  SecretEpisodes read{phase.benchmark->continuous() ? read_continuous(phase, data)
+                                                    : read_on_graph(phase, file, data, graphs)};
+  if (read.split.goals_hidden()) {
+    throw InvalidInput({{Severity::kError, file.string(), "$", "hidden-goal",
+                         "phase " + phase.name + " cannot be scored: a path in it has no goal"}});
+  }
+  const auto& episodes = read.split.continuous();
+  if (episodes == nullptr) return read;
+  read.buildings = agents::open_buildings(*phase.benchmark, data.folder());
+  std::vector<std::size_t> all(read.split.size());
   std::iota(all.begin(), all.end(), 0U);
-  for (const tasks::ContinuousEpisode& one : goals.episodes.episodes) graphs.at(one.scan());
-  agents::check_goals(goals.episodes, *goals.buildings, all);
-  return goals;
+  for (const tasks::ContinuousEpisode& one : episodes->episodes) graphs->at(one.scan());
+  agents::check_goals(*episodes, *read.buildings, all);
+  return read;
 }
 
 }  // namespace
 
-std::size_t count_episodes(const SecretEpisodes& episodes) noexcept {
-  const auto* graph = std::get_if<tasks::EpisodeSet>(&episodes);
-  if (graph != nullptr) return graph->episodes.size();
-  return std::get_if<ContinuousGoals>(&episodes)->episodes.episodes.size();
-}
-
 std::shared_ptr<const Site> Site::open(const fs::path& data, std::vector<Phase> phases) {
-  const std::shared_ptr<Site> site(new Site);
-  const dataset::Dataset set(data);
-  site->data_ = set;
-  site->graphs_ = set.graphs();
-  site->graphs_->load_all();
-  site->panoramas_ = set.panoramas();
-  site->folder_ = set.folder();
-  site->image_folders_ = set.panorama_places().images;
-  site->synthetic_ = set.synthetic();
-  site->phases_ = std::move(phases);
-  site->check_goals_are_elsewhere(set);
-  site->read_splits(set);
-  site->read_phases(set);
-  site->hide_goals();
-  site->count_rooms(set);
-  return site;
+  return std::shared_ptr<const Site>(new Site(data, std::move(phases)));
 }
 
-void Site::count_rooms(const dataset::Dataset& data) {
+Site::Site(const fs::path& data, std::vector<Phase> phases)
+    : data_(data),
+      graphs_(data_.graphs()),
+      panoramas_(data_.panoramas()),
+      phases_(std::move(phases)),
+      image_folders_(data_.panorama_places().images),
+      synthetic_(data_.synthetic()) {
+  graphs_->load_all();
+  check_goals_are_elsewhere();
+  read_splits();
+  read_phases();
+  hide_goals();
+  count_rooms();
+}
+
+void Site::count_rooms() {
   try {
-    data.regions_file();
+    data_.regions_file();
   } catch (const FileError&) {
     return;  // many data sets have none
   }
-  const scan::RegionMap& regions = data.regions();
+  const scan::RegionMap& regions = data_.regions();
   for (std::size_t s = 0; s < graphs_->size(); ++s) {
     const graph::NavGraph& graph = graphs_->graph(ScanIndex(s));
     std::set<std::uint32_t> seen;
@@ -235,7 +212,7 @@ const tasks::ObjectBoxes* Site::objects() const {
   const std::scoped_lock lock(objects_mutex_);
   if (broken_objects_) std::rethrow_exception(broken_objects_);
   try {
-    return &data_->objects();
+    return &data_.objects();
   } catch (const FileError&) {
     return nullptr;  // many data sets have none
   } catch (const InvalidInput&) {
@@ -249,26 +226,26 @@ std::optional<std::size_t> Site::rooms(ScanIndex scan) const {
   return rooms_[scan.at()];
 }
 
-void Site::read_splits(const dataset::Dataset& data) {
+void Site::read_splits() {
   for (const tasks::Benchmark& one : tasks::benchmarks()) {
     if (one.continuous()) continue;
-    for (const std::string_view name : dataset::kSplits) {
-      read_split(data, one.task, std::string(name));
+    for (const std::string_view name : tasks::benchmark(tasks::Task::kR2r).splits) {
+      read_split(one.task, std::string(name));
     }
   }
-  for (const Phase& phase : phases_) read_split(data, phase.benchmark->task, phase.split);
+  for (const Phase& phase : phases_) read_split(phase.benchmark->task, phase.split);
 }
 
-void Site::read_split(const dataset::Dataset& data, tasks::Task task, const std::string& name) {
-  const auto file = find_file(data, task, name);
+void Site::read_split(tasks::Task task, const std::string& name) {
+  const auto file = data_.find_episodes(tasks::benchmark(task), name);
   if (!file || find_split(name, task) != nullptr) return;  // a data set may lack any of the splits
   tasks::Annotations annotations = tasks::load_annotations(*file, name, task);
   tasks::look_up_paths(annotations, *graphs_);  // throws if a path cannot be shown on a plan
   splits_.push_back({std::move(annotations), false});
 }
 
-void Site::check_goals_are_elsewhere(const dataset::Dataset& data) const {
-  const std::vector<fs::path> served = served_places(data, phases_);
+void Site::check_goals_are_elsewhere() const {
+  const std::vector<fs::path> served = served_places(data_, phases_);
   for (const Phase& phase : phases_) {
     if (!phase.goals_secret()) continue;
     for (const fs::path& secret : {phase.annotations, phase.experts}) {
@@ -277,7 +254,7 @@ void Site::check_goals_are_elsewhere(const dataset::Dataset& data) const {
   }
 }
 
-void Site::read_phases(const dataset::Dataset& data) {
+void Site::read_phases() {
   if (phases_.empty()) {
     for (const PublicSplit& split : splits_) {
       const std::string& name = split.annotations.split;
@@ -287,13 +264,7 @@ void Site::read_phases(const dataset::Dataset& data) {
       phase.name = phase.title = phase.split = name;
     }
   }
-  for (const Phase& phase : phases_) {
-    if (phase.benchmark->continuous()) {
-      secret_.emplace_back(read_continuous_goals(phase, data, *graphs_));
-    } else {
-      secret_.emplace_back(read_graph_goals(phase, data, graphs_));
-    }
-  }
+  for (const Phase& phase : phases_) secret_.push_back(read_goals(phase, data_, graphs_));
 }
 
 // The annotations of a secret phase may be in the data set too, by mistake; and what R2R says of a
@@ -301,11 +272,9 @@ void Site::read_phases(const dataset::Dataset& data) {
 void Site::hide_goals() {
   std::erase_if(splits_, [this](const PublicSplit& split) { return tells_ends(split, phases_); });
   for (PublicSplit& split : splits_) {
-    const bool secret = std::ranges::any_of(phases_, [&split](const Phase& phase) {
-      return phase.goals_secret() && phase.split == split.annotations.split &&
-             share_paths(*phase.benchmark, tasks::benchmark(split.annotations.task));
-    });
-    if (secret) std::ranges::for_each(split.annotations.paths, hide_goal);
+    if (find_secret(phases_, split.annotations.split, tasks::benchmark(split.annotations.task))) {
+      std::ranges::for_each(split.annotations.paths, hide_goal);
+    }
     split.goals_hidden = has_hidden_goal(split.annotations);
   }
 }

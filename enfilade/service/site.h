@@ -6,7 +6,6 @@
 #include <mutex>
 #include <optional>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "enfilade/continuous/buildings.h"
@@ -15,7 +14,7 @@
 #include "enfilade/scan/panorama_set.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/tasks/annotations.h"
-#include "enfilade/tasks/continuous_episodes.h"
+#include "enfilade/tasks/split.h"
 
 namespace enfilade::service {
 
@@ -26,17 +25,11 @@ struct PublicSplit {
   bool goals_hidden = false;
 };
 
-/// Goals of continuous episodes, for scoring.
-struct ContinuousGoals {
-  tasks::ContinuousEpisodes episodes;
-  tasks::ExpertWalks experts;  ///< may be empty
-  std::shared_ptr<const continuous::Buildings> buildings;
+/// A phase's episodes with their goals, for scoring.
+struct SecretEpisodes {
+  tasks::Split split;
+  std::shared_ptr<const continuous::Buildings> buildings = {};  ///< null on graphs
 };
-
-/// A phase's episodes with their goals; the second where the phase is a continuous one.
-using SecretEpisodes = std::variant<tasks::EpisodeSet, ContinuousGoals>;
-/// How many there are.
-std::size_t count_episodes(const SecretEpisodes& episodes) noexcept;
 
 /// Graphs, panoramas and annotations of a data set, and the phases of an evaluation. Immutable:
 /// any thread may read it. Secret annotations are in secret_episodes() only, which only scoring
@@ -75,9 +68,9 @@ class Site {
   /// none.
   /// \throws InvalidInput, again at each call, without reading the broken file again
   const tasks::ObjectBoxes* objects() const;
-  const dataset::Dataset& data() const noexcept { return *data_; }
+  const dataset::Dataset& data() const noexcept { return data_; }
   /// The data set's folder, and those that are searched for its panoramas.
-  const std::filesystem::path& folder() const noexcept { return folder_; }
+  const std::filesystem::path& folder() const noexcept { return data_.folder(); }
   const std::vector<std::filesystem::path>& image_folders() const noexcept {
     return image_folders_;
   }
@@ -85,15 +78,15 @@ class Site {
   bool synthetic() const noexcept { return synthetic_; }
 
  private:
-  Site() = default;
-  void read_splits(const dataset::Dataset& data);
-  void read_split(const dataset::Dataset& data, tasks::Task task, const std::string& name);
-  void check_goals_are_elsewhere(const dataset::Dataset& data) const;
-  void read_phases(const dataset::Dataset& data);
+  Site(const std::filesystem::path& data, std::vector<Phase> phases);
+  void read_splits();
+  void read_split(tasks::Task task, const std::string& name);
+  void check_goals_are_elsewhere() const;
+  void read_phases();
   void hide_goals();
-  void count_rooms(const dataset::Dataset& data);
+  void count_rooms();
 
-  std::optional<dataset::Dataset> data_;
+  dataset::Dataset data_;
   mutable std::mutex objects_mutex_;
   mutable std::exception_ptr broken_objects_;  // the error of objects()
   std::shared_ptr<const graph::GraphSet> graphs_;
@@ -102,9 +95,8 @@ class Site {
   std::vector<Phase> phases_;
   std::vector<SecretEpisodes> secret_;  // as phases_
   std::vector<std::size_t> rooms_;      // by ScanIndex; empty if unknown
-  std::filesystem::path folder_;
   std::vector<std::filesystem::path> image_folders_;
-  bool synthetic_ = false;
+  bool synthetic_;
 };
 
 }  // namespace enfilade::service

@@ -1,4 +1,3 @@
-#include "enfilade/sim/matter_sim_random.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "enfilade/render/renderer.h"
-#include "enfilade/sim/state.h"
+#include "enfilade/sim/simulator.h"
 
 namespace enfilade::sim {
 

@@ -9,14 +9,12 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/core/threads.h"
-#include "enfilade/sim/detail/camera_direction.h"
 #include "enfilade/sim/detail/navigable_views.h"
-#include "enfilade/sim/matter_sim_random.h"
 
 namespace enfilade::sim {
 namespace {
 
-using detail::Direction;
+using detail::FloorDirection;
 using detail::NavigableViews;
 using graph::NavGraph;
 
@@ -72,11 +70,6 @@ void prefetch([[maybe_unused]] std::span<const graph::Edge> edges) {
 #endif
 }
 
-// The navigable lists that indices of actions refer to, or temporary ones in write_state().
-struct Lists {
-  std::span<std::uint32_t> count, target;
-};
-
 struct CheckedStart {
   const NavGraph* graph;
   EpisodeStart start;
@@ -87,10 +80,6 @@ template <class... Args>
 [[noreturn]] void fail(std::size_t agent, fmt::format_string<Args...> format, Args&&... args) {
   throw ActionError(
       agent, fmt::format("agent {}: {}", agent, fmt::format(format, std::forward<Args>(args)...)));
-}
-
-[[noreturn]] void fail_without_episode(std::size_t agent) {
-  throw ArgumentError(fmt::format("agent {}: no episode was started", agent));
 }
 
 void check_angle(std::size_t agent, const char* name, Radians angle) {
@@ -127,15 +116,13 @@ struct Simulator::Impl {
   }
   void advance(std::size_t agent, const Action& action);
   void look_around(std::size_t begin, std::size_t end, NavigableViews& scratch) const;
-  void observe(std::size_t begin, std::size_t end, NavigableViews& scratch, const StateSpans& out,
-               const Lists& lists) const;
+  void observe(std::size_t begin, std::size_t end, NavigableViews& scratch, const StateSpans& out);
   void observe_all(const StateSpans& out);
-  Lists lists() { return {agents.navigable_count, agents.target}; }
 
   std::shared_ptr<const graph::GraphSet> graphs;
   SimulatorConfig config;
   detail::ViewLimit limit;
-  std::array<Direction, kHeadings> directions;  // of discretized viewing
+  std::array<FloorDirection, kHeadings> directions;  // of discretized viewing
   Agents agents;
   StateBuffer buffer;
   StateSpans state;  // of buffer
@@ -194,7 +181,7 @@ void Simulator::Impl::check_actions(std::span<const Action> actions) const {
 // Throws what is wrong with an action that cannot be carried out.
 void Simulator::Impl::explain(std::size_t agent, const Action& action) const {
   const std::uint32_t count = agents.navigable_count[agent];
-  if (count == 0) fail_without_episode(agent);
+  if (count == 0) throw ArgumentError(fmt::format("agent {}: no episode was started", agent));
   if (action.index >= count) {
     const NavGraph& graph = *agents.graph[agent];
     fail(agent, "index {} of its navigable list: 0 to {} are allowed at viewpoint {} of scan {}",
@@ -295,7 +282,7 @@ void Simulator::Impl::look_around(std::size_t begin, std::size_t end,
     edges[i] = agents.graph[begin + i]->edges(agents.viewpoint[begin + i]);
     prefetch(edges[i]);
   }
-  std::array<Direction, kChunk> camera;
+  std::array<FloorDirection, kChunk> camera;
   if (config.viewing == Viewing::kDiscretized) {
     for (std::size_t i = 0; i < n; ++i) {
       camera[i] = directions[static_cast<std::size_t>(agents.heading_step[begin + i])];
@@ -312,7 +299,7 @@ void Simulator::Impl::look_around(std::size_t begin, std::size_t end,
 }
 
 void Simulator::Impl::observe(std::size_t begin, std::size_t end, NavigableViews& scratch,
-                              const StateSpans& out, const Lists& lists) const {
+                              const StateSpans& out) {
   look_around(begin, end, scratch);
   const bool discretized = config.viewing == Viewing::kDiscretized;
   for (std::size_t i = begin; i < end; ++i) {
@@ -324,17 +311,17 @@ void Simulator::Impl::observe(std::size_t begin, std::size_t end, NavigableViews
     out.view_index[i] = discretized ? static_cast<std::uint32_t>(view) : 0;
     out.step[i] = agents.step[i];
     const std::size_t row = i * config.max_navigable;
-    lists.count[i] = scratch.write(
+    agents.navigable_count[i] = scratch.write(
         agents.viewpoint[i],
-        {&lists.target[row], &out.navigable_viewpoint[row], &out.navigable_rel_heading[row],
+        {&agents.target[row], &out.navigable_viewpoint[row], &out.navigable_rel_heading[row],
          &out.navigable_rel_elevation[row], &out.navigable_distance[row]});
-    out.navigable_count[i] = lists.count[i];
+    out.navigable_count[i] = agents.navigable_count[i];
   }
 }
 
 void Simulator::Impl::observe_all(const StateSpans& out) {
   for (std::size_t i = 0; i < config.batch_size; i += kChunk) {
-    observe(i, std::min(i + kChunk, config.batch_size), views, out, lists());
+    observe(i, std::min(i + kChunk, config.batch_size), views, out);
   }
 }
 
@@ -385,7 +372,6 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 const SimulatorConfig& Simulator::config() const noexcept { return impl_->config; }
-const graph::GraphSet& Simulator::graphs() const noexcept { return *impl_->graphs; }
 const StateSpans& Simulator::state() const noexcept { return impl_->state; }
 
 void Simulator::new_episodes(std::span<const EpisodeStart> starts, const StateSpans& out) {
@@ -402,7 +388,7 @@ void Simulator::new_episode(std::size_t agent, const EpisodeStart& start, const 
   impl_->check_agent(agent);
   impl_->check_output(out);
   impl_->begin(agent, impl_->checked(agent, start));
-  impl_->observe(agent, agent + 1, impl_->views, out, impl_->lists());
+  impl_->observe(agent, agent + 1, impl_->views, out);
 }
 
 void Simulator::new_random_episodes(std::span<const ScanIndex> scans, const StateSpans& out) {
@@ -419,16 +405,6 @@ void Simulator::new_random_episodes(std::span<const ScanIndex> scans, const Stat
   for (std::uint64_t& drawn : impl_->agents.random_episodes) ++drawn;
 }
 
-void Simulator::new_random_episode(std::size_t agent, ScanIndex scan, const StateSpans& out) {
-  impl_->check_agent(agent);
-  MatterSimRandom viewpoints = impl_->random;
-  MatterSimRandom headings;
-  for (std::size_t i = 0; i < agent; ++i) headings.heading();  // those of the agents before
-  new_episode(agent, impl_->draw_start(agent, scan, viewpoints, headings), out);
-  impl_->random = viewpoints;
-  ++impl_->agents.random_episodes[agent];
-}
-
 void Simulator::step(std::span<const Action> actions, const StateSpans& out) {
   impl_->check_output(out);
   impl_->check_actions(actions);
@@ -436,7 +412,7 @@ void Simulator::step(std::span<const Action> actions, const StateSpans& out) {
     for (std::size_t i = begin; i < end; i += kChunk) {
       const std::size_t last = std::min(i + kChunk, end);
       for (std::size_t k = i; k < last; ++k) impl_->advance(k, actions[k]);
-      impl_->observe(i, last, views, out, impl_->lists());
+      impl_->observe(i, last, views, out);
     }
   };
   if (config().threads == 1 || batch_size() <= kGrain) {
@@ -449,17 +425,58 @@ void Simulator::step(std::span<const Action> actions, const StateSpans& out) {
   });
 }
 
-void Simulator::write_state(const StateSpans& out) const {
-  impl_->check_output(out);
-  const Agents& agents = impl_->agents;
-  for (std::size_t i = 0; i < batch_size(); ++i) {
-    if (agents.navigable_count[i] == 0) fail_without_episode(i);
-  }
-  NavigableViews views(1, config().max_navigable);
-  std::vector<std::uint32_t> count(batch_size()), target(agents.target.size());
-  for (std::size_t i = 0; i < batch_size(); ++i) {
-    impl_->observe(i, i + 1, views, out, {count, target});
-  }
+StateBuffer::StateBuffer(std::size_t batch_size, std::size_t max_navigable) {
+  const auto resize = [](std::size_t size, auto&... arrays) { (arrays.resize(size), ...); };
+  resize(batch_size, scan_, viewpoint_, heading_, elevation_, view_index_, step_, navigable_count_);
+  resize(batch_size * max_navigable, navigable_viewpoint_, navigable_rel_heading_,
+         navigable_rel_elevation_, navigable_distance_);
+}
+
+StateSpans StateBuffer::spans() noexcept {
+  return {scan_,
+          viewpoint_,
+          heading_,
+          elevation_,
+          view_index_,
+          step_,
+          navigable_count_,
+          navigable_viewpoint_,
+          navigable_rel_heading_,
+          navigable_rel_elevation_,
+          navigable_distance_};
+}
+
+namespace {
+
+constexpr std::uint64_t kMultiplier = 16807;
+constexpr std::uint64_t kModulus = 2147483647;  // 2^31 - 1, prime
+constexpr std::uint32_t kMin = 1;
+constexpr std::uint32_t kMax = kModulus - 1;
+
+}  // namespace
+
+MatterSimRandom::MatterSimRandom(std::uint64_t seed) noexcept
+    : state_(static_cast<std::uint32_t>(seed % kModulus == 0 ? 1 : seed % kModulus)) {}
+
+std::uint32_t MatterSimRandom::next() noexcept {
+  state_ = static_cast<std::uint32_t>(state_ * kMultiplier % kModulus);
+  return state_;
+}
+
+std::uint32_t MatterSimRandom::below(std::uint32_t n) noexcept {
+  const std::uint32_t scaling = (kMax - kMin) / n;
+  const std::uint32_t past = n * scaling;
+  std::uint32_t drawn = next() - kMin;
+  while (drawn >= past) drawn = next() - kMin;
+  return drawn / scaling;
+}
+
+double MatterSimRandom::uniform() noexcept {
+  constexpr double kRange = static_cast<double>(kMax - kMin) + 1;
+  const double low = next() - kMin;
+  const double high = next() - kMin;
+  const double value = (low + high * kRange) / (kRange * kRange);
+  return value < 1 ? value : std::nextafter(1.0, 0.0);
 }
 
 }  // namespace enfilade::sim

@@ -11,9 +11,47 @@
 #include "enfilade/geometry/angle.h"
 #include "enfilade/geometry/camera.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/sim/state.h"
 
 namespace enfilade::sim {
+
+/// The state of n = batch agents. One array per quantity, shape (batch); for navigable viewpoints,
+/// shape (batch, max_navigable), row-major. Row k of `navigable_*` is filled up to
+/// navigable_count[k]; the rest is not changed. Entry 0 is the present viewpoint with zeros. The
+/// others follow by rising sqrt(rel_heading^2 + rel_elevation^2), ties by viewpoint.
+struct StateSpans {
+  std::span<ScanIndex> scan;
+  std::span<ViewpointIndex> viewpoint;
+  std::span<double> heading;            ///< radians, [0, 2 pi]
+  std::span<double> elevation;          ///< radians
+  std::span<std::uint32_t> view_index;  ///< 0..35 = 12 * row (down, level, up) + heading step;
+                                        ///< 0 if viewing is continuous
+  std::span<std::uint32_t> step;        ///< actions since the start
+  std::span<std::uint32_t> navigable_count;
+  std::span<ViewpointIndex> navigable_viewpoint;
+  std::span<double> navigable_rel_heading;    ///< radians from the view's middle, right positive
+  std::span<double> navigable_rel_elevation;  ///< radians from the view's middle, up positive
+  std::span<double> navigable_distance;       ///< metres, straight line
+
+  std::size_t batch_size() const noexcept { return scan.size(); }
+  /// Columns of navigable_*. \pre batch_size() > 0
+  std::size_t max_navigable() const noexcept { return navigable_viewpoint.size() / scan.size(); }
+};
+
+/// Memory for a StateSpans, for callers who keep more than one state of a simulator. A plain value.
+class StateBuffer {
+ public:
+  /// For `batch_size` agents with `max_navigable` entries in each navigable list.
+  StateBuffer(std::size_t batch_size, std::size_t max_navigable);
+  StateSpans spans() noexcept;  ///< valid as long as *this, until it is moved or assigned to
+
+ private:
+  std::vector<ScanIndex> scan_;
+  std::vector<ViewpointIndex> viewpoint_;
+  std::vector<double> heading_, elevation_;
+  std::vector<std::uint32_t> view_index_, step_, navigable_count_;
+  std::vector<ViewpointIndex> navigable_viewpoint_;
+  std::vector<double> navigable_rel_heading_, navigable_rel_elevation_, navigable_distance_;
+};
 
 /// Possible directions of agents.
 enum class Viewing {
@@ -86,17 +124,7 @@ struct Action {
   Radians elevation_change;  ///< up positive; likewise
 };
 
-/// An invalid action or start of one agent; the whole batch is as it was before the call. what()
-/// names agent, value and allowed range.
-class ActionError : public ArgumentError {
- public:
-  /// \param agent its place in the batch
-  ActionError(std::size_t agent, const std::string& what) : ArgumentError(what), agent_(agent) {}
-  std::size_t agent() const noexcept { return agent_; }
-
- private:
-  std::size_t agent_;
-};
+using enfilade::ActionError;
 
 /// Steps a batch of agents through the buildings of a GraphSet. Needs no picture, display or GPU.
 /// Each call that moves agents writes the whole state of each agent that it concerns. It writes
@@ -119,7 +147,6 @@ class Simulator {
   Simulator& operator=(Simulator&&) noexcept;
 
   const SimulatorConfig& config() const noexcept;
-  const graph::GraphSet& graphs() const noexcept;
   std::size_t batch_size() const noexcept { return config().batch_size; }
   /// The state written by the last calls without `out`; agents without such a call are 0. Valid as
   /// long as the simulator, which may be moved.
@@ -145,11 +172,6 @@ class Simulator {
   void new_random_episodes(std::span<const ScanIndex> scans) {
     new_random_episodes(scans, state());
   }
-  /// The same for one agent: with kUniform what new_random_episodes() would give it next.
-  void new_random_episode(std::size_t agent, ScanIndex scan, const StateSpans& out);
-  void new_random_episode(std::size_t agent, ScanIndex scan) {
-    new_random_episode(agent, scan, state());
-  }
 
   /// Performs one action per agent. If it throws, nothing has changed.
   /// \throws ArgumentError if actions.size() != batch_size(), `out` has other shapes or no episode
@@ -159,12 +181,31 @@ class Simulator {
   void step(std::span<const Action> actions, const StateSpans& out);
   void step(std::span<const Action> actions) { step(actions, state()); }
 
-  /// Writes the state again, e.g. into other memory. \throws as step()
-  void write_state(const StateSpans& out) const;
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// std::minstd_rand0 with libstdc++'s distributions on top, which the C++ standard leaves to each
+/// library: x <- 16807 x mod 2^31 - 1. Poor numbers by today's measure; kept because recorded runs
+/// start from them. A plain value: any thread.
+class MatterSimRandom {
+ public:
+  /// A seed that is a multiple of 2^31 - 1 counts as 1. Negative ones were converted to 64 bits
+  /// without sign.
+  explicit MatterSimRandom(std::uint64_t seed = 1) noexcept;
+
+  /// 1 .. 2^31 - 2.
+  std::uint32_t next() noexcept;
+  /// Uniform over 0 .. n-1: libstdc++'s uniform_int_distribution. \pre 0 < n <= 2^31 - 3
+  std::uint32_t below(std::uint32_t n) noexcept;
+  /// Uniform over [0, 1), from two draws: libstdc++'s generate_canonical<double, 53>.
+  double uniform() noexcept;
+  /// Uniform over [0, 2 pi).
+  Radians heading() noexcept { return Radians(uniform() * (2 * kPi)); }
+
+ private:
+  std::uint32_t state_;
 };
 
 }  // namespace enfilade::sim

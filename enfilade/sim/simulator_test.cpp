@@ -240,21 +240,6 @@ TEST(Simulator, OneAgentMayStartAgain) {
   EXPECT_THAT(w.list(1), ElementsAre(v(2), v(1), v(3)));
 }
 
-TEST(Simulator, StateMayBeWrittenElsewhere) {
-  Walker w(set_of(graph::testing::square()), unrestricted());
-  w.start(at(0));
-  w.act({2, Radians(1), Radians(0.25)});
-  StateBuffer copy(1, 32);
-  w.simulator.write_state(copy.spans());
-  const StateSpans got = copy.spans();
-  EXPECT_EQ(got.viewpoint[0], v(1));
-  EXPECT_EQ(got.heading[0], 1);
-  EXPECT_EQ(got.step[0], 1U);
-  EXPECT_EQ(got.navigable_count[0], 3U);
-  EXPECT_EQ(got.navigable_viewpoint[1], w.out.navigable_viewpoint[1]);
-  EXPECT_EQ(got.navigable_rel_heading[2], w.out.navigable_rel_heading[2]);
-}
-
 TEST(Simulator, OutputIsACopy) {
   Walker w(set_of(graph::testing::square()), unrestricted());
   w.start(at(0));
@@ -300,12 +285,11 @@ TEST(SimulatorErrors, ARefusedActionLeavesTheBatchAsItWas) {
   EXPECT_THAT(refused({0, Radians(kNaN), Radians(0)}).text, HasSubstr("heading change nan"));
   EXPECT_THAT(refused({0, Radians(0), Radians(-kInfinity)}).text,
               HasSubstr("elevation change -inf: any finite angle"));
-  StateBuffer now(3, 32);
-  w.simulator.write_state(now.spans());
-  for (const StateSpans& state : {w.out, now.spans()}) {
-    EXPECT_THAT(state.viewpoint, ElementsAre(v(0), v(0), v(0)));
-    EXPECT_THAT(state.step, ElementsAre(0U, 0U, 0U));
-    EXPECT_THAT(state.heading, ElementsAre(0, 0, 0));
+  for (const std::uint32_t steps : {0U, 1U}) {
+    EXPECT_THAT(w.out.viewpoint, ElementsAre(v(0), v(0), v(0)));
+    EXPECT_THAT(w.out.step, ElementsAre(steps, steps, steps));
+    EXPECT_THAT(w.out.heading, ElementsAre(0, 0, 0));
+    w.simulator.step(std::vector(3, Action{0, Radians(0), Radians(0)}), w.out);
   }
 }
 
@@ -327,7 +311,7 @@ TEST(SimulatorErrors, ARefusedStartLeavesTheBatchAsItWas) {
   EXPECT_EQ(refused(at(1, 0, kInfinity)).text,
             "agent 1: elevation inf: any finite angle is allowed");
   EXPECT_EQ(refused(at(4)).agent, 1);
-  w.simulator.write_state(w.out);
+  w.simulator.step(std::vector(2, Action{0, Radians(0), Radians(0)}), w.out);
   EXPECT_THAT(w.out.viewpoint, ElementsAre(v(0), v(1)));
 }
 
@@ -338,7 +322,6 @@ TEST(SimulatorErrors, ArgumentsOfTheWrongSizeAreNamed) {
   const std::vector<Action> one(1), two(2);
   const auto text = [](const auto& call) { return refusal(call).text; };
   EXPECT_EQ(text([&] { w.simulator.step(two, w.out); }), "agent 0: no episode was started");
-  EXPECT_EQ(text([&] { w.simulator.write_state(w.out); }), "agent 0: no episode was started");
   w.simulator.new_episode(0, at(0), w.out);
   EXPECT_EQ(text([&] { w.simulator.step(two, w.out); }), "agent 1: no episode was started");
   w.simulator.new_episode(1, at(0), w.out);
@@ -351,8 +334,6 @@ TEST(SimulatorErrors, ArgumentsOfTheWrongSizeAreNamed) {
             }),
             "scans: 1 elements, not 2");
   EXPECT_EQ(text([&] { w.simulator.new_episode(2, at(0), w.out); }), "agent 2: 0 to 1 are allowed");
-  EXPECT_EQ(text([&] { w.simulator.new_random_episode(2, scan, w.out); }),
-            "agent 2: 0 to 1 are allowed");
   StateBuffer narrow(2, 31);
   EXPECT_EQ(text([&] { w.simulator.step(two, narrow.spans()); }),
             "navigable_viewpoint: 62 elements, not 64");

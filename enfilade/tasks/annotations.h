@@ -1,6 +1,7 @@
 /// \file  Annotations: paths, the instructions that describe them, and what they ask for. One model
 /// for all benchmarks; the readers of their files are in the folder formats/ beside this one.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -15,9 +16,10 @@
 #include "enfilade/geometry/angle.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/goal.h"
-#include "enfilade/tasks/objects.h"
 
 namespace enfilade::tasks {
+
+class ObjectBoxes;
 
 /// Instructions of a path of R2R that are scored; a few paths have a fourth one, which is trained
 /// on only. Other benchmarks score all.
@@ -140,6 +142,12 @@ enum class Instructions {
   kAll,     ///< fourth ones too, for training
 };
 
+/// Which instructions of the split a results file has to answer.
+enum class Coverage : std::uint8_t {
+  kAll,   ///< a missing one is a fault
+  kPart,  ///< at least one: a part of the split is looked at on purpose
+};
+
 /// The episodes of a split, with their graphs. Immutable: any thread.
 struct EpisodeSet {
   std::string split;
@@ -176,5 +184,9 @@ EpisodeSet make_episodes(const Annotations& annotations,
                          std::shared_ptr<const graph::GraphSet> graphs,
                          Instructions instructions = Instructions::kScored,
                          const ObjectBoxes* objects = nullptr);
+
+/// The `instr_id` of instruction k: as its file has it, else made of the path's id.
+/// \pre k < path.instructions.size()
+std::string instruction_id(const PathAnnotation& path, std::size_t k);
 
 }  // namespace enfilade::tasks

@@ -54,46 +54,12 @@ constexpr auto kSoonPlaces =
                           "SOON/annotations/bert_enc/{}_enc.jsonl"});
 
 // VLN-CE's: newer versions first; of one version the one with tokens.
-constexpr auto kR2rCePlaces = std::to_array<Texts>(
-    {"vlnce/{}.json.gz", "R2R_VLNCE_v1-3_preprocessed/{}/{}.json.gz",
-     "R2R_VLNCE_v1-3/{}/{}.json.gz", "R2R_VLNCE_v1-2_preprocessed/{}/{}.json.gz",
-     "R2R_VLNCE_v1-2/{}/{}.json.gz", "data/datasets/R2R_VLNCE_v1-3_preprocessed/{}/{}.json.gz",
-     "data/datasets/R2R_VLNCE_v1-3/{}/{}.json.gz",
-     "data/datasets/R2R_VLNCE_v1-2_preprocessed/{}/{}.json.gz",
-     "data/datasets/R2R_VLNCE_v1-2/{}/{}.json.gz", "{}.json.gz"});
-constexpr auto kR2rCeExperts = std::to_array<Texts>(
-    {"vlnce/{}_gt.json.gz", "R2R_VLNCE_v1-3_preprocessed/{}/{}_gt.json.gz",
-     "R2R_VLNCE_v1-3/{}/{}_gt.json.gz", "R2R_VLNCE_v1-2_preprocessed/{}/{}_gt.json.gz",
-     "R2R_VLNCE_v1-2/{}/{}_gt.json.gz",
-     "data/datasets/R2R_VLNCE_v1-3_preprocessed/{}/{}_gt.json.gz",
-     "data/datasets/R2R_VLNCE_v1-3/{}/{}_gt.json.gz",
-     "data/datasets/R2R_VLNCE_v1-2_preprocessed/{}/{}_gt.json.gz",
-     "data/datasets/R2R_VLNCE_v1-2/{}/{}_gt.json.gz", "{}_gt.json.gz"});
-constexpr auto kR2rCeBertPlaces = std::to_array<Texts>(
-    {"vlnce/{}_bertidx.json.gz", "R2R_VLNCE_v1-3_BERTidx/{}/{}_bertidx.json.gz",
-     "R2R_VLNCE_v1-2_preprocessed_BERTidx/{}/{}_bertidx.json.gz",
-     "data/datasets/R2R_VLNCE_v1-3_BERTidx/{}/{}_bertidx.json.gz",
-     "data/datasets/R2R_VLNCE_v1-2_preprocessed_BERTidx/{}/{}_bertidx.json.gz",
-     "{}_bertidx.json.gz"});
-constexpr auto kRxrCeGuides = std::to_array<Texts>(
-    {"vlnce/{}_guide.json.gz", "RxR_VLNCE_v0/{}/{}_guide.json.gz",
-     "RxR_VLNCE_v0_enc_xlmr/{}/{}_guide.json.gz", "data/datasets/RxR_VLNCE_v0/{}/{}_guide.json.gz",
-     "data/datasets/RxR_VLNCE_v0_enc_xlmr/{}/{}_guide.json.gz", "{}_guide.json.gz"});
-constexpr auto kRxrCeGuideExperts = std::to_array<Texts>(
-    {"vlnce/{}_guide_gt.json.gz", "RxR_VLNCE_v0/{}/{}_guide_gt.json.gz",
-     "RxR_VLNCE_v0_enc_xlmr/{}/{}_guide_gt.json.gz",
-     "data/datasets/RxR_VLNCE_v0/{}/{}_guide_gt.json.gz",
-     "data/datasets/RxR_VLNCE_v0_enc_xlmr/{}/{}_guide_gt.json.gz", "{}_guide_gt.json.gz"});
-constexpr auto kRxrCeFollowers = std::to_array<Texts>(
-    {"vlnce/{}_follower.json.gz", "RxR_VLNCE_v0/{}/{}_follower.json.gz",
-     "RxR_VLNCE_v0_enc_xlmr/{}/{}_follower.json.gz",
-     "data/datasets/RxR_VLNCE_v0/{}/{}_follower.json.gz",
-     "data/datasets/RxR_VLNCE_v0_enc_xlmr/{}/{}_follower.json.gz", "{}_follower.json.gz"});
-constexpr auto kRxrCeFollowerExperts = std::to_array<Texts>(
-    {"vlnce/{}_follower_gt.json.gz", "RxR_VLNCE_v0/{}/{}_follower_gt.json.gz",
-     "RxR_VLNCE_v0_enc_xlmr/{}/{}_follower_gt.json.gz",
-     "data/datasets/RxR_VLNCE_v0/{}/{}_follower_gt.json.gz",
-     "data/datasets/RxR_VLNCE_v0_enc_xlmr/{}/{}_follower_gt.json.gz", "{}_follower_gt.json.gz"});
+constexpr auto kR2rCeFolders =
+    std::to_array<Texts>({"R2R_VLNCE_v1-3_preprocessed", "R2R_VLNCE_v1-3",
+                          "R2R_VLNCE_v1-2_preprocessed", "R2R_VLNCE_v1-2"});
+constexpr auto kR2rCeBertFolders =
+    std::to_array<Texts>({"R2R_VLNCE_v1-3_BERTidx", "R2R_VLNCE_v1-2_preprocessed_BERTidx"});
+constexpr auto kRxrCeFolders = std::to_array<Texts>({"RxR_VLNCE_v0", "RxR_VLNCE_v0_enc_xlmr"});
 
 constexpr std::array<FilePlaces, 1> kR2rFiles{{{"", kR2rPlaces}}};
 constexpr std::array<FilePlaces, 1> kR2rLastFiles{{{"", kR2rLastPlaces}}};
@@ -104,10 +70,9 @@ constexpr std::array<FilePlaces, 1> kReverieFiles{{{"", kReveriePlaces}}};
 constexpr std::array<FilePlaces, 1> kCvdnFiles{{{"", kCvdnPlaces}}};
 constexpr std::array<FilePlaces, 1> kSoonFiles{{{"", kSoonPlaces}}};
 constexpr std::array<FilePlaces, 2> kR2rCeFiles{
-    {{"", kR2rCePlaces, kR2rCeExperts}, {"bertidx", kR2rCeBertPlaces, kR2rCeExperts}}};
+    {{"", kR2rCeFolders, "{}"}, {"bertidx", kR2rCeBertFolders, "{}_bertidx", false}}};
 constexpr std::array<FilePlaces, 2> kRxrCeFiles{
-    {{"guide", kRxrCeGuides, kRxrCeGuideExperts},
-     {"follower", kRxrCeFollowers, kRxrCeFollowerExperts}}};
+    {{"guide", kRxrCeFolders, "{}_guide"}, {"follower", kRxrCeFolders, "{}_follower"}}};
 
 // Behind the table of CVDN is HAMT's scorer: its success is to end in the region, and it needs none
 // of the paths that files without dialogues lack. Goal progress is the same in all of CVDN's.
@@ -118,6 +83,8 @@ constexpr auto kBenchmarks = std::to_array<Benchmark>({
      .files = kR2rFiles,
      .scorers = scorers::kR2r,
      .scored_instructions = kScoredInstructions,
+     .leaderboard = "Those of R2R's test are known to its leaderboard only: hand the file in at "
+                    "eval.ai, challenge 97",
      .in_paper = true},
     {.name = "r2r-last",
      .title = "R2R-Last",
@@ -184,16 +151,15 @@ constexpr auto kBenchmarks = std::to_array<Benchmark>({
      .along_edges = false},
     {.name = "r2r-ce",
      .title = "R2R-CE",
-     .world = World::kContinuous,
+     .world = WorldKind::kContinuous,
      .goal = GoalKind::kPoint,
      .splits = kSplits,
      .files = kR2rCeFiles,
      .scorers = scorers::kR2rCe,
-     .form = ContinuousForm::kR2r,
-     .results_form = ContinuousResultsForm::kR2r},
+     .form = ContinuousForm::kR2r},
     {.name = "rxr-ce",
      .title = "RxR-CE",
-     .world = World::kContinuous,
+     .world = WorldKind::kContinuous,
      .task = Task::kRxr,
      .paths = Task::kRxr,
      .goal = GoalKind::kPoint,
@@ -201,8 +167,7 @@ constexpr auto kBenchmarks = std::to_array<Benchmark>({
      .files = kRxrCeFiles,
      .scorers = scorers::kRxrCe,
      .languages = true,
-     .form = ContinuousForm::kRxr,
-     .results_form = ContinuousResultsForm::kRxr},
+     .form = ContinuousForm::kRxr},
 });
 
 // benchmark(Task) is an index.
@@ -217,7 +182,7 @@ consteval bool is_by_task() {
 }
 static_assert(is_by_task());
 
-std::vector<std::string_view> names_of(std::optional<World> world) {
+std::vector<std::string_view> names_of(std::optional<WorldKind> world) {
   std::vector<std::string_view> names;
   for (const Benchmark& one : kBenchmarks) {
     if (!world || one.world == *world) names.push_back(one.name);
@@ -232,17 +197,33 @@ const FilePlaces& files_of(const Benchmark& benchmark, std::string_view kind) {
   throw LookupError(fmt::format("{} has no files of kind {:?}", benchmark.title, kind));
 }
 
-std::vector<std::filesystem::path> fill(std::span<const std::string_view> patterns,
+// Continuous: Enfilade's folder, those of the public code, the same where that has them, none.
+std::vector<std::string> patterns_of(const FilePlaces& files, std::string_view ending) {
+  if (files.name.empty()) return {files.places.begin(), files.places.end()};
+  const std::string file = fmt::format("{}{}.json.gz", files.name, ending);
+  std::vector<std::string> patterns{"vlnce/" + file};
+  for (const std::string_view before : {"", "data/datasets/"}) {
+    for (const std::string_view folder : files.places) {
+      patterns.push_back(fmt::format("{}{}/{{}}/{}", before, folder, file));
+    }
+  }
+  patterns.push_back(file);
+  return patterns;
+}
+
+std::vector<std::filesystem::path> fill(const std::vector<std::string>& patterns,
                                         std::string_view split) {
   std::vector<std::filesystem::path> places;
-  for (const std::string_view pattern : patterns) {
-    std::string place(pattern);
+  for (std::string place : patterns) {
     for (std::size_t at = place.find("{}"); at != std::string::npos;
          at = place.find("{}", at + split.size())) {
       place.replace(at, 2, split);
     }
     places.emplace_back(place);
-    if (!place.ends_with(".gz")) places.emplace_back(place + ".gz");
+    constexpr std::string_view kPacked = ".gz";
+    const bool packed = place.ends_with(kPacked);  // people unpack files, too
+    places.emplace_back(packed ? place.substr(0, place.size() - kPacked.size())
+                               : place.append(kPacked));
   }
   return places;
 }
@@ -272,10 +253,10 @@ const Benchmark& benchmark(std::string_view name) {
       fmt::format("no task {:?}; there are {}", name, fmt::join(names_of(std::nullopt), ", ")));
 }
 
-const Benchmark& benchmark(std::string_view name, World world) {
+const Benchmark& benchmark(std::string_view name, WorldKind world) {
   const Benchmark* found = find_benchmark(name);
   if (found != nullptr && found->world == world) return *found;
-  const std::string_view what = world == World::kGraph ? "task" : "continuous benchmark";
+  const std::string_view what = world == WorldKind::kGraph ? "task" : "continuous benchmark";
   throw LookupError(
       fmt::format("no {} {:?}; there are {}", what, name, fmt::join(names_of(world), ", ")));
 }
@@ -286,12 +267,14 @@ const Benchmark& benchmark(Task task) noexcept {
 
 std::vector<std::filesystem::path> episode_places(const Benchmark& benchmark,
                                                   std::string_view split, std::string_view kind) {
-  return fill(files_of(benchmark, kind).episodes, split);
+  return fill(patterns_of(files_of(benchmark, kind), ""), split);
 }
 
 std::vector<std::filesystem::path> expert_places(const Benchmark& benchmark, std::string_view split,
                                                  std::string_view kind) {
-  return fill(files_of(benchmark, kind).experts, split);
+  const FilePlaces& files = files_of(benchmark, kind);
+  if (!benchmark.continuous()) return {};
+  return fill(patterns_of(files.experts ? files : benchmark.files.front(), "_gt"), split);
 }
 
 }  // namespace enfilade::tasks

@@ -14,10 +14,9 @@
 namespace enfilade::tasks {
 
 enum class ContinuousForm : std::uint8_t;
-enum class ContinuousResultsForm : std::uint8_t;
 
 /// Where agents move: from viewpoint to viewpoint of a graph, or over a floor.
-enum class World : std::uint8_t { kGraph, kContinuous };
+enum class WorldKind : std::uint8_t { kGraph, kContinuous };
 
 /// What an episode asks for: the alternatives of NamedGoal, and a point on a floor.
 enum class GoalKind : std::uint8_t { kNearEnd, kTurningPoint, kObject, kRegion, kBoxes, kPoint };
@@ -29,15 +28,17 @@ enum class AnswerKind : std::uint8_t { kNone, kTurningPoint, kObject, kPoint };
 struct FilePlaces {
   std::string_view kind;  ///< "guide", "follower"; "bertidx"; empty: the only or usual kind
   /// In the order in which they are looked for: Enfilade's layout, then those of the public code.
-  std::span<const std::string_view> episodes;
-  std::span<const std::string_view> experts = {};  ///< continuous: the experts' walks
+  /// Continuous: folders of the public code, which have a folder of each split.
+  std::span<const std::string_view> places;
+  std::string_view name = {};  ///< continuous: of the files; "_gt" ends the experts'
+  bool experts = true;         ///< continuous: its own experts' walks; else those of the usual kind
 };
 
 /// A benchmark. Spans and names are of static storage.
 struct Benchmark {
   std::string_view name;   ///< in commands and files: "r2r-ce"
   std::string_view title;  ///< for people: "R2R-CE"
-  World world = World::kGraph;
+  WorldKind world = WorldKind::kGraph;
   Task task = Task::kR2r;   ///< graph: its own; continuous: the one whose paths it follows
   Task paths = Task::kR2r;  ///< whose paths its own were made from: equal paths tell equal goals
   GoalKind goal = GoalKind::kNearEnd;
@@ -50,13 +51,14 @@ struct Benchmark {
   std::string_view table_scorer = {};  ///< behind the columns of its table (report/)
   /// Graph: steps of a path join adjacent viewpoints. CVDN and SOON do not ask for it.
   bool along_edges = true;
-  std::size_t scored_instructions = 0;      ///< per path; 0: all
-  bool languages = false;                   ///< instructions have one, and tables a row for each
-  bool in_paper = false;                    ///< Anderson et al., CVPR 2018, table 1 has its rows
-  ContinuousForm form = {};                 ///< continuous: of its files
-  ContinuousResultsForm results_form = {};  ///< continuous: in which results are written
+  std::size_t scored_instructions = 0;  ///< per path; 0: all
+  /// Where results of splits with hidden goals are handed in, a sentence; empty: nowhere.
+  std::string_view leaderboard = {};
+  bool languages = false;    ///< instructions have one, and tables a row for each
+  bool in_paper = false;     ///< Anderson et al., CVPR 2018, table 1 has its rows
+  ContinuousForm form = {};  ///< continuous: in which results are written
 
-  constexpr bool continuous() const noexcept { return world == World::kContinuous; }
+  constexpr bool continuous() const noexcept { return world == WorldKind::kContinuous; }
   /// By name; the default where it is empty. \throws LookupError listing the names
   const Scorer& scorer(std::string_view scorer_name) const;
   /// By which leaderboards rank: the first column of the default scorer. A share, or metres of
@@ -71,12 +73,12 @@ const Benchmark* find_benchmark(std::string_view name) noexcept;
 /// By name. \throws LookupError listing the names
 const Benchmark& benchmark(std::string_view name);
 /// By name, of one world only. \throws LookupError listing the names of that world
-const Benchmark& benchmark(std::string_view name, World world);
+const Benchmark& benchmark(std::string_view name, WorldKind world);
 /// The benchmark on graphs.
 const Benchmark& benchmark(Task task) noexcept;
 
 /// Where a split's episodes may be in a folder of data, relative to it, in the order in which they
-/// are looked for. Each is looked for packed too (".gz").
+/// are looked for. Each is looked for packed (".gz") and plain.
 /// \param kind  of FilePlaces; empty: the usual one \throws LookupError for another
 std::vector<std::filesystem::path> episode_places(const Benchmark& benchmark,
                                                   std::string_view split,

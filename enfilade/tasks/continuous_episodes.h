@@ -73,10 +73,15 @@ struct ContinuousInstruction {
   friend bool operator==(const ContinuousInstruction&, const ContinuousInstruction&) = default;
 };
 
+/// The scan of a scene's path: its file's name without folders and extensions. If the file's folder
+/// is named after it, as HM3D's are, its folder's name: "00800-TEEsavR23oF" of
+/// "hm3d/val/00800-TEEsavR23oF/TEEsavR23oF.basis.glb". A part of `scene`; empty for a folder.
+std::string_view scan_of_scene(std::string_view scene) noexcept;
+
 /// An episode. What test splits hide has no value.
 struct ContinuousEpisode {
   FileId id, trajectory_id;  ///< the trajectory's is R2R's or RxR's path_id
-  std::string scene;         ///< as written: "mp3d/zsNo4HB9uLZ/zsNo4HB9uLZ.glb"
+  std::string scene;         ///< as written: "mp3d/zsNo4HB9uLZ/zsNo4HB9uLZ.glb"; may be absolute
   Vec3d start;               ///< the floor under the body
   StartRotation rotation;
   std::optional<EpisodeInfo> info = {};
@@ -85,8 +90,8 @@ struct ContinuousEpisode {
   std::optional<std::vector<Vec3d>> reference_path = {};  ///< start to goal; one point at least
   OtherFields others = {};
 
-  /// The scan of a scene: its file's name without folders and extension. Valid as long as *this.
-  std::string_view scan() const noexcept;
+  /// scan_of_scene(). Valid as long as *this.
+  std::string_view scan() const noexcept { return scan_of_scene(scene); }
   /// In [0, 2 pi). \pre rotation is one
   Radians start_heading() const { return rotation.heading(); }
   bool goal_hidden() const noexcept { return !goals.has_value(); }
@@ -113,19 +118,6 @@ struct ContinuousEpisodes {
 
 /// Whether the goal of any episode is hidden, as in test splits.
 bool goals_hidden(const ContinuousEpisodes& episodes) noexcept;
-
-/// What kind of file it is.
-enum class ContinuousForm : std::uint8_t {
-  kR2r,      ///< R2R-CE, versions 1-2 and 1-3: tokens of a vocabulary of 2,504 words
-  kR2rBert,  ///< its variant with BERT's word pieces
-  kRxr,      ///< RxR-CE: languages, and text features in other files
-};
-/// The form, by the file's content:
-/// - kRxr if an instruction has a language or a role
-/// - kR2rBert if the vocabulary has BERT's size or token for unknown words, or if instructions have
-///   80 tokens
-/// - else kR2r
-ContinuousForm form_of(const ContinuousEpisodes& episodes) noexcept;
 
 /// Reads `<split>.json.gz` of R2R-CE, `<split>_<role>.json.gz` of RxR-CE, packed or not. Fields
 /// that the model does not have are kept; null is read as no value where a field may be absent. One

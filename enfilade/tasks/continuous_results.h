@@ -1,7 +1,5 @@
-/// \file  Results in continuous environments: VLN-CE's two forms of files, and the input of
-/// scorers.
+/// \file  Results in continuous environments: VLN-CE's two forms of files.
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,14 +12,13 @@
 #include "enfilade/geometry/angle.h"
 #include "enfilade/geometry/vec.h"
 #include "enfilade/tasks/continuous_episodes.h"
-#include "enfilade/tasks/continuous_score.h"
-#include "enfilade/tasks/results.h"
 
 namespace enfilade::tasks {
 
 /// The trajectory of one episode, as a simulator recorded it or a file has it: n + 1 poses, n
 /// actions between them.
 struct ContinuousResult {
+  static constexpr std::uint8_t kStop = 0;
   std::size_t episode = 0;       ///< index into ContinuousEpisodes::episodes
   std::vector<Vec3f> positions;  ///< world, metres, (n + 1): the start, then after each action
   /// [0, 2 pi), (n + 1); empty if they are not known, as in RxR's form.
@@ -32,14 +29,16 @@ struct ContinuousResult {
   /// Whether each action ended in a collision, (n); empty if unknown, as in files.
   std::vector<std::uint8_t> collided;
 
-  bool stopped() const noexcept {
-    return !actions.empty() && actions.back() == ContinuousWalk::kStop;
-  }
+  bool stopped() const noexcept { return !actions.empty() && actions.back() == kStop; }
   friend bool operator==(const ContinuousResult&, const ContinuousResult&) = default;
 };
 
-/// In which form results are written.
-enum class ContinuousResultsForm : std::uint8_t {
+/// \param where  for the message
+/// \throws ArgumentError if the sizes of the arrays are not as stated
+void check_sizes(const ContinuousResult& walk, std::string_view where);
+
+/// Whose files a benchmark has, and in which form results are written.
+enum class ContinuousForm : std::uint8_t {
   /// VLN-CE's challenge on R2R: `{"<episode_id>": [{"position": [x, y, z], "heading": h, "stop":
   /// false}, ...], ...}`, a pose before the first action and after each. The heading is the angle
   /// about Habitat's y axis, -pi to pi: ours with the other sign.
@@ -85,24 +84,6 @@ std::vector<ContinuousResult> parse_continuous_results(std::string_view text,
 /// \throws ArgumentError (kRxr) for an episode without an instruction id
 /// \throws ArgumentError (kR2r) for a trajectory without headings
 std::string to_json(std::span<const ContinuousResult> walks, const ContinuousEpisodes& episodes,
-                    ContinuousResultsForm form);
-
-/// Owns the trajectory that score_continuous() takes. In Habitat's frame, as sums in single
-/// precision depend on the order of the coordinates.
-struct ScoredWalk {
-  std::vector<std::array<float, 3>> positions;  ///< Habitat's frame, metres, (n + 1)
-  std::vector<std::uint8_t> actions;            ///< (n)
-  std::vector<double> goal_distances;           ///< geodesic, metres, (n + 1)
-  std::vector<std::uint8_t> collided;           ///< (n); empty if it is not known
-
-  /// Valid as long as *this.
-  ContinuousWalk view() const noexcept { return {positions, actions, goal_distances, collided}; }
-};
-/// \param goal_distances  per position, metres; infinite: out of reach
-/// \throws ArgumentError if there are not as many as positions, or the trajectory's arrays do not
-/// fit
-ScoredWalk to_score(const ContinuousResult& walk, std::vector<double> goal_distances);
-/// An expert's locations, or a reference path, as score_continuous() takes them.
-std::vector<Point3> reference_to_score(std::span<const Vec3d> points);
+                    ContinuousForm form);
 
 }  // namespace enfilade::tasks

@@ -1,26 +1,65 @@
 /// \file  Scores of walks in continuous space (VLN-CE): those of its released measures, and of
-/// ETPNav's evaluation, which much later code copies. Formulas: docs/tasks.md.
+/// ETPNav's evaluation, which much later code copies. The time warping of points that both need.
+/// Formulas: docs/tasks.md.
 #pragma once
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
-#include "enfilade/tasks/fast_dtw.h"
+#include "enfilade/geometry/vec.h"
 
 namespace enfilade::tasks {
+
+struct ContinuousResult;
+
+/// x, y, z in metres.
+using Point3 = std::array<double, 3>;
+
+/// Least sum of Euclidean distances over alignments with steps (1, 0), (0, 1), (1, 1), both ends
+/// tied; metres. O(|a| |b|). \pre neither is empty
+double exact_dtw(std::span<const Point3> a, std::span<const Point3> b);
+
+/// The two forms of the Python package `fastdtw`. They disagree. In the compiled one, the last row
+/// of an odd list has the bounds of the row before. It allows no diagonal step beyond the end of
+/// the row above. It breaks ties in another order.
+enum class FastDtw : std::uint8_t { kPlain, kCompiled };
+
+/// FastDTW (Salvador and Chan 2007) with radius 1, as that package computes it. Both lists are
+/// halved until one has fewer than three points, and aligned. Then the alignment is refined in a
+/// window around the coarser one. Never less than exact_dtw(). O(|a| + |b|).
+/// \pre neither is empty
+double fast_dtw(std::span<const Point3> a, std::span<const Point3> b, FastDtw form);
 
 /// A walk as a simulator recorded it: n + 1 poses, n actions between them. Spans must outlive what
 /// is computed from it.
 struct ContinuousWalk {
-  static constexpr std::uint8_t kStop = 0;
   std::span<const std::array<float, 3>> positions;  ///< metres, (n + 1)
   std::span<const std::uint8_t> actions;            ///< (n): 0 stop, 1 forward, 2 left, 3 right
   std::span<const double> goal_distances;  ///< geodesic, at each pose, (n + 1); infinite: no way
   /// Whether each action ended in a collision, (n); empty if that is not known.
   std::span<const std::uint8_t> collided;
 };
+
+/// Owns the trajectory that score_continuous() takes. In Habitat's frame, as sums in single
+/// precision depend on the order of the coordinates.
+struct ScoredWalk {
+  std::vector<std::array<float, 3>> positions;  ///< Habitat's frame, metres, (n + 1)
+  std::vector<std::uint8_t> actions;            ///< (n)
+  std::vector<double> goal_distances;           ///< geodesic, metres, (n + 1)
+  std::vector<std::uint8_t> collided;           ///< (n); empty if it is not known
+
+  /// Valid as long as *this.
+  ContinuousWalk view() const noexcept { return {positions, actions, goal_distances, collided}; }
+};
+/// \param goal_distances  per position, metres; infinite: out of reach
+/// \throws ArgumentError if there are not as many as positions, or the trajectory's arrays do not
+/// fit
+ScoredWalk to_score(const ContinuousResult& walk, std::vector<double> goal_distances);
+/// An expert's locations, or a reference path, as score_continuous() takes them.
+std::vector<Point3> reference_to_score(std::span<const Vec3d> points);
 
 /// The measures of VLN-CE with Habitat 0.1.7. Lengths and errors in metres, shares as fractions.
 struct ContinuousScore {

@@ -9,7 +9,7 @@
 #include "enfilade/core/detail/json.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/benchmark.h"
-#include "enfilade/tasks/instruction_ids.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::tasks {
 namespace {
@@ -167,6 +167,10 @@ std::vector<ReferencePath> look_up(const Annotations& annotations, const graph::
 }
 
 }  // namespace
+
+std::string instruction_id(std::int64_t path_id, std::size_t k) {
+  return fmt::format("{}_{}", path_id, k);
+}
 
 std::string instruction_id(const PathAnnotation& path, std::size_t k) {
   if (k < path.details.size() && !path.details[k].id.empty()) return path.details[k].id;

@@ -1,5 +1,6 @@
 /// \file  Annotation files of all benchmarks: finds the form, reads it, packed or not.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -8,10 +9,19 @@
 #include <vector>
 
 #include "enfilade/tasks/annotations.h"
-#include "enfilade/tasks/demonstrations.h"
 #include "enfilade/tasks/goal.h"
 
 namespace enfilade::tasks {
+
+/// A follower's trajectory for one instruction, with the scores of the data set's authors.
+struct Demonstration {
+  std::int64_t demonstration_id = 0, instruction_id = 0, annotator_id = 0;
+  std::vector<std::string> path;
+  /// Metres (dtw is not normalised), shares. Against the guide's path of the instruction. Published
+  /// ones cannot be reproduced exactly from connectivity files: docs/tasks.md.
+  double ne = 0, sr = 0, spl = 0, dtw = 0, ndtw = 0, sdtw = 0;
+  friend bool operator==(const Demonstration&, const Demonstration&) = default;
+};
 
 /// Which benchmark a text of annotations is of, by the fields of its first record; R2R-Last looks
 /// like R2R. No value if it has no record, or the first is no object.
@@ -38,11 +48,14 @@ Annotations parse_annotations(std::string_view text, const std::string& file, st
 /// - CVDN: a list, in HAMT's form if there are token ids and no texts
 /// \throws ArgumentError for annotations that the form cannot express
 std::string to_text(const Annotations& annotations);
-/// SOON's annotations in their released form, where alternatives are neighbouring paths of one
-/// group. Token ids are left out. If the ids are those that the reader gives, parse_annotations()
-/// reads the text back equal.
-/// \throws ArgumentError for other annotations; for instructions without the four texts beside the
-/// whole
+/// SOON's annotations in their released form, one entry per line. Neighbouring paths of one group
+/// are an entry's alternatives; a path without a group is an entry. An entry without an `instr_id`
+/// gets its number in the file. Token ids are left out. If the ids are those that the reader gives,
+/// parse_annotations() reads the text back equal.
+/// \throws ArgumentError for other annotations than SOON's, naming the path:
+/// - instructions without the four texts beside the whole
+/// - paths of one group that differ in more than the path, two groups of one instr_id
+/// - infinite numbers and text that is not UTF-8
 std::string to_released_soon(const Annotations& annotations);
 
 /// Whether boxes of objects are needed to find the viewpoints that see a goal. REVERIE's need them.
@@ -51,7 +64,9 @@ bool needs_boxes(const Annotations& annotations);
 /// Where REVERIE's boxes may be in that folder: a file, or a folder.
 std::vector<std::filesystem::path> object_places();
 
-/// RxR's followers. \throws as load_annotations()
+/// RxR's followers, one trajectory per line.
+/// \throws as load_annotations(): missing or wrongly typed fields, a negative id, an empty path, a
+/// repeated demonstration_id
 std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file);
 std::vector<Demonstration> parse_demonstrations(std::string_view lines, const std::string& file);
 /// The lines of a file of RxR's followers, which load_demonstrations() reads back equal.

@@ -1,9 +1,10 @@
-#include "enfilade/tasks/instruction_tokens.h"
+#include "enfilade/tasks/tokenizer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/continuous_episodes.h"
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks {

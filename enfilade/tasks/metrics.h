@@ -1,5 +1,6 @@
 /// \file  How well a trajectory follows its reference. Docs with equations: docs/tasks.md.
 #pragma once
+#include <array>
 #include <span>
 
 #include "enfilade/core/ids.h"
@@ -44,7 +45,28 @@ struct MetricField {
   const char* name;  ///< as in results of `enfilade score --json`: "nav_error"
   double EpisodeMetrics::*field;
 };
-std::span<const MetricField> metric_fields() noexcept;
+/// All of EpisodeMetrics, in its order.
+inline constexpr auto kMetricFields = std::to_array<MetricField>({
+    {"steps", &EpisodeMetrics::steps},
+    {"moves", &EpisodeMetrics::moves},
+    {"trajectory_length", &EpisodeMetrics::trajectory_length},
+    {"reference_length", &EpisodeMetrics::reference_length},
+    {"shortest", &EpisodeMetrics::shortest},
+    {"nav_error", &EpisodeMetrics::nav_error},
+    {"oracle_error", &EpisodeMetrics::oracle_error},
+    {"success", &EpisodeMetrics::success},
+    {"oracle_success", &EpisodeMetrics::oracle_success},
+    {"spl", &EpisodeMetrics::spl},
+    {"spl_refpath", &EpisodeMetrics::spl_refpath},
+    {"dtw", &EpisodeMetrics::dtw},
+    {"ndtw", &EpisodeMetrics::ndtw},
+    {"sdtw", &EpisodeMetrics::sdtw},
+    {"dtw_collapsed", &EpisodeMetrics::dtw_collapsed},
+    {"ndtw_collapsed", &EpisodeMetrics::ndtw_collapsed},
+    {"sdtw_collapsed", &EpisodeMetrics::sdtw_collapsed},
+    {"coverage", &EpisodeMetrics::coverage},
+    {"cls", &EpisodeMetrics::cls},
+});
 
 /// Sum of the shortest distances between consecutive viewpoints, metres; a repeated one costs
 /// nothing, one out of reach +inf. \pre viewpoints < graph.size()

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,9 +39,9 @@ class ObjectBoxes {
   ObjectBoxes() = default;
 
   /// One file of all viewpoints. Both usual forms: `{"<scan>_<viewpoint>": {"<viewpoint>":
-  /// {"<object>": {...}}}}`, and DUET's and HAMT's `BBoxes.json`, one level less. The viewpoint's
-  /// id begins after the last underscore. Fields of objects other than `name`, `visible_pos` and
-  /// `bbox2d` are ignored.
+  /// {"<object>": {...}}}}`, and DUET's and HAMT's `BBoxes.json`, one level less. Either id may
+  /// have underscores. The first form tells where the viewpoint's begins; the other is searched by
+  /// the whole key. Fields of objects other than `name`, `visible_pos` and `bbox2d` are ignored.
   /// \throws InvalidInput listing its faults with JSON paths:
   /// - not JSON, missing, repeated or wrongly typed fields, other keys than those
   /// - a view beyond 35 or given twice
@@ -61,7 +62,9 @@ class ObjectBoxes {
   /// long as *this.
   std::span<const ViewedObject> at(std::string_view scan, std::string_view viewpoint) const;
   bool has(std::string_view scan, std::string_view viewpoint) const;
-  /// Viewpoints of a scan that see an object, in ascending order of their ids.
+  /// Viewpoints of a scan that see an object, in ascending order of their ids. From keys with
+  /// several underscores and no second level, each cut that gives this scan: "a_b_c" may be
+  /// viewpoint "b_c" of "a". The scan's graph tells which exist.
   std::vector<std::string> seen_from(std::string_view scan, std::int64_t object) const;
   bool empty() const noexcept { return objects_.empty(); }
   Counts count() const;
@@ -71,9 +74,14 @@ class ObjectBoxes {
   std::string to_json(bool nested) const;
 
  private:
+  const std::vector<ViewedObject>* find(std::string_view scan, std::string_view viewpoint) const;
+  void insert(std::string_view scan, std::string_view viewpoint, bool is_sure,
+              std::vector<ViewedObject> objects);
+
   // By scan, then by viewpoint.
   std::map<std::string, std::map<std::string, std::vector<ViewedObject>, std::less<>>, std::less<>>
       objects_;
+  std::set<std::string, std::less<>> unsure_;  // keys with several places for a cut
 };
 
 }  // namespace enfilade::tasks

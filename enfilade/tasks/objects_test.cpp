@@ -13,7 +13,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/tasks/formats/reverie.h"
+#include "enfilade/tasks/formats/readers.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -97,6 +97,24 @@ TEST(ObjectBoxes, IdsOfOtherDataSetsHaveOtherLengths) {
   const ObjectBoxes boxes = parse(R"({"00000-kfPV7w3FaU5_000007": {}, "a_b_c": {}})");
   EXPECT_TRUE(boxes.has("00000-kfPV7w3FaU5", "000007"));
   EXPECT_TRUE(boxes.has("a_b", "c"));
+}
+
+// As cameras name their pictures: IMG_1_01.jpg.
+TEST(ObjectBoxes, ViewpointsMayHaveUnderscores) {
+  const std::string pot = R"({"7": )" + kPot + "}";
+  for (const std::string& text :
+       {R"({"home_IMG_1_01": {"IMG_1_01": )" + pot + "}}", R"({"home_IMG_1_01": )" + pot + "}"}) {
+    const ObjectBoxes boxes = parse(text);
+    EXPECT_EQ(boxes.at("home", "IMG_1_01").size(), 1U) << text;
+    EXPECT_FALSE(boxes.has("home", "01"));
+    EXPECT_FALSE(boxes.has("home", "IMG_1"));
+    EXPECT_THAT(boxes.seen_from("home", 7), ElementsAre("IMG_1_01"));
+  }
+  ObjectBoxes boxes;
+  boxes.add("my_home", "IMG_1_01", {});
+  for (const bool form : {true, false}) {
+    EXPECT_TRUE(parse(boxes.to_json(form)).has("my_home", "IMG_1_01"));
+  }
 }
 
 // A viewpoint with the number of an object is told apart by what stands there.
@@ -221,7 +239,8 @@ TEST(ObjectBoxes, DoesNotTakeWhatItCouldNotRead) {
   EXPECT_THAT(refusal("s", "v", {}), HasSubstr("viewpoint \"v\" of scan \"s\" is there already"));
   EXPECT_THAT(refusal("", "v", {}), HasSubstr("empty"));
   EXPECT_THAT(refusal("s", "", {}), HasSubstr("empty"));
-  EXPECT_THAT(refusal("s", "v_1", {}), HasSubstr("underscore"));
+  boxes.add("s", "v_1", {});
+  EXPECT_THAT(refusal("s_v", "1", {}), HasSubstr("is there already"));
   EXPECT_THAT(refusal("s", std::string(300, 'v'), {}), HasSubstr("too long"));
   EXPECT_THAT(refusal("s", "w", {{-1, "", {}, {}}}), HasSubstr("object -1 around viewpoint \"w\""));
   EXPECT_THAT(refusal("s", "w", {{1, "", {}, {}}, {1, "", {}, {}}}), HasSubstr("there twice"));

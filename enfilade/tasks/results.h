@@ -49,12 +49,6 @@ struct Results {
   std::vector<Diagnostic> warnings;      ///< e.g. an unscored fourth instruction was left out
 };
 
-/// Which instructions of the split a results file has to answer.
-enum class Coverage : std::uint8_t {
-  kAll,   ///< a missing one is a fault
-  kPart,  ///< at least one: a part of the split is looked at on purpose
-};
-
 /// Reads [{"instr_id": "1_0", "trajectory": [...]}, ...] and checks all of it. A trajectory's
 /// entries may be [viewpoint, heading, elevation] triples, [viewpoint] singles, plain viewpoint
 /// ids, or lists of those (sub-paths, as of DUET), in any mixture.
@@ -102,5 +96,19 @@ void check_trajectory(const Trajectory& trajectory, const EpisodeSet& episodes);
 /// \throws ArgumentError unless each episode has exactly one
 std::vector<std::size_t> trajectory_by_episode(const std::vector<Trajectory>& trajectories,
                                                const EpisodeSet& episodes);
+
+/// SOON's results as its own code (github.com/ZhuFengdaaa/SOON) writes and scores them:
+/// [{"instr_id": "7", "trajectory": [{"path": [[viewpoint, heading, elevation], ...],
+/// "obj_heading": h, "obj_elevation": e}, ...]}, ...]. Each instruction of an entry is an element
+/// of the list. It has an answer for each of its alternative paths that has a trajectory; null if
+/// the agent gave no direction.
+///
+/// parse_results() reads this form too. An answer is that of the first path of the entry which
+/// begins where it does and has none yet; "7_1" names one instruction. If all episodes have
+/// answers, the text is read back equal except `actions`.
+/// \throws ArgumentError if an episode's annotations did not name its entry, as those in DUET's
+/// form do not; for infinite numbers and text that is not UTF-8
+std::string to_released_soon(const std::vector<Trajectory>& trajectories,
+                             const EpisodeSet& episodes);
 
 }  // namespace enfilade::tasks

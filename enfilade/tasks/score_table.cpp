@@ -79,7 +79,7 @@ EpisodeMetrics metrics_of(const ScoreTable& table, std::size_t episode) {
   EpisodeMetrics metrics;
   const auto row = table.row(episode);
   std::size_t k = 0;
-  for (const MetricField& field : metric_fields()) metrics.*field.field = row[k++];
+  for (const MetricField& field : kMetricFields) metrics.*field.field = row[k++];
   return metrics;
 }
 

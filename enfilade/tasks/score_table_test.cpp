@@ -111,7 +111,7 @@ TEST(ScoreTable, JsonHasEveryFieldByName) {
   EXPECT_EQ(json["split"], "val");
   EXPECT_EQ(json["episodes"], 60);
   EXPECT_EQ(json["options"]["success_distance"], 3.0);
-  for (const MetricField& field : metric_fields()) {
+  for (const MetricField& field : kMetricFields) {
     const MeanInterval& mean = score.mean(field.name);
     EXPECT_EQ(json["means"][field.name]["mean"], mean.mean) << field.name;
     EXPECT_EQ(json["means"][field.name]["low"], mean.low) << field.name;

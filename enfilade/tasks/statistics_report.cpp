@@ -21,6 +21,10 @@ std::string share(std::size_t n, std::size_t of) {
   return fmt::format("{:.1f} %", 100 * static_cast<double>(n) / static_cast<double>(of));
 }
 
+std::string cell(const Summary& summary, double Summary::*field, int digits) {
+  return summary.count == 0 ? "-" : fmt::format("{:.{}f}", summary.*field, digits);
+}
+
 struct Row {
   std::string label;
   std::function<std::string(const SplitStatistics&)> value;
@@ -29,11 +33,7 @@ struct Row {
 void add_summary(std::vector<Row>& rows, const char* label, Summary SplitStatistics::*member,
                  int digits) {
   const auto number = [member, digits](const char* what, double Summary::*field) {
-    return Row{what, [=](const SplitStatistics& s) -> std::string {
-                 const Summary& summary = s.*member;
-                 if (summary.count == 0) return "-";
-                 return fmt::format("{:.{}f}", summary.*field, digits);
-               }};
+    return Row{what, [=](const SplitStatistics& s) { return cell(s.*member, field, digits); }};
   };
   rows.push_back(number(label, &Summary::mean));
   rows.push_back(number("  standard deviation", &Summary::deviation));
@@ -51,10 +51,7 @@ void add_task_rows(std::vector<Row>& rows, const TaskFacts& all) {
   const auto mean = [&](const char* label, Summary TaskFacts::*member) {
     if ((all.*member).count == 0) return;
     const auto number = [member](double Summary::*field, int digits) {
-      return [=](const SplitStatistics& s) -> std::string {
-        const Summary& summary = s.task.*member;
-        return summary.count == 0 ? "-" : fmt::format("{:.{}f}", summary.*field, digits);
-      };
+      return [=](const SplitStatistics& s) { return cell(s.task.*member, field, digits); };
     };
     rows.push_back({label, number(&Summary::mean, 2)});
     rows.push_back({"  most", number(&Summary::max, 0)});

@@ -5,20 +5,47 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <limits>
+#include <optional>
 #include <ranges>
-#include <sstream>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/tasks/formats/characters.h"
+#include "enfilade/core/written_lists.h"
+#include "enfilade/tasks/continuous_episodes.h"
 
 namespace enfilade::tasks {
 namespace {
 
-using formats::is_word;
-using formats::lower;
-using formats::strip;
+// Classes of characters of Python's re and str, in ASCII, whatever the C library's locale.
+
+// A letter, a digit or _. Bytes above 127 count as letters.
+constexpr bool is_word(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return byte > 127 || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+         c == '_';
+}
+
+constexpr bool is_space(char c) {
+  return c == ' ' || (c >= '\t' && c <= '\r') || (c >= 28 && c <= 31);
+}
+
+// Without the blanks at both ends.
+constexpr std::string_view strip(std::string_view text) {
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+// With lower-case letters; bytes above 127 are left as they are.
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return result;
+}
 
 constexpr std::array<std::string_view, 3> kSpecials{"<PAD>", "<UNK>", "<EOS>"};
 
@@ -76,12 +103,10 @@ Vocabulary Vocabulary::build(std::span<const std::string> texts, std::size_t lea
 }
 
 Vocabulary Vocabulary::load(const std::filesystem::path& file) {
+  const std::string text = read_plain_text(file);
   std::vector<std::string> words;
-  std::istringstream lines(read_file(file));
-  for (std::string line; std::getline(lines, line);) {
-    if (line.ends_with('\r')) line.pop_back();
-    words.push_back(line);
-  }
+  for (const std::string_view line : all_lines(text)) words.emplace_back(line);
+  while (!words.empty() && words.back().empty()) words.pop_back();
   return of(std::move(words), file.string());
 }
 
@@ -140,6 +165,71 @@ std::string Vocabulary::decode(std::span<const std::uint32_t> ids) const {
     text += words_[i < words_.size() ? i : kUnknown];
   }
   return text;
+}
+
+namespace {
+
+constexpr std::int64_t kMostToken = std::numeric_limits<std::int32_t>::max();
+
+std::int32_t token_of(std::optional<std::int64_t> given, std::int32_t otherwise,
+                      std::string_view name) {
+  if (!given) return otherwise;
+  check_range(name, static_cast<double>(*given), 0, static_cast<double>(kMostToken));
+  return static_cast<std::int32_t>(*given);
+}
+
+std::string prepared(std::string_view text) {
+  std::string result;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text.substr(at).starts_with("'s") || text.substr(at).starts_with("'S")) result += ' ';
+    if (text[at] != ',' && text[at] != '?') result += text[at];
+  }
+  return lower(result);
+}
+
+bool belongs_to_word(char c) { return is_word(c) || c == '-'; }
+
+}  // namespace
+
+std::vector<std::string> tokenize_continuous(std::string_view text) {
+  const std::string whole = prepared(text);
+  std::vector<std::string> tokens;
+  for (std::size_t begin = 0; begin < whole.size();) {
+    const bool word = belongs_to_word(whole[begin]);
+    std::size_t end = begin + 1;
+    while (end < whole.size() && belongs_to_word(whole[end]) == word) ++end;
+    const auto piece = strip(std::string_view(whole).substr(begin, end - begin));
+    if (!piece.empty()) tokens.emplace_back(piece);
+    begin = end;
+  }
+  return tokens;
+}
+
+InstructionEncoder::InstructionEncoder(const InstructionVocabulary& vocabulary)
+    : unknown_(token_of(vocabulary.unknown, 1, "UNK_INDEX")),
+      padding_(token_of(vocabulary.padding, 0, "PAD_INDEX")) {
+  check_range("words", static_cast<double>(vocabulary.words.size()), 1,
+              static_cast<double>(kMostToken));
+  for (const std::string& word : vocabulary.words) {
+    const auto [first, fresh] = ids_.emplace(word, static_cast<std::int32_t>(ids_.size()));
+    if (!fresh) {
+      throw ArgumentError(
+          fmt::format("word {:?} is there twice; the first is token {}", word, first->second));
+    }
+  }
+}
+
+std::vector<std::int32_t> InstructionEncoder::encode(std::string_view text,
+                                                     std::size_t length) const {
+  std::vector<std::int32_t> tokens;
+  tokens.reserve(length);
+  for (const std::string& word : tokenize_continuous(text)) {
+    if (tokens.size() == length) break;
+    const auto found = ids_.find(word);
+    tokens.push_back(found == ids_.end() ? unknown_ : found->second);
+  }
+  tokens.resize(length, padding_);
+  return tokens;
 }
 
 }  // namespace enfilade::tasks

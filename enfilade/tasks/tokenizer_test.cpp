@@ -104,6 +104,8 @@ TEST_F(VocabularyFileTest, ReadsWhatItWrites) {
   EXPECT_EQ(Vocabulary::load(file_).words(), small_vocabulary().words());
   EXPECT_EQ(faults_of("<PAD>\r\n<UNK>\r\n<EOS>\r\nthe"), "accepted");
   EXPECT_EQ(Vocabulary::load(file_).id("the"), 3U);
+  EXPECT_EQ(faults_of("\xEF\xBB\xBF<PAD>\r\n<UNK>\r\n<EOS>\r\nthe\r\n\r\n\r\n"), "accepted");
+  EXPECT_EQ(Vocabulary::load(file_).size(), 4U);
 }
 
 TEST_F(VocabularyFileTest, NamesLineAndWhatIsAllowed) {

@@ -6,10 +6,13 @@ import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Literal, Optional, Union, overload
 
+from enfilade._continuous import TASKS as CONTINUOUS_TASKS
+from enfilade._continuous import ContinuousEpisodes, PathLike, continuous_episodes
 from enfilade._core import DatasetFolder, Graphs, Panoramas
 from enfilade._episodes import Episodes
+from enfilade._errors import ArgumentError
 from enfilade._layers import checked_layer
 
 if TYPE_CHECKING:
@@ -17,20 +20,6 @@ if TYPE_CHECKING:
 
     from enfilade._renderer import Renderer
     from enfilade._simulator import Simulator
-
-
-SPLITS = ("train", "val_seen", "val_unseen", "test")
-#: Further splits that a benchmark may have.
-MORE_SPLITS: dict[str, tuple[str, ...]] = {
-    "r2r": (),
-    "r2r-last": (),
-    "r2r-back": (),
-    "r4r": (),
-    "rxr": ("test_standard", "test_challenge"),
-    "reverie": (),
-    "cvdn": ("test_cleaned",),
-    "soon": ("val_seen_instrs", "val_unseen_instrs", "val_unseen_house"),
-}
 
 
 @dataclass(frozen=True)
@@ -70,7 +59,7 @@ class Dataset:
     FileError if it is not a folder.
     """
 
-    def __init__(self, folder: Optional[Union[str, os.PathLike[str]]] = None) -> None:
+    def __init__(self, folder: Optional[PathLike] = None) -> None:
         self._core = DatasetFolder(folder)
         self._renderer: Optional[Renderer] = None
 
@@ -105,23 +94,32 @@ class Dataset:
 
     @property
     def tasks(self) -> dict[str, list[str]]:
-        """The benchmarks with annotations in the folder, each with its splits."""
-        found = {
-            task: [split for split in (*SPLITS, *more) if self._core.has_annotations(task, split)]
-            for task, more in MORE_SPLITS.items()
-        }
-        return {task: splits for task, splits in found.items() if splits}
+        """The benchmarks of both worlds with annotations in the folder, each with its splits."""
+        return self._core.tasks
 
+    @overload
+    def episodes(  # type: ignore[overload-overlap]  # a name that is known narrows the class
+        self, split: str, task: Literal["r2r-ce", "rxr-ce"], *, file: Optional[PathLike] = None
+    ) -> ContinuousEpisodes: ...
+    @overload
     def episodes(
-        self,
-        split: str,
-        task: str = "r2r",
-        *,
-        all_instructions: bool = False,
-        file: Union[None, str, os.PathLike[str]] = None,
-    ) -> Episodes:
-        """The episodes of a split; arguments and errors are those of Episodes."""
-        return Episodes._of_dataset(self._core, split, task, all_instructions, file)
+        self, split: str, task: str = "r2r", *, all_instructions: bool = False,
+        file: Optional[PathLike] = None,
+    ) -> Episodes: ...  # fmt: skip
+    def episodes(
+        self, split: str, task: str = "r2r", *, all_instructions: bool = False,
+        file: Optional[PathLike] = None,
+    ) -> Union[Episodes, ContinuousEpisodes]:  # fmt: skip
+        """The episodes of a split: ContinuousEpisodes for "r2r-ce" and "rxr-ce", else Episodes.
+
+        Arguments and errors are those of Episodes, and of continuous_episodes(). Raises ArgumentError for
+        all_instructions in a continuous task.
+        """
+        if task not in CONTINUOUS_TASKS:
+            return Episodes._of_dataset(self._core, split, task, all_instructions, file)
+        if all_instructions:
+            raise ArgumentError(f"all_instructions: not an option of {task}")
+        return continuous_episodes(self.folder, task, split, file=file)
 
     def objects(self, scan: str, viewpoint: str) -> list[SeenObject]:
         """The objects around a viewpoint (REVERIE's boxes), in the order of the file, including those

@@ -1,21 +1,26 @@
 """Files that Python packages write: `enfilade export` runs this module for them.
 
-`pip install "enfilade[graphs]"` brings networkx.
+`pip install "enfilade[graphs]"` brings networkx, `pip install "enfilade[lerobot]"` pyarrow, and
+`pip install "enfilade[lerobot-videos]"` PyAV too.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
+import json
 import os
 import pickle
+import shutil
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Optional, Union
 
-import networkx  # type: ignore[import-untyped]
+from enfilade import ArgumentError, FileError, Graph, Graphs, InvalidInput, UnknownNameError
+from enfilade._lerobot import LEROBOT_VERSIONS, write_lerobot, write_whole
 
-from enfilade import FileError, Graph, Graphs, InvalidInput, UnknownNameError
+__all__ = ["main", "networkx_graph", "write_lerobot", "write_networkx"]
 
 
 def networkx_graph(graph: Graph) -> Any:
@@ -25,11 +30,18 @@ def networkx_graph(graph: Graph) -> Any:
     """
     ids, (pairs, lengths) = graph.viewpoints, graph.edge_arrays()
     edges = {(ids[a], ids[b]): length for (a, b), length in zip(pairs.tolist(), lengths.tolist())}
+    positions = dict(zip(ids, graph.positions.tolist()))
+    return _networkx_graph({name: at for name, at in positions.items() if graph.included(name)}, edges)
+
+
+def _networkx_graph(
+    positions: Mapping[str, Sequence[float]], edges: Mapping[tuple[str, str], float]
+) -> Any:
+    networkx = importlib.import_module("networkx")
     directed = any((b, a) not in edges for a, b in edges)
     made = networkx.DiGraph() if directed else networkx.Graph()
-    for name, (x, y, z) in zip(ids, graph.positions.tolist()):
-        if graph.included(name):
-            made.add_node(name, position=[x, z, -y], world_position=[x, y, z])
+    for name, (x, y, z) in positions.items():
+        made.add_node(name, position=[x, z, -y], world_position=[x, y, z])
     made.add_weighted_edges_from((a, b, length) for (a, b), length in edges.items())
     return made
 
@@ -39,25 +51,49 @@ def write_networkx(
 ) -> None:
     """Pickles {scan: networkx_graph()}, of the scans given or of all. Raises UnknownNameError."""
     whole = {scan: networkx_graph(graphs[scan]) for scan in (graphs.scans if scans is None else scans)}
-    part = Path(f"{os.fspath(file)}.part")
-    part.write_bytes(pickle.dumps(whole, protocol=2))
-    part.replace(file)
+    write_whole(Path(file), pickle.dumps(whole, protocol=2))
+
+
+def _join_networkx(folder: Path) -> Path:
+    """Makes connectivity_graphs.pkl of the parts that `enfilade export --as networkx` has written."""
+    parts, file = folder / "connectivity_graphs.parts", folder / "connectivity_graphs.pkl"
+    whole = {}
+    for part in sorted(parts.glob("*.json")):
+        viewpoints = json.loads(part.read_text(encoding="utf-8"))
+        positions = {name: found["position"] for name, found in viewpoints.items()}
+        edges = {(a, b): n for a, found in viewpoints.items() for b, n in found["edges"].items()}
+        whole[part.stem] = _networkx_graph(positions, edges)
+    write_whole(file, pickle.dumps(whole, protocol=2))
+    shutil.rmtree(parts)
+    return file
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """networkx CONNECTIVITY FILE [SCAN...]. Returns 0, or 2 for what it cannot read or write."""
+    """networkx FOLDER, or lerobot FOLDER [--version 2.1] [--videos].
+
+    The folder is what `enfilade export` wrote, with its parts. Returns 0, or 3 for what it cannot read
+    or write.
+    """
     parser = argparse.ArgumentParser(prog="enfilade export")
-    parser.add_argument("form", choices=["networkx"])
-    parser.add_argument("connectivity", help="the folder with scans.txt")
-    parser.add_argument("file", help="the file to write")
-    parser.add_argument("scans", nargs="*", help="only these (default: all)")
+    forms = parser.add_subparsers(dest="form", required=True)
+    forms.add_parser("networkx").add_argument("folder", help="the folder with the parts")
+    lerobot = forms.add_parser("lerobot")
+    lerobot.add_argument("folder", help="the folder of the data set, with its parts")
+    lerobot.add_argument("--version", default="3.0", choices=LEROBOT_VERSIONS, help="of the format")
+    lerobot.add_argument("--videos", action="store_true", help="AV1 videos instead of pictures")
     given = parser.parse_args(arguments)
     try:
-        write_networkx(Graphs(given.connectivity), given.file, given.scans or None)
-    except (FileError, InvalidInput, UnknownNameError, OSError) as error:
+        if given.form == "networkx":
+            file = _join_networkx(Path(given.folder))
+            said = f"{file}: {os.path.getsize(file) / 1e6:.1f} MB"
+        else:
+            os.environ.setdefault("SVT_LOG", "1")  # errors alone: the encoder describes itself
+            tables = write_lerobot(given.folder, given.version, given.videos)
+            said = f"{given.folder}: {tables} tables of LeRobot {given.version}"
+    except (ArgumentError, FileError, InvalidInput, UnknownNameError, OSError) as error:
         print(error, file=sys.stderr)
-        return 2
-    print(f"{given.file}: {os.path.getsize(given.file) / 1e6:.1f} MB")
+        return 3
+    print(said)
     return 0
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import base64
 import binascii
 import contextlib
+import errno
 import importlib
 import os
 from collections.abc import Iterator
@@ -60,6 +61,9 @@ class ViewFeatures:
 class Features(Mapping[Key, Array]):
     """The features of a file by (scan, viewpoint); open_features() makes one.
 
+    Files have names `<scan>_<viewpoint>`, and lookups compare these. Keys of safetensors and HDF5 are cut
+    at the last `_`, so a viewpoint with `_` is found, but listed under another scan.
+
     Each is (views, D) float32, whatever its type in the file. Arrays of safetensors and HDF5 files are
     read at access, as copies. A TSV is in memory, and its arrays are read-only. Any thread may read.
     Unpickling (with spawn) opens the file again; after a fork, open HDF5 in the child.
@@ -76,6 +80,7 @@ class Features(Mapping[Key, Array]):
         self.file = file
         self.info = info
         self._names = names
+        self._keys = {"_".join(key): key for key in names}  # either id may have a "_"
         self._read = read
         self.shape: tuple[int, ...] = np.shape(read(next(iter(names.values()))))  #: (views, D)
         self._check_shape(next(iter(names)), self.shape)
@@ -86,14 +91,20 @@ class Features(Mapping[Key, Array]):
         return self.shape[1]
 
     def __getitem__(self, key: Key) -> Array:
-        if key not in self._names:
+        if key not in self:
             raise KeyError(f"{self.file}: no features of (scan, viewpoint) {key}")
-        values: Array = np.asarray(self._read(self._names[key]), np.float32)
+        name = self._names[self._keys["_".join(key)]]
+        values: Array = np.asarray(self._read(name), np.float32)
         if values.shape != self.shape:
             raise InvalidInput(f"{self.file}: {key}: shape {values.shape}, not {self.shape} as the first")
         if not np.isfinite(values).all():
             raise InvalidInput(f"{self.file}: {key}: a number that is infinite or NaN")
         return values
+
+    def __contains__(self, key: object) -> bool:
+        if not (isinstance(key, tuple) and len(key) == 2 and all(isinstance(k, str) for k in key)):
+            return False
+        return "_".join(key) in self._keys
 
     def __iter__(self) -> Iterator[Key]:
         return iter(self._names)
@@ -207,12 +218,14 @@ def write_safetensors(
         values = _checked(key, given)
         first = next(iter(arrays.values()), values)
         known = values.dtype in (np.float32, np.float16)
-        if "_" in key[1] or not known or values.shape != first.shape:
+        if not known or values.shape != first.shape:
             raise ArgumentError(
                 f"features of {key}: {values.dtype} of shape {values.shape}; (views, D) of float32 or "
-                "float16 is wanted, the same for all, and a viewpoint's name without _"
+                "float16 is wanted, the same for all"
             )
-        arrays[f"{key[0]}_{key[1]}"] = np.ascontiguousarray(values)
+        if (name := "_".join(key)) in arrays:
+            raise ArgumentError(f"features of {key}: another key has the name {name} too")
+        arrays[name] = np.ascontiguousarray(values)
     _core.write_safetensors(file, arrays, _metadata(info))
 
 
@@ -228,6 +241,32 @@ def _open_safetensors(file: str) -> Features:
 # --- HDF5 -----------------------------------------------------------------------------------------
 
 
+def _unlocked(library: Any, file: str) -> Any:
+    """The file, read without a lock where the file system has none."""
+    try:
+        return library.File(file, "r")
+    except BlockingIOError as error:
+        raise InvalidInput(
+            f"{file}: another program has the file open for writing. Wait for it, or set "
+            "HDF5_USE_FILE_LOCKING=FALSE to read the file as it is now"
+        ) from error
+    except OSError as error:
+        if error.errno not in (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP):
+            raise
+        return library.File(file, "r", locking=False)
+
+
+def _check_filters(library: Any, found: Any, where: str) -> None:
+    made = found.id.get_create_plist()
+    for place in range(made.get_nfilters()):
+        number, _, _, name = made.get_filter(place)
+        if not library.h5z.filter_avail(number):
+            raise InvalidInput(
+                f"{where}: packed with the filter '{name.decode(errors='replace')}' ({number}), which "
+                "h5py lacks: pip install hdf5plugin, and import it first"
+            )
+
+
 def _open_hdf5(file: str) -> Features:
     try:
         library = importlib.import_module("h5py")
@@ -236,7 +275,7 @@ def _open_hdf5(file: str) -> Features:
             'features of this format need h5py: pip install "enfilade[features]"'
         ) from error
     try:
-        root = library.File(file, "r")
+        root = _unlocked(library, file)
         names = {_key(name, file): name for name in root}
     except (OSError, RuntimeError) as error:
         raise InvalidInput(f"{file}: not an HDF5 file, or a damaged one: {error}") from error
@@ -253,7 +292,12 @@ def _open_hdf5(file: str) -> Features:
 
     def read(name: str) -> Any:
         try:
-            return dataset(name)[()]
+            found = dataset(name)
+            try:
+                return found[()]
+            except OSError:
+                _check_filters(library, found, f"{file}: '{name}'")
+                raise
         except (OSError, RuntimeError, KeyError) as error:
             raise InvalidInput(f"{file}: '{name}' cannot be read: {error}") from error
 
@@ -292,7 +336,7 @@ def _checked(key: Key, given: Any) -> NDArray[Any]:
 
 
 def _key(name: str, file: str) -> Key:
-    scan, _, viewpoint = name.rpartition("_")  # scans may contain _, viewpoints cannot
+    scan, _, viewpoint = name.rpartition("_")  # one of perhaps several: Features finds whole names
     if not scan or not viewpoint:
         raise InvalidInput(f"{file}: '{name[:100]}' is not <scan>_<viewpoint>: no file of features")
     return scan, viewpoint

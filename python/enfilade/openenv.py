@@ -1,4 +1,6 @@
-"""The arena as an OpenEnv server: https://github.com/meta-pytorch/OpenEnv (needs `pip install openenv-core`).
+"""The arena as an OpenEnv server: https://github.com/meta-pytorch/OpenEnv.
+
+Needs `pip install openenv` (0.10), or `openenv-core` (0.3), its former name.
 
     python -m enfilade.openenv r2r/val_unseen --data homes --port 8000
 
@@ -24,6 +26,7 @@ from openenv.core.env_server import (  # type: ignore[import-not-found, unused-i
     State,
     create_fastapi_app,
 )
+from openenv.core.env_server.types import EnvironmentMetadata  # type: ignore[import-not-found, unused-ignore]
 from pydantic import Field
 
 import enfilade
@@ -44,9 +47,12 @@ class WalkAction(Action):  # type: ignore[misc, unused-ignore]
 
 
 class WalkObservation(Observation):  # type: ignore[misc, unused-ignore]
-    """The observation of a step. An episode's last one has its ending in `metadata`, and its metrics
-    unless the goal is hidden."""
+    """The observation of a step. An episode's last one has its ending, and its metrics unless the goal is
+    hidden."""
 
+    episode: str = Field("", description="The episode's id")
+    ending: str = Field("", description="stopped, out-of-steps or mistakes; empty: the episode goes on")
+    metrics: dict[str, float] = Field(default_factory=dict, description="At the end: the benchmark's metrics")
     prompt: str = Field("", description="The prompt's text for this step")
     observation: dict[str, Any] = Field(default_factory=dict, description="docs/arena.md, A step")
     told: str = Field("", description="What came of the last call, a sentence")
@@ -55,7 +61,7 @@ class WalkObservation(Observation):  # type: ignore[misc, unused-ignore]
 
 class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[misc, unused-ignore]
     """An OpenEnv environment. The reward is 0 until the end, and then the benchmark's success, 0 or 1.
-    It stays 0 if the goal is hidden, or if the benchmark has no such metric. The metadata has all metrics.
+    It stays 0 if the goal is hidden, or if the benchmark has no such metric. `metrics` has all of them.
 
     Args:
         make: returns the arena.
@@ -103,6 +109,9 @@ class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[mis
             done=True,
             reward=next((metrics[name] for name in _SUCCESS if name in metrics), 0.0),
             told=step.told,
+            episode=step.episode,
+            ending=step.ending,
+            metrics=metrics,
             metadata={"ending": step.ending, "episode": step.episode, "metrics": metrics},
         )
 
@@ -110,6 +119,14 @@ class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[mis
     def state(self) -> State:
         """The episode's id and the number of its calls."""
         return State(episode_id=self._step.episode if self._step else None, step_count=self._calls)
+
+    def get_metadata(self) -> EnvironmentMetadata:
+        """Name and description, for clients that ask what this is."""
+        return EnvironmentMetadata(
+            name="enfilade",
+            description="Vision-and-language navigation: an agent follows an instruction through a building.",
+            version=enfilade.__version__,
+        )
 
     def _metrics(self, episode: str) -> dict[str, float]:
         try:
@@ -122,14 +139,18 @@ class Walk(Environment[WalkAction, WalkObservation, State]):  # type: ignore[mis
         images = [base64.b64encode(one).decode("ascii") for one in step.images]
         return WalkObservation(
             done=False, reward=0.0, prompt=step.prompt, observation=step.observation, told=told, images=images,
-            metadata={"episode": step.episode},
+            episode=step.episode, metadata={"episode": step.episode},
         )  # fmt: skip
 
 
 def app(name: str, *, sessions: int = 16, **options: Any) -> Any:
     """OpenEnv's FastAPI application. Arguments are those of enfilade.arena(); sessions: most at once."""
+
+    def enfilade_env() -> Walk:  # its name is the environment's in addresses
+        return Walk(lambda: enfilade.arena(name, **options))
+
     return create_fastapi_app(
-        lambda: Walk(lambda: enfilade.arena(name, **options)),
+        enfilade_env,
         WalkAction,
         WalkObservation,
         max_concurrent_envs=sessions,
@@ -147,7 +168,7 @@ def main(arguments: Optional[list[str]] = None) -> None:
     parser.add_argument("--prompt", default="text", help="text, marks, navgpt, mapgpt, or a file (default: text)")
     parser.add_argument("--host", default="127.0.0.1", help="interface to listen on (default: 127.0.0.1)")
     parser.add_argument("--port", type=int, default=8000, help="(default: 8000)")
-    parser.add_argument("--sessions", type=int, default=16, help="walkers at once (default: 16)")
+    parser.add_argument("--sessions", type=int, default=16, help="sessions at once (default: 16)")
     given = parser.parse_args(arguments)
     import uvicorn
 

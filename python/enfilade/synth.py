@@ -37,7 +37,7 @@ def write_homes(
         folder: new, empty, or of an earlier run, which is then continued.
         preset: "small" (a few viewpoints per home), "pretty" (25 to 50), "full" (117 on average),
             "graphs" (homes like those of "pretty", without images), "training" (96 homes for training
-            agents), "demo" (90 of these, four of them pretty).
+            agents), "demo" (60 of these, three of them pretty).
         homes: number of homes; 0: the preset's.
         face_size: texels along an edge of a panorama's faces; 0: no images; None: the preset's.
         threads: 0: all cores; never changes a byte.

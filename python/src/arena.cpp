@@ -15,14 +15,15 @@
 #include <vector>
 
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/run.h"
 #include "enfilade/arena/play.h"
-#include "enfilade/arena/subsets.h"
+#include "enfilade/arena/world.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/score_table.h"
 #include "python/src/bindings.h"
-#include "python/src/busy.h"
+#include "python/src/errors.h"
 
 namespace enfilade::python {
 namespace {
@@ -38,10 +39,10 @@ std::optional<arena::Answers> answers_named(const std::string& name) {
 /// An arena::Play that refuses calls while another thread uses it.
 class ArenaPlay {
  public:
-  ArenaPlay(std::unique_ptr<arena::World> world, arena::Sights sights, const std::string& subset,
-            const std::string& prompt, arena::PlayConfig config, std::uint32_t steps,
-            std::uint32_t mistakes, std::filesystem::path data = {})
-      : world_(world->another()), data_(std::move(data)) {
+  ArenaPlay(std::unique_ptr<arena::World> world, arena::ViewSources sights,
+            const std::string& subset, const std::string& prompt, arena::PlayConfig config,
+            std::uint32_t steps, std::uint32_t mistakes)
+      : world_(world->another()) {
     config.episodes = arena::subset_named(*world, subset);
     config.limits = arena::usual_limits(world->task());
     config.limits.mistakes = mistakes;
@@ -62,26 +63,13 @@ class ArenaPlay {
   }
   std::vector<std::string> ids() const {
     std::vector<std::string> ids;
-    for (const std::size_t one : play_->episodes()) ids.push_back(world_->episode_id(one));
+    for (const std::size_t one : play_->episodes()) ids.push_back(world_->episodes().id(one));
     return ids;
   }
-  std::string start_text() {
-    return with_session([&] { return play_->start_text(); });
-  }
-  std::string step_text() {
-    return with_session([&] { return play_->step_text(); });
-  }
-  std::string observation() {
-    return with_session([&] { return to_json(play_->session()->observation()); });
-  }
-  std::string functions() {
-    return with_session([&] { return functions_json(play_->session()->observation()); });
-  }
-  std::string schema() {
-    return with_session([&] { return answer_schema(play_->session()->observation()); });
-  }
-  std::string episode() {
-    return with_session([&] { return play_->session()->episode_id(); });
+  // What `read` finds in the play, which has an episode.
+  template <class Read>
+  static auto in_session(const Read& read) {
+    return [read](ArenaPlay& self) { return self.with_session([&] { return read(*self.play_); }); };
   }
   // (scan, viewpoint or None, eye or None, heading, elevation)
   nb::tuple standpoint() {
@@ -121,18 +109,16 @@ class ArenaPlay {
   // Scores of continuous episodes: ({measure: (mean, low, high)}, {episode: {measure: value}})
   nb::tuple free_score(const std::optional<std::string>& episode) {
     const Busy busy(busy_);
-    const auto& free = dynamic_cast<const arena::FreeWorld&>(*world_);
-    const auto& episodes = free.world().episodes;
-    std::vector<tasks::ContinuousResult> walks;
+    const auto& world = dynamic_cast<const arena::FloorWorld&>(*world_);
+    const tasks::Split& split = world.episodes();
+    tasks::Trajectories trajectories;
     tasks::ScoreTable scores;
     {
       const nb::gil_scoped_release unlocked;
-      walks = tasks::parse_continuous_results(results(episode), "results", *episodes,
-                                              tasks::Coverage::kPart);
-      const tasks::Benchmark& benchmark = tasks::benchmark(free.task());
-      if (!experts_) experts_ = agents::load_experts_of(benchmark, data_, free.split());
-      scores = agents::compute_score(walks, *episodes, *free.world().buildings, *experts_,
-                                     benchmark, benchmark.scorer({}));
+      trajectories =
+          tasks::parse_trajectories(results(episode), "results", split, tasks::Coverage::kPart);
+      scores = agents::compute_score(trajectories, split, world.buildings().get(),
+                                     split.benchmark().scorer({}));
     }
     nb::dict means, by_id;
     const auto metrics = scores.scorer->metrics;
@@ -140,10 +126,10 @@ class ArenaPlay {
       const auto& [mean, low, high] = scores.means[m];
       means[metrics[m].name] = nb::make_tuple(mean, low, high);
     }
-    for (std::size_t k = 0; k < walks.size(); ++k) {
+    for (std::size_t k = 0; k < scores.ids.size(); ++k) {
       nb::dict one;
       for (std::size_t m = 0; m < metrics.size(); ++m) one[metrics[m].name] = scores.row(k)[m];
-      by_id[nb::cast(world_->episode_id(walks[k].episode))] = one;
+      by_id[nb::cast(scores.ids[k])] = one;
     }
     return nb::make_tuple(means, by_id);
   }
@@ -163,7 +149,7 @@ class ArenaPlay {
     if (play_->session() == nullptr) throw WrongOrder("no episode is being walked");
     return work();
   }
-  static nb::tuple told(const arena::Outcome& outcome) {
+  static nb::tuple told(const arena::PlayOutcome& outcome) {
     nb::object ending = nb::none();
     if (outcome.ending) {
       const std::string name(name_of(*outcome.ending));
@@ -172,9 +158,7 @@ class ArenaPlay {
     return nb::make_tuple(outcome.carried_out, ending, outcome.told);
   }
 
-  std::unique_ptr<arena::World> world_;        // for scores
-  std::filesystem::path data_;                 // of continuous episodes
-  std::optional<tasks::ExpertWalks> experts_;  // read at the first score
+  std::unique_ptr<arena::World> world_;  // for scores
   std::unique_ptr<arena::Play> play_;
   std::atomic_flag busy_;
 };
@@ -196,7 +180,7 @@ std::unique_ptr<ArenaPlay> open_play(const dataset::Dataset& data, nb::handle ep
                                      bool words) {
   auto set = episode_set(episodes);
   const nb::gil_scoped_release unlocked;
-  arena::Sights sights;
+  arena::ViewSources sights;
   sights.data = std::make_shared<const dataset::Dataset>(data);
   auto world = std::make_unique<arena::GraphWorld>(
       std::move(set), words ? arena::label_words(sights) : arena::WordsSource());
@@ -214,11 +198,12 @@ std::unique_ptr<ArenaPlay> open_free_play(const std::filesystem::path& data,
   const nb::gil_scoped_release unlocked;
   constexpr std::uint32_t kNoPictures = 64;  // a valid size, although no images are drawn
   arena::PlayConfig config = config_of(answers, kNoPictures, folder);
-  config.pictures = arena::Pictures::kNone;
-  const auto& setup = agents::continuous_setup(task);
-  auto world = arena::FreeWorld::open(setup, data, split);
-  return std::make_unique<ArenaPlay>(std::move(world), arena::Sights(), subset, prompt,
-                                     std::move(config), steps, mistakes, data);
+  config.pictures = arena::PictureKind::kNone;
+  auto world = std::make_unique<arena::FloorWorld>(
+      dataset::Dataset(data).split(tasks::benchmark(task, tasks::WorldKind::kContinuous), split),
+      data);
+  return std::make_unique<ArenaPlay>(std::move(world), arena::ViewSources(), subset, prompt,
+                                     std::move(config), steps, mistakes);
 }
 
 }  // namespace
@@ -239,12 +224,17 @@ void bind_arena(nb::module_& m) {
       .def("begin", &ArenaPlay::begin)
       .def("begin_at", &ArenaPlay::begin_at, "episode"_a)
       .def_prop_ro("ids", &ArenaPlay::ids)
-      .def("start_text", &ArenaPlay::start_text)
-      .def("step_text", &ArenaPlay::step_text)
-      .def("observation", &ArenaPlay::observation)
-      .def("functions", &ArenaPlay::functions)
-      .def("schema", &ArenaPlay::schema)
-      .def("episode", &ArenaPlay::episode)
+      .def("start_text", ArenaPlay::in_session([](auto& play) { return play.start_text(); }))
+      .def("step_text", ArenaPlay::in_session([](auto& play) { return play.step_text(); }))
+      .def("observation",
+           ArenaPlay::in_session([](auto& play) { return to_json(play.session()->observation()); }))
+      .def("functions", ArenaPlay::in_session([](auto& play) {
+             return functions_json(play.session()->observation());
+           }))
+      .def("schema", ArenaPlay::in_session(
+                         [](auto& play) { return answer_schema(play.session()->observation()); }))
+      .def("episode",
+           ArenaPlay::in_session([](auto& play) { return play.session()->episode_id(); }))
       .def("draw", &ArenaPlay::draw, nb::sig("def draw(self) -> list[bytes]"))
       .def("answer", &ArenaPlay::answer, "text"_a,
            nb::sig("def answer(self, text: str) -> tuple[bool, str | None, str]"))

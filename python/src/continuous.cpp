@@ -20,7 +20,7 @@
 
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/follower.h"
-#include "python/src/busy.h"
+#include "python/src/errors.h"
 
 namespace enfilade::python {
 namespace {
@@ -171,9 +171,7 @@ class BatchContinuous {
 
  private:
   void check(const char* name, std::size_t found) const {
-    if (found == actions_.size()) return;
-    throw ArgumentError(
-        fmt::format("{}: {} elements for a batch of {}", name, found, actions_.size()));
+    check_batch(name, found, actions_.size());
   }
   void check_agent(std::size_t agent) const {
     if (agent < actions_.size()) return;

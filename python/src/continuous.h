@@ -20,14 +20,6 @@ inline Vec3f point_of(const PointRows& rows, std::size_t i) {
           static_cast<float>(rows(i, 2))};
 }
 
-/// A new array that owns its numbers, of the given shape.
-template <class T, class... Sizes>
-nb::object owned_array(std::vector<T> values, Sizes... sizes) {
-  auto* kept = new std::vector<T>(std::move(values));
-  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return array_of(kept->data(), owner, sizes...);
-}
-
 /// The state's arrays by name, over the memory that `owner` keeps.
 nb::dict continuous_state(const continuous::StateSpans& state, nb::handle owner);
 

@@ -17,9 +17,10 @@
 
 #include "enfilade/agents/continuous_environment.h"
 #include "enfilade/agents/continuous_setup.h"
+#include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/benchmark.h"
-#include "python/src/busy.h"
 #include "python/src/continuous.h"
+#include "python/src/errors.h"
 
 namespace enfilade::python {
 namespace {
@@ -28,22 +29,15 @@ using namespace nb::literals;
 using continuous::Buildings;
 using tasks::text_of;
 
-/// A split's episodes and their experts' trajectories.
+/// A split, and the places of its episodes by id.
 class ContinuousSet {
  public:
-  ContinuousSet(const std::filesystem::path& data, const std::string& task,
-                const std::string& split, const std::optional<std::filesystem::path>& file)
-      : task_(task) {
-    const agents::ContinuousSetup& setup = agents::continuous_setup(task);
-    episodes_ = std::make_shared<const tasks::ContinuousEpisodes>(
-        file ? tasks::load_continuous_episodes(*file, split)
-             : agents::load_continuous_split(*setup.benchmark, data, split));
-    experts_ = std::make_shared<const tasks::ExpertWalks>(
-        file ? tasks::ExpertWalks() : agents::load_experts_of(*setup.benchmark, data, split));
-    for (std::size_t i = 0; i < all().size(); ++i) by_id_.emplace(text_of(all()[i].id), i);
+  explicit ContinuousSet(tasks::Split split) : split_(std::move(split)) {
+    for (std::size_t i = 0; i < split_.size(); ++i) by_id_.emplace(split_.id(i), i);
   }
 
-  const std::vector<tasks::ContinuousEpisode>& all() const { return episodes_->episodes; }
+  const tasks::Split& split() const { return split_; }
+  const std::vector<tasks::ContinuousEpisode>& all() const { return split_.continuous()->episodes; }
   const tasks::ContinuousEpisode& at(std::size_t i) const {
     if (i >= all().size()) throw nb::index_error("episode");
     return all()[i];
@@ -52,14 +46,9 @@ class ContinuousSet {
     const auto found = by_id_.find(id);
     return found == by_id_.end() ? std::nullopt : std::optional(found->second);
   }
-  const std::string& task() const { return task_; }
-  const std::shared_ptr<const tasks::ContinuousEpisodes>& episodes() const { return episodes_; }
-  const std::shared_ptr<const tasks::ExpertWalks>& experts() const { return experts_; }
 
  private:
-  std::string task_;
-  std::shared_ptr<const tasks::ContinuousEpisodes> episodes_;
-  std::shared_ptr<const tasks::ExpertWalks> experts_;
+  tasks::Split split_;
   std::unordered_map<std::string, std::size_t> by_id_;
 };
 
@@ -67,7 +56,13 @@ std::unique_ptr<ContinuousSet> load_set(const std::filesystem::path& data, const
                                         const std::string& split,
                                         const std::optional<std::filesystem::path>& file) {
   const nb::gil_scoped_release unlocked;
-  return std::make_unique<ContinuousSet>(data, task, split, file);
+  const tasks::Benchmark& benchmark = tasks::benchmark(task, tasks::WorldKind::kContinuous);
+  if (!file) {
+    return std::make_unique<ContinuousSet>(dataset::Dataset(data).split(benchmark, split));
+  }
+  return std::make_unique<ContinuousSet>(
+      tasks::Split(benchmark, std::make_shared<const tasks::ContinuousEpisodes>(
+                                  tasks::load_continuous_episodes(*file, split))));
 }
 
 nb::tuple tuple_of(Vec3d p) { return nb::make_tuple(p.x, p.y, p.z); }
@@ -106,8 +101,9 @@ nb::tuple set_episode(const ContinuousSet& self, std::size_t i) {
 
 // (locations, actions), or None
 nb::object set_expert(const ContinuousSet& self, std::size_t i) {
-  const auto found = self.experts()->find(text_of(self.at(i).id));
-  if (found == self.experts()->end()) return nb::none();
+  const tasks::ExpertWalks& experts = *self.split().experts();
+  const auto found = experts.find(text_of(self.at(i).id));
+  if (found == experts.end()) return nb::none();
   const tasks::ExpertWalk& walk = found->second;
   return nb::make_tuple(points_array(walk.locations),
                         owned_array(walk.actions, walk.actions.size()));
@@ -141,7 +137,7 @@ nb::tuple score_walk(const ContinuousSet& self, const std::shared_ptr<const Buil
   walk.collided.assign(collided.data(), collided.data() + collided.size());
   std::vector<double> distances = agents::goal_distances(walk, e, *buildings);
   const nb::dict score =
-      score_dict(agents::score_continuous_walk(walk, e, *buildings, *self.experts()));
+      score_dict(agents::score_continuous_walk(walk, e, *buildings, *self.split().experts()));
   return nb::make_tuple(score, owned_array(distances, distances.size()));
 }
 
@@ -150,7 +146,7 @@ class FreeEnvironment {
  public:
   FreeEnvironment(const ContinuousSet& set, std::shared_ptr<const Buildings> buildings,
                   const continuous::SimulatorConfig& config)
-      : native_({set.episodes(), set.experts(), std::move(buildings)}, config),
+      : native_({set.split().continuous(), set.split().experts(), std::move(buildings)}, config),
         actions_(config.batch_size) {}
 
   void begin(const Row<std::int64_t>& chosen) {
@@ -160,10 +156,7 @@ class FreeEnvironment {
   }
   void step(const Row<std::uint8_t>& actions) {
     const Busy busy(busy_);
-    if (actions.size() != actions_.size()) {
-      throw ArgumentError(
-          fmt::format("actions: {} elements for a batch of {}", actions.size(), actions_.size()));
-    }
+    check_batch("actions", actions.size(), actions_.size());
     const nb::gil_scoped_release unlocked;
     for (std::size_t i = 0; i < actions_.size(); ++i) {
       actions_[i] = static_cast<continuous::Action>(actions.data()[i]);
@@ -207,7 +200,8 @@ class FreeEnvironment {
 std::unique_ptr<FreeEnvironment> make_free_environment(
     const ContinuousSet& set, const std::shared_ptr<const Buildings>& buildings,
     std::size_t batch_size, const Options& options) {
-  const continuous::SimulatorConfig config = continuous_config(set.task(), batch_size, options);
+  const continuous::SimulatorConfig config =
+      continuous_config(std::string(set.split().benchmark().name), batch_size, options);
   const nb::gil_scoped_release unlocked;
   return std::make_unique<FreeEnvironment>(set, buildings, config);
 }
@@ -216,7 +210,7 @@ void bind_set(nb::module_& m) {
   nb::class_<ContinuousSet>(m, "ContinuousSet", "The core of enfilade.ContinuousEpisodes.")
       .def(nb::new_(&load_set), "data"_a, "task"_a, "split"_a, "file"_a.none())
       .def("__len__", [](const ContinuousSet& s) { return s.all().size(); })
-      .def_prop_ro("file", [](const ContinuousSet& s) { return s.episodes()->file; })
+      .def_prop_ro("file", [](const ContinuousSet& s) { return s.split().continuous()->file; })
       .def_prop_ro(
           "texts",
           [](const ContinuousSet& s) {

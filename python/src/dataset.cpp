@@ -46,13 +46,13 @@ nb::list examine(const Dataset& dataset) {
   return rows;
 }
 
-bool has_annotations(const Dataset& dataset, const std::string& task, const std::string& split) {
-  try {
-    dataset.annotations_file(tasks::benchmark(task, tasks::World::kGraph).task, split);
-    return true;
-  } catch (const FileError&) {
-    return false;
+// {benchmark: its splits in the folder}
+nb::dict splits_by_task(const Dataset& dataset) {
+  nb::dict found;
+  for (const tasks::Benchmark* one : dataset.benchmarks()) {
+    found[nb::str(one->name.data(), one->name.size())] = dataset.splits(*one);
   }
+  return found;
 }
 
 // [(id, name, views, boxes), ...]
@@ -79,7 +79,8 @@ void bind_dataset(nb::module_& m) {
       .def(nb::new_(&open_dataset), "folder"_a.none())
       .def_prop_ro("folder", &Dataset::folder)
       .def_prop_ro("synthetic", &Dataset::synthetic)
-      .def_prop_ro("splits", [](const Dataset& d) { return d.splits(); })
+      .def_prop_ro("splits",
+                   [](const Dataset& d) { return d.splits(tasks::benchmark(tasks::Task::kR2r)); })
       .def_prop_ro("graphs", [](const Dataset& d) { return d.graphs(); })
       .def_prop_ro("panoramas", [](const Dataset& d) { return d.panoramas(); })
       .def_prop_ro("panorama_places",
@@ -93,7 +94,7 @@ void bind_dataset(nb::module_& m) {
             return d.regions().find(scan, viewpoint);
           },
           "scan"_a, "viewpoint"_a)
-      .def("has_annotations", has_annotations, "task"_a, "split"_a)
+      .def_prop_ro("tasks", splits_by_task, nb::sig("def tasks(self) -> dict[str, list[str]]"))
       .def("objects_at", objects_at, "scan"_a, "viewpoint"_a,
            nb::sig("def objects_at(self, scan: str, viewpoint: str) -> list[tuple[int, str, "
                    "tuple[int, ...], tuple[tuple[int, int, int, int], ...]]]"))

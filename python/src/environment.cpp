@@ -13,8 +13,9 @@
 #include <tuple>
 #include <vector>
 
+#include "enfilade/core/enum_names.h"
 #include "python/src/bindings.h"
-#include "python/src/busy.h"
+#include "python/src/errors.h"
 
 namespace enfilade::python {
 namespace {
@@ -204,10 +205,7 @@ class Environment {
 };
 
 agents::ActionSpace parse_actions(const std::string& name) {
-  if (name == "viewpoint") return agents::ActionSpace::kViewpoint;
-  if (name == "six") return agents::ActionSpace::kSixActions;
-  if (name == "panoramic") return agents::ActionSpace::kPanoramic;
-  if (name == "map") return agents::ActionSpace::kMap;
+  if (const auto found = find_enum<agents::ActionSpace>(name)) return *found;
   throw ArgumentError("actions '" + name + "': viewpoint, six, panoramic and map are allowed");
 }
 

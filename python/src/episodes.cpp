@@ -1,11 +1,12 @@
-// EpisodeSet: the episodes of a split of any benchmark, and their scores.
+// EpisodeSet: the episodes of a split of any benchmark, and their scores. Words of instructions.
+
+#include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
-
-#include <fmt/format.h>
 
 #include <filesystem>
 #include <memory>
@@ -20,21 +21,19 @@
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score_table.h"
+#include "enfilade/tasks/tokenizer.h"
 #include "python/src/bindings.h"
-#include "python/src/goals.h"
 
 namespace enfilade::python {
 namespace {
 
 using namespace nb::literals;
+using tasks::Vocabulary;
 using Set = std::shared_ptr<const tasks::EpisodeSet>;
 
 tasks::EpisodeSet load(const dataset::Dataset& dataset, tasks::Task task, const std::string& split,
                        const std::optional<std::filesystem::path>& file,
                        tasks::Instructions wanted) {
-  if (!file && task == tasks::Task::kR2r && dataset.has_split(split)) {
-    return dataset.episodes(split, wanted);
-  }
   if (!file) return dataset.episodes(task, split, wanted);
   const tasks::Annotations read = tasks::load_annotations(*file, split, task);
   return tasks::make_episodes(read, dataset.graphs(), wanted,
@@ -47,6 +46,10 @@ class Episodes {
   explicit Episodes(Set set) : set_(std::move(set)) {}
 
   const Set& set() const noexcept { return set_; }
+  const tasks::Episode& at(std::size_t i) const {
+    if (i >= set_->episodes.size()) throw nb::index_error("episode");
+    return set_->episodes[i];
+  }
   // Under the GIL.
   std::optional<std::size_t> find(const std::string& id) {
     if (by_id_.empty()) {
@@ -69,7 +72,7 @@ std::unique_ptr<Episodes> load_episodes(const dataset::Dataset& dataset, const s
   const nb::gil_scoped_release unlocked;
   const auto wanted = all_instructions ? tasks::Instructions::kAll : tasks::Instructions::kScored;
   return std::make_unique<Episodes>(std::make_shared<tasks::EpisodeSet>(
-      load(dataset, tasks::benchmark(task, tasks::World::kGraph).task, split, file, wanted)));
+      load(dataset, tasks::benchmark(task, tasks::WorldKind::kGraph).task, split, file, wanted)));
 }
 
 nb::object optional_number(const std::optional<double>& number) {
@@ -101,8 +104,7 @@ nb::tuple details_tuple(const tasks::InstructionDetails& details) {
 // (instruction_id, path_id, scan, path, heading, text, goal, group, details)
 nb::tuple episode(const Episodes& self, std::size_t i) {
   const tasks::EpisodeSet& set = *self.set();
-  if (i >= set.episodes.size()) throw nb::index_error("episode");
-  const tasks::Episode& e = set.episodes[i];
+  const tasks::Episode& e = self.at(i);
   const tasks::ReferencePath& path = set.path_of(e);
   const graph::NavGraph& graph = set.graph_of(e);
   nb::list viewpoints;
@@ -123,24 +125,10 @@ nb::capsule shared(const Episodes& self) {
 // (instruction_id, path_id, group, scan, language): what a table of scores begins with.
 nb::tuple about(const Episodes& self, std::size_t i) {
   const tasks::EpisodeSet& set = *self.set();
-  if (i >= set.episodes.size()) throw nb::index_error("episode");
-  const tasks::Episode& e = set.episodes[i];
+  const tasks::Episode& e = self.at(i);
   const tasks::ReferencePath& path = set.path_of(e);
   return nb::make_tuple(e.instruction_id, path.path_id, path.group, set.graph_of(e).scan(),
                         e.details.language);
-}
-
-// "enfilade": our own metrics, with R2R's goals only. Empty: the task's first.
-std::string scorer_name(const tasks::EpisodeSet& episodes, const std::string& wanted) {
-  const bool r2r = episodes.task == tasks::Task::kR2r;
-  if (wanted.empty()) {
-    return std::string(tasks::benchmark(episodes.task).scorers.front().name);
-  }
-  if (wanted == "enfilade" && !r2r) {
-    throw ArgumentError(fmt::format("scorer 'enfilade' is of R2R, the episodes are of {}",
-                                    tasks::benchmark(episodes.task).title));
-  }
-  return wanted;
 }
 
 nb::tuple scored_tuple(tasks::ScoreTable score, const std::vector<std::size_t>& places,
@@ -155,13 +143,9 @@ nb::tuple scored_tuple(tasks::ScoreTable score, const std::vector<std::size_t>& 
     means[metrics[k].mean_name()] = nb::make_tuple(mean.mean, mean.low, mean.high);
   }
   for (const Diagnostic& warning : warnings) told.append(to_string(warning));
-  auto kept = std::make_unique<std::vector<double>>(std::move(score.values));
-  std::vector<double>* values = kept.release();
-  const nb::capsule owner(values,
-                          [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
   return nb::make_tuple(std::string(score.scorer->name), nb::tuple(names), means,
-                        array_of(values->data(), owner, score.episodes, metrics.size()), places,
-                        told);
+                        owned_array(std::move(score.values), score.episodes, metrics.size()),
+                        places, told);
 }
 
 // (scorer, names, {metric: (mean, low, high)}, values, places of the episodes, warnings)
@@ -169,22 +153,17 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
                 const std::string& text, const std::string& wanted, double success_distance,
                 int samples, bool part) {
   const tasks::EpisodeSet& all = *self.set();
-  const std::string name = scorer_name(all, wanted);
-  const bool ours = name == "enfilade";
-  if (!ours && success_distance != tasks::MetricOptions{}.success_distance) {
+  const tasks::Scorer& scorer = tasks::benchmark(all.task).scorer(wanted);
+  if (scorer.name != "enfilade" && success_distance != tasks::MetricOptions{}.success_distance) {
     throw ArgumentError(
-        fmt::format("success_distance {}: scorer '{}' has its own", success_distance, name));
+        fmt::format("success_distance {}: scorer '{}' has its own", success_distance, scorer.name));
   }
-  if (!(success_distance > 0)) {
-    throw ArgumentError(
-        fmt::format("success_distance {}: more than 0 m is needed", success_distance));
-  }
+  const tasks::MetricOptions options = metric_options(success_distance);
   tasks::Results results;
   tasks::ScoreTable scored;
   std::vector<std::size_t> places;
   {
     const nb::gil_scoped_release unlocked;
-    const tasks::Scorer& scorer = tasks::benchmark(all.task).scorer(name);
     const auto coverage = part ? tasks::Coverage::kPart : tasks::Coverage::kAll;
     results = file ? tasks::load_results(*file, all, coverage)
                    : tasks::parse_results(text, "<results>", all, coverage);
@@ -195,9 +174,39 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
     if (part) smaller = tasks::part_of(all, results.trajectories);
     const tasks::EpisodeSet& episodes = smaller ? *smaller : all;
     scored = compute_score(results.trajectories, episodes, scorer,
-                           {.metrics = {success_distance}, .bootstrap_samples = samples});
+                           {.metrics = options, .bootstrap_samples = samples});
   }
   return scored_tuple(std::move(scored), places, results.warnings);
+}
+
+// Words and their ids, as in Room-to-Room's released code.
+void bind_tokens(nb::module_& m) {
+  m.def("tokenize", &tasks::tokenize, "text"_a,
+        "Splits a text into words, as R2R's released code does.");
+  nb::class_<Vocabulary>(m, "Vocabulary", "Words and their ids: 0 <PAD>, 1 <UNK>, 2 <EOS>.")
+      .def_static(
+          "load", &Vocabulary::load, "file"_a,
+          "Reads one word per line, as in R2R's train_vocab.txt. Raises FileError, InvalidInput.")
+      .def_static(
+          "build",
+          [](const std::vector<std::string>& texts, std::size_t least_count) {
+            return Vocabulary::build(texts, least_count);
+          },
+          "texts"_a, "least_count"_a = 5,
+          "The words with at least least_count occurrences, most frequent first; ties by alphabet.")
+      .def("save", &Vocabulary::save, "file"_a, "Writes a file for load(). Raises FileError.")
+      .def("__len__", &Vocabulary::size)
+      .def_prop_ro("words", &Vocabulary::words, "Words by id.")
+      .def("encode", &Vocabulary::encode, "text"_a, "length"_a = 80,
+           "Token ids: words reversed, <EOS>, then <PAD> up to `length`.")
+      .def(
+          "decode",
+          [](const Vocabulary& v, const std::vector<std::uint32_t>& ids) { return v.decode(ids); },
+          "ids"_a, "Words in reading order, without <PAD> and <EOS>; unknown ids become <UNK>.")
+      .def("__getstate__", &Vocabulary::words)
+      .def("__setstate__", [](Vocabulary& v, const std::vector<std::string>& words) {
+        new (&v) Vocabulary(Vocabulary::of(words));
+      });
 }
 
 }  // namespace
@@ -205,6 +214,7 @@ nb::tuple score(const Episodes& self, const std::optional<std::filesystem::path>
 Set episode_set(nb::handle episodes) { return nb::cast<const Episodes&>(episodes).set(); }
 
 void bind_episodes(nb::module_& m) {
+  bind_tokens(m);
   nb::class_<Episodes>(m, "EpisodeSet", "The core of enfilade.Episodes.")
       .def(nb::new_(&load_episodes), "dataset"_a, "task"_a, "split"_a, "all_instructions"_a,
            "file"_a.none())

@@ -3,7 +3,6 @@
 #include <nanobind/nanobind.h>
 
 #include "enfilade/core/errors.h"
-#include "python/src/busy.h"
 
 namespace nb = nanobind;
 

@@ -19,7 +19,6 @@
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/read_mesh.h"
-#include "python/src/busy.h"
 #include "python/src/errors.h"
 
 namespace nb = nanobind;

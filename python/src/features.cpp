@@ -48,7 +48,7 @@ AnyArray array_view(nb::handle_t<TensorFile> self, const std::string& name) {
   if (!type) {
     throw InvalidInput(
         {{Severity::kError, file.path().string(), name, "wrong-type",
-          fmt::format("numbers of type {}, not F32 or F16", to_string(array.type))}});
+          fmt::format("numbers of type {}, not F32 or F16", enum_name(array.type))}});
   }
   const std::vector<std::size_t> shape(array.shape.begin(), array.shape.end());
   return {array.bytes.data(), shape.size(), shape.data(), self, nullptr, *type};

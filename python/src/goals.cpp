@@ -1,4 +1,4 @@
-#include "python/src/goals.h"
+#include "python/src/bindings.h"
 
 #include <fmt/format.h>
 #include <nanobind/stl/string.h>
@@ -107,15 +107,15 @@ tasks::Goal read_goal(const nb::tuple& goal, const graph::NavGraph& graph) {
   return tasks::HiddenGoal{};
 }
 
-bool fits(const tasks::Goal& goal, tasks::Task task) noexcept {
-  switch (task) {
-    case tasks::Task::kR2rBack:
+bool fits(const tasks::Goal& goal, tasks::GoalKind kind) noexcept {
+  switch (kind) {
+    case tasks::GoalKind::kTurningPoint:
       return std::holds_alternative<tasks::TurningPoint>(goal);
-    case tasks::Task::kReverie:
+    case tasks::GoalKind::kObject:
       return std::holds_alternative<tasks::SeenObject>(goal);
-    case tasks::Task::kCvdn:
+    case tasks::GoalKind::kRegion:
       return std::holds_alternative<tasks::Region>(goal);
-    case tasks::Task::kSoon:
+    case tasks::GoalKind::kBoxes:
       return std::holds_alternative<tasks::Boxes>(goal);
     default:
       return std::holds_alternative<tasks::NearEnd>(goal);

@@ -14,7 +14,6 @@
 
 #include "enfilade/graph/graph_set.h"
 #include "python/src/bindings.h"
-#include "python/src/origins.h"
 
 namespace enfilade::python {
 namespace {
@@ -75,44 +74,33 @@ nb::list edges(const Graph& g) {
   return rows;
 }
 
-template <class T>
-T* keep(std::unique_ptr<T> kept, nb::object& owner) {
-  T* const pointer = kept.release();
-  owner = nb::capsule(pointer, [](void* p) noexcept { delete static_cast<T*>(p); });
-  return pointer;
-}
-
 // (m, 2) indices, and (m) metres; an edge in both directions is listed twice.
 nb::tuple edge_arrays(const Graph& g) {
-  auto pairs = std::make_unique<std::vector<std::uint32_t>>();
-  auto lengths = std::make_unique<std::vector<double>>();
+  std::vector<std::uint32_t> pairs;
+  std::vector<double> lengths;
   for (std::size_t v = 0; v < g.graph->size(); ++v) {
     for (const graph::Edge& edge : g.graph->edges(ViewpointIndex(v))) {
-      pairs->insert(pairs->end(), {static_cast<std::uint32_t>(v), edge.target.value});
-      lengths->push_back(edge.length);
+      pairs.insert(pairs.end(), {static_cast<std::uint32_t>(v), edge.target.value});
+      lengths.push_back(edge.length);
     }
   }
-  nb::object pairs_owner, lengths_owner;
-  const auto* p = keep(std::move(pairs), pairs_owner);
-  const auto* l = keep(std::move(lengths), lengths_owner);
-  return nb::make_tuple(array_of(p->data(), pairs_owner, l->size(), 2),
-                        array_of(l->data(), lengths_owner, l->size()));
+  const std::size_t count = lengths.size();
+  return nb::make_tuple(owned_array(std::move(pairs), count, 2),
+                        owned_array(std::move(lengths), count));
 }
 
 nb::object distances(const Graph& g) {
   const std::size_t n = g.graph->size();
-  auto values = std::make_unique<std::vector<double>>(n * n);
+  std::vector<double> values(n * n);
   {
     const nb::gil_scoped_release unlocked;
     for (std::size_t a = 0; a < n; ++a) {
       for (std::size_t b = 0; b < n; ++b) {
-        (*values)[a * n + b] = g.graph->distance(ViewpointIndex(a), ViewpointIndex(b));
+        values[a * n + b] = g.graph->distance(ViewpointIndex(a), ViewpointIndex(b));
       }
     }
   }
-  nb::object owner;
-  const auto* kept = keep(std::move(values), owner);
-  return array_of(kept->data(), owner, n, n);
+  return owned_array(std::move(values), n, n);
 }
 
 void bind_graph_arrays(nb::class_<Graph>& c) {

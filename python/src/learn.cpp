@@ -1,12 +1,11 @@
 // The extension module enfilade._learn: trained agents. Separate from _core: it needs libtorch.
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
-
-#include <fmt/format.h>
 
 #include <atomic>
 #include <filesystem>
@@ -17,12 +16,12 @@
 #include <vector>
 
 #include "enfilade/agents/pilot.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/features/feature_set.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/trained_agent.h"
 #include "python/src/bindings.h"
-#include "python/src/busy.h"
 #include "python/src/errors.h"
 
 namespace enfilade::python {
@@ -32,10 +31,7 @@ using namespace nb::literals;
 using Set = std::shared_ptr<const tasks::EpisodeSet>;
 
 agents::ActionSpace action_space(const std::string& name) {
-  if (name == "viewpoint") return agents::ActionSpace::kViewpoint;
-  if (name == "six") return agents::ActionSpace::kSixActions;
-  if (name == "panoramic") return agents::ActionSpace::kPanoramic;
-  if (name == "map") return agents::ActionSpace::kMap;
+  if (const auto found = find_enum<agents::ActionSpace>(name)) return *found;
   throw ArgumentError(fmt::format("actions {:?}: one of viewpoint, six, panoramic, map", name));
 }
 

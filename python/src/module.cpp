@@ -8,20 +8,13 @@ namespace nb = nanobind;
 
 NB_MODULE(_core, m) {
   nb::set_leak_warnings(false);  // objects in caches of the process are not leaks
-  enfilade::python::bind_errors();
-  enfilade::python::bind_features(m);
-  enfilade::python::bind_graphs(m);
-  enfilade::python::bind_simulator(m);
-  enfilade::python::bind_renderer(m);
-  enfilade::python::bind_gl_trial(m);
-  enfilade::python::bind_dataset(m);
-  enfilade::python::bind_episodes(m);
-  enfilade::python::bind_scores(m);
-  enfilade::python::bind_tokens(m);
-  enfilade::python::bind_environment(m);
-  enfilade::python::bind_arena(m);
-  enfilade::python::bind_continuous(m);
-  enfilade::python::bind_continuous_episodes(m);
+  using namespace enfilade::python;
+  bind_errors();
+  for (const auto bind :
+       {bind_features, bind_graphs, bind_simulator, bind_renderer, bind_dataset, bind_episodes,
+        bind_scores, bind_environment, bind_arena, bind_continuous, bind_continuous_episodes}) {
+    bind(m);
+  }
   nb::module_ mattersim = m.def_submodule("mattersim", "The old simulator's interface.");
-  enfilade::python::mattersim::bind(mattersim);
+  mattersim::bind(mattersim);
 }

@@ -1,6 +1,6 @@
-// Panoramas and Renderer: images into the caller's memory.
-#include "enfilade/render/renderer.h"
+// Panoramas and Renderer: images into the caller's memory, or into memory that is reused.
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
@@ -8,17 +8,27 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <mutex>
+#include <new>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/render/devices.h"
+#include "enfilade/render/renderer.h"
 #include "enfilade/scan/panorama_set.h"
 #include "python/src/bindings.h"
-#include "python/src/busy.h"
-#include "python/src/origins.h"
-#include "python/src/picture_memory.h"
+#include "python/src/errors.h"
 
 namespace enfilade::python {
 namespace {
@@ -94,6 +104,82 @@ class ViewArrays {
   Row<double> elevations_;
 };
 
+constexpr std::align_val_t kAlignment{64};  // a cache line
+constexpr std::size_t kKept = 4;            // colour, depth, classes, instances of one step
+
+struct Free {
+  void operator()(std::byte* memory) const { ::operator delete(memory, kAlignment); }
+};
+
+/// Memory and its size.
+struct Piece {
+  std::size_t bytes = 0;
+  std::unique_ptr<std::byte, Free> memory;
+};
+
+struct Type {
+  const char* name;
+  nb::dlpack::dtype type;
+};
+const std::array<Type, 4> kTypes{{{"uint8", nb::dtype<std::uint8_t>()},
+                                  {"uint16", nb::dtype<std::uint16_t>()},
+                                  {"uint32", nb::dtype<std::uint32_t>()},
+                                  {"float32", nb::dtype<float>()}}};
+
+/// Memory of NumPy arrays, reused after the last view of them is gone: zeroing new pages would take
+/// the system a fifth of the drawing time. Keeps that of the last few arrays. Any thread.
+class PictureMemory : public std::enable_shared_from_this<PictureMemory> {
+ public:
+  PictureMemory() { pieces_.reserve(kKept); }  // so that give_back() cannot fail
+
+  /// Its content is undefined. \param type "uint8", "uint16", "uint32" or "float32"
+  /// \throws ArgumentError for another type; std::bad_alloc
+  nb::object array(std::span<const std::size_t> shape, const std::string& type) {
+    const auto* known = std::ranges::find(kTypes, type, &Type::name);
+    if (known == kTypes.end()) throw ArgumentError("type '" + type + "' is none of a picture's");
+    const std::size_t values =
+        std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies());
+    auto block =
+        std::make_unique<Block>(Block{shared_from_this(), take(values * known->type.bits / 8)});
+    std::byte* memory = block->piece.memory.get();
+    const nb::capsule owner(block.release(), [](void* p) noexcept {
+      const std::unique_ptr<Block> gone(static_cast<Block*>(p));
+      gone->store->give_back(std::move(gone->piece));
+    });
+    return nb::cast(
+        nb::ndarray<nb::numpy>(memory, shape.size(), shape.data(), owner, nullptr, known->type));
+  }
+
+ private:
+  /// The owner of an array's memory.
+  struct Block {
+    std::shared_ptr<PictureMemory> store;
+    Piece piece;
+  };
+
+  Piece take(std::size_t bytes) {
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto found = std::ranges::find(pieces_, bytes, &Piece::bytes);
+      if (found != pieces_.end()) {
+        Piece piece = std::move(*found);
+        pieces_.erase(found);
+        return piece;
+      }
+    }
+    return {bytes, std::unique_ptr<std::byte, Free>(
+                       static_cast<std::byte*>(::operator new(bytes, kAlignment)))};
+  }
+  void give_back(Piece piece) {
+    const std::scoped_lock lock(mutex_);
+    if (pieces_.size() == kKept) pieces_.erase(pieces_.begin());
+    pieces_.push_back(std::move(piece));
+  }
+
+  std::mutex mutex_;
+  std::vector<Piece> pieces_;  // released, the latest last
+};
+
 void check_device(const std::optional<Buffer>& buffer, const char* name, render::Backend backend) {
   namespace device = nb::device;
   if (!buffer || buffer->device_type() == device::cpu::value) return;
@@ -102,7 +188,7 @@ void check_device(const std::optional<Buffer>& buffer, const char* name, render:
   throw ArgumentError(
       fmt::format("out['{}']: memory of a device, but the back end {} draws into the "
                   "CPU's{}",
-                  name, to_string(backend), cuda ? " or a card of CUDA's" : ""));
+                  name, enum_name(backend), cuda ? " or a card of CUDA's" : ""));
 }
 
 template <class T>
@@ -171,7 +257,7 @@ class ViewRenderer {
   ViewRenderer(const std::shared_ptr<const PanoramaSet>& panoramas, const std::string& backend,
                int threads, std::size_t cache_bytes, std::size_t shared_bytes, bool clamped_edges,
                bool eight_bit_depth, const std::string& device, std::size_t card_bytes) {
-    const auto parsed = render::parse_backend(backend);
+    const auto parsed = find_enum<render::Backend>(backend);
     if (!parsed) {
       throw ArgumentError(
           fmt::format("backend '{}': 'cpu', 'cpu-scalar', 'gl' and 'cuda' are allowed", backend));
@@ -215,20 +301,48 @@ class ViewRenderer {
   }
   std::string description() const { return renderer_->description(); }
   nb::object memory(const std::vector<std::size_t>& shape, const std::string& type) {
-    return memory_.array(shape, type);
+    return memory_->array(shape, type);
   }
 
  private:
   render::Backend backend_ = render::Backend::kCpu;
   std::unique_ptr<render::Renderer> renderer_;
   std::vector<render::View> views_;
-  PictureMemory memory_;
+  std::shared_ptr<PictureMemory> memory_ = std::make_shared<PictureMemory>();
   std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
 };
+
+// Its arguments: this package's folder, then those of try_gl().
+constexpr const char* kScript =
+    "import sys\n"
+    "sys.path.insert(0, sys.argv[1])\n"
+    "from enfilade import _core\n"
+    "sys.exit(_core._try_gl(sys.argv[2:]))\n";
+
+// The folder of this module's package.
+std::filesystem::path own_folder() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&own_folder), &info) == 0) return {};
+  return std::filesystem::absolute(info.dli_fname).parent_path().parent_path();
+}
+
+// Another Python process tries OpenGL's drivers before this one loads them.
+void bind_gl_trial(nb::module_& m) {
+  m.def("_try_gl",
+        [](const std::vector<std::string>& arguments) { return render::try_gl(arguments); });
+  // If Python is embedded, sys.executable is the other program or empty.
+  const nb::object executable = nb::module_::import_("sys").attr("executable");
+  std::string program;
+  if (!nb::try_cast(executable, program)) return;
+  const std::string name = std::filesystem::path(program).filename().string();
+  if (!name.starts_with("python") && !name.starts_with("pypy")) return;
+  render::set_gl_trial({program, "-c", kScript, own_folder().string()});
+}
 
 }  // namespace
 
 void bind_renderer(nb::module_& m) {
+  bind_gl_trial(m);
   nb::class_<PanoramaSet>(m, "Panoramas",
                           "The panoramas of a Graphs' scans: stores, or Matterport3D's files in "
                           "any layout. A scan is opened at first use.",
@@ -270,7 +384,7 @@ void bind_renderer(nb::module_& m) {
       "backends",
       [] {
         std::vector<std::string> names;
-        for (const render::Backend b : render::backends()) names.emplace_back(to_string(b));
+        for (const render::Backend b : render::backends()) names.emplace_back(enum_name(b));
         return names;
       },
       "The Renderer's back ends in this build, such as \"cpu\" and \"gl\".");

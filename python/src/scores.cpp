@@ -1,12 +1,11 @@
 // Metrics as functions of paths: R2R's, and those of every benchmark's public scorers.
+#include <fmt/format.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <fmt/format.h>
-
-#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "enfilade/core/threads.h"
@@ -15,7 +14,6 @@
 #include "enfilade/tasks/metrics.h"
 #include "enfilade/tasks/scorer.h"
 #include "python/src/bindings.h"
-#include "python/src/goals.h"
 
 namespace enfilade::python {
 namespace {
@@ -23,14 +21,6 @@ namespace {
 using namespace nb::literals;
 
 constexpr std::size_t kPathsAtOnce = 256;
-
-tasks::MetricOptions metric_options(double success_distance) {
-  if (!(success_distance > 0)) {
-    throw ArgumentError(
-        fmt::format("success_distance {}: more than 0 m is needed", success_distance));
-  }
-  return {success_distance};
-}
 
 nb::dict metrics(const graph::GraphSet& graphs, const std::string& scan, nb::handle trajectory,
                  nb::handle reference, double success_distance) {
@@ -48,68 +38,71 @@ struct Item {
 };
 
 // An agent's answer: an object's id, a point, the turning point; None: no answer.
-void read_answer(nb::handle answer, tasks::Task task, const graph::NavGraph& graph,
+void read_answer(nb::handle answer, const tasks::Benchmark& benchmark, const graph::NavGraph& graph,
                  tasks::Trajectory& trajectory) {
   if (answer.is_none()) return;
-  if (task == tasks::Task::kReverie) {
-    trajectory.object = nb::cast<std::string>(nb::str(answer));
-  } else if (task == tasks::Task::kR2rBack) {
-    trajectory.turning_point = find_viewpoint(graph, nb::cast<std::string>(answer));
-  } else if (task == tasks::Task::kSoon) {
-    trajectory.point = tasks::SpherePoint{nb::cast<double>(answer[0]), nb::cast<double>(answer[1])};
-  } else {
-    throw ArgumentError(
-        fmt::format("answers: {} asks for a path alone", tasks::benchmark(task).title));
+  switch (benchmark.answer) {
+    case tasks::AnswerKind::kObject:
+      trajectory.object = nb::cast<std::string>(nb::str(answer));
+      return;
+    case tasks::AnswerKind::kTurningPoint:
+      trajectory.turning_point = find_viewpoint(graph, nb::cast<std::string>(answer));
+      return;
+    case tasks::AnswerKind::kPoint:
+      trajectory.point =
+          tasks::SpherePoint{nb::cast<double>(answer[0]), nb::cast<double>(answer[1])};
+      return;
+    case tasks::AnswerKind::kNone:
+      throw ArgumentError(fmt::format("answers: {} asks for a path alone", benchmark.title));
   }
 }
 
-void read_item(Item& item, tasks::Task task, std::size_t i, nb::handle trajectory,
+void read_item(Item& item, const tasks::Benchmark& benchmark, std::size_t i, nb::handle trajectory,
                nb::handle reference, nb::handle goal, nb::handle answer) {
   for (const ViewpointIndex v : read_viewpoints(trajectory, *item.graph, "trajectories")) {
     item.trajectory.points.push_back({v, {}, {}});
   }
   item.reference.viewpoints = read_viewpoints(reference, *item.graph, "references");
   if (!goal.is_none()) item.reference.goal = read_goal(nb::tuple(nb::borrow(goal)), *item.graph);
-  if (!fits(item.reference.goal, task)) {
-    throw ArgumentError(fmt::format("goals: element {} is of a kind that {} does not have", i,
-                                    tasks::benchmark(task).title));
+  if (!fits(item.reference.goal, benchmark.goal)) {
+    throw ArgumentError(
+        fmt::format("goals: element {} is of a kind that {} does not have", i, benchmark.title));
   }
-  read_answer(answer, task, *item.graph, item.trajectory);
+  read_answer(answer, benchmark, *item.graph, item.trajectory);
 }
 
 nb::object score_paths(const graph::GraphSet& graphs, const std::string& task_name,
                        const std::string& scorer_name, const nb::list& scans,
                        const nb::list& trajectories, const nb::list& references,
                        const nb::list& goals, const nb::list& answers) {
-  const tasks::Task task = tasks::benchmark(task_name, tasks::World::kGraph).task;
-  const tasks::Scorer& scorer = tasks::benchmark(task).scorer(scorer_name);
+  const auto& benchmark = tasks::benchmark(task_name, tasks::WorldKind::kGraph);
+  const tasks::Scorer& scorer = benchmark.scorer(scorer_name);
+  if (scorer.name == tasks::kOwnScorer) {
+    throw LookupError(fmt::format("scorer \"{}\": enfilade.metrics() has it", scorer_name));
+  }
   std::vector<Item> items(scans.size());
   for (std::size_t i = 0; i < items.size(); ++i) {
     items[i].graph = &graphs.graph(nb::cast<std::string>(scans[i]));
-    read_item(items[i], task, i, trajectories[i], references[i], goals[i], answers[i]);
+    read_item(items[i], benchmark, i, trajectories[i], references[i], goals[i], answers[i]);
   }
   const std::size_t width = scorer.metrics.size();
-  auto kept = std::make_unique<std::vector<double>>(items.size() * width);
+  std::vector<double> values(items.size() * width);
   {
     const nb::gil_scoped_release unlocked;
     parallel_for(items.size(), kPathsAtOnce, 0, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         scorer.on_graph({*items[i].graph, items[i].reference, items[i].trajectory},
-                        std::span(*kept).subspan(i * width, width));
+                        std::span(values).subspan(i * width, width));
       }
     });
   }
-  std::vector<double>* values = kept.release();
-  const nb::capsule owner(values,
-                          [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-  return array_of(values->data(), owner, items.size(), width);
+  return owned_array(std::move(values), items.size(), width);
 }
 
 // [(name, source, metric names, names of their means), ...]
 nb::list scorers(const std::string& task) {
   nb::list rows;
-  for (const tasks::Scorer& scorer :
-       tasks::benchmark(tasks::benchmark(task, tasks::World::kGraph).task).scorers) {
+  for (const tasks::Scorer& scorer : tasks::benchmark(task, tasks::WorldKind::kGraph).scorers) {
     if (scorer.name == tasks::kOwnScorer) continue;  // metrics() is it
     nb::list metrics, means;
     for (const tasks::ScorerMetric& metric : scorer.metrics) {
@@ -124,10 +117,17 @@ nb::list scorers(const std::string& task) {
 
 }  // namespace
 
+tasks::MetricOptions metric_options(double success_distance) {
+  if (!(success_distance > 0)) {
+    throw ArgumentError(
+        fmt::format("success_distance {}: more than 0 m is needed", success_distance));
+  }
+  return {success_distance};
+}
+
 nb::dict metrics_dict(const tasks::EpisodeMetrics& metrics) {
   nb::dict d;
-  for (const tasks::MetricField& field : tasks::metric_fields())
-    d[field.name] = metrics.*field.field;
+  for (const tasks::MetricField& field : tasks::kMetricFields) d[field.name] = metrics.*field.field;
   return d;
 }
 

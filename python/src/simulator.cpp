@@ -14,7 +14,7 @@
 
 #include "enfilade/sim/candidates.h"
 #include "python/src/bindings.h"
-#include "python/src/busy.h"
+#include "python/src/errors.h"
 
 namespace enfilade::python {
 namespace {
@@ -87,9 +87,7 @@ class BatchSimulator {
 
  private:
   void check(const char* name, std::size_t found) const {
-    if (found == native_.batch_size()) return;
-    throw ArgumentError(
-        fmt::format("{}: {} elements for a batch of {}", name, found, native_.batch_size()));
+    check_batch(name, found, native_.batch_size());
   }
 
   std::shared_ptr<const GraphSet> graphs_;
@@ -185,18 +183,22 @@ CandidateColumns all_candidates(const std::shared_ptr<const GraphSet>& graphs,
 }
 
 nb::tuple candidate_arrays(BatchSimulator& self, const Row<std::uint32_t>& scans) {
-  auto columns = std::make_unique<CandidateColumns>();
+  CandidateColumns columns;
   {
     const nb::gil_scoped_release unlocked;
-    *columns = all_candidates(self.graphs(), self.native().config(), span_of(scans));
+    columns = all_candidates(self.graphs(), self.native().config(), span_of(scans));
   }
-  CandidateColumns* kept = columns.release();
-  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<CandidateColumns*>(p); });
-  return nb::make_tuple(array_of(kept->integers.data(), owner, kept->integers.size() / 5, 5),
-                        array_of(kept->reals.data(), owner, kept->reals.size() / 6, 6));
+  const std::size_t rows = columns.integers.size() / 5;
+  return nb::make_tuple(owned_array(std::move(columns.integers), rows, 5),
+                        owned_array(std::move(columns.reals), rows, 6));
 }
 
 }  // namespace
+
+void check_batch(const char* name, std::size_t found, std::size_t batch) {
+  if (found == batch) return;
+  throw ArgumentError(fmt::format("{}: {} elements for a batch of {}", name, found, batch));
+}
 
 void bind_simulator(nb::module_& m) {
   nb::class_<BatchSimulator>(m, "BatchSimulator",

@@ -1,4 +1,4 @@
-"""Walking freely: the simulator, episodes, Gymnasium environments, and Habitat's interface, in model homes
+"""Continuous navigation: the simulator, episodes, Gymnasium environments, and Habitat's interface, in model homes
 (SYNTHETIC) that `enfilade homes` and `enfilade continuous` make."""
 
 from __future__ import annotations
@@ -8,14 +8,14 @@ import gzip
 import io
 import json
 import math
-import os
 import pickle
-import subprocess
+import sys
 import warnings
 from pathlib import Path
 from typing import Any
 
 import pytest
+from programs import run
 
 np = pytest.importorskip("numpy")
 
@@ -24,16 +24,6 @@ from enfilade import habitat  # noqa: E402
 from enfilade import ContinuousAction, ContinuousSimulator, EpisodeStatus, continuous_episodes  # noqa: E402
 
 STOP, FORWARD, LEFT, RIGHT, LOOK_UP, LOOK_DOWN = ContinuousAction
-
-
-def run(*arguments: object) -> str:
-    """The program's standard output; it has to succeed."""
-    program = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
-    if not program:
-        pytest.skip("ENFILADE_COMMAND names no program")
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 @pytest.fixture(scope="session")
@@ -87,6 +77,18 @@ def test_episodes_have_what_their_files_have(free: Path) -> None:
     assert len(from_file) == len(episodes) and from_file.expert(0) is None
     spoken = continuous_episodes(free, "rxr-ce", "val_unseen")[0]
     assert spoken.language is not None and spoken.instruction_id is not None
+
+
+def test_a_data_set_has_the_episodes_of_both_worlds(free: Path) -> None:
+    d = enfilade.Dataset(free)
+    assert {"r2r", "r2r-ce", "rxr-ce"} <= d.tasks.keys()
+    episodes = d.episodes("val_unseen", "r2r-ce")
+    assert isinstance(episodes, enfilade.ContinuousEpisodes)
+    assert [e.id for e in episodes] == [e.id for e in continuous_episodes(free, "r2r-ce", "val_unseen")]
+    assert isinstance(d.episodes("val_unseen"), enfilade.Episodes)
+    ask: Any = d.episodes
+    with pytest.raises(enfilade.ArgumentError, match="all_instructions"):
+        ask("train", "r2r-ce", all_instructions=True)
 
 
 def test_wrong_episodes_are_named(free: Path, tmp_path: Path) -> None:
@@ -614,7 +616,9 @@ def test_old_words_of_layers_are_the_callers(boxes: Path, one: enfilade.Continuo
 def test_lerobot_tables_are_read_by_pyarrow(free: Path, tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
     image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    run("export", "--as", "lerobot", "--data", free, "--split", "val_unseen", "-o", tmp_path)
+    command = ("export", "--as", "lerobot", "--lerobot-version", "2.1", "--data", free,
+               "--split", "val_unseen", "-o", tmp_path)  # fmt: skip
+    run(*command, "--python", sys.executable)
     info = json.loads((tmp_path / "meta/info.json").read_text())
     tasks = [json.loads(line)["task"] for line in (tmp_path / "meta/tasks.jsonl").read_text().splitlines()]
     lengths = [json.loads(line) for line in (tmp_path / "meta/episodes.jsonl").read_text().splitlines()]
@@ -653,6 +657,11 @@ def test_lerobot_tables_are_read_by_pyarrow(free: Path, tmp_path: Path) -> None:
     assert set(named) == set(table.column_names) == set(info["features"])
     statistics = json.loads((tmp_path / "meta/episodes_stats.jsonl").read_text().splitlines()[-1])
     assert statistics["stats"]["index"]["max"] == [row - 1]
+    table = tmp_path / "data/chunk-000/episode_000001.parquet"
+    before = table.read_bytes()
+    table.unlink()
+    said = run(*command, "--python", sys.executable)
+    assert f"of which {len(episodes) - 1} walks were there" in said and table.read_bytes() == before
 
 
 def test_vlnce_export_is_the_same_split(free: Path, tmp_path: Path) -> None:

@@ -14,20 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from programs import run
 
 np = pytest.importorskip("numpy")
 
 Home = dict[str, Any]
-
-
-def run(*arguments: object) -> str:
-    """The program's standard output; it has to succeed."""
-    program = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
-    if not program:
-        pytest.skip("ENFILADE_COMMAND names no program")
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=1200)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 def h5py() -> Any:
@@ -156,6 +147,23 @@ def test_networkx(home: Home, tmp_path: Path) -> None:
     other = graph.copy()
     other.add_edge("new", path[0], weight=1.0)
     assert nx.shortest_path_length(other, "new", path[0], weight="weight") == 1 and "new" not in graph
+
+
+def test_networkx_without_a_list_of_scans(home: Home, tmp_path: Path) -> None:
+    pytest.importorskip("networkx", reason="networkx is not installed")
+    connectivity, store, scan = tmp_path / "connectivity", tmp_path / "stores/store", home["scan"]
+    connectivity.mkdir()
+    store.mkdir(parents=True)
+    name = f"{scan}_connectivity.json"
+    (connectivity / name).symlink_to(home["folder"] / "connectivity" / name)
+    (store / f"{scan}.enfilade").symlink_to(home["folder"] / "store" / f"{scan}.enfilade")
+    export(home, "networkx", tmp_path / "whole", "--python", sys.executable)
+    whole = (tmp_path / "whole/connectivity_graphs.pkl").read_bytes()
+    for given in (("--connectivity", connectivity, "--scans", scan), ("--data", tmp_path / "stores")):
+        to = tmp_path / given[0]
+        run("export", "--as", "networkx", *given, "-o", to, "--python", sys.executable)
+        assert {file.name for file in to.iterdir()} == {"connectivity_graphs.pkl", "distances", "paths"}
+        assert (to / "connectivity_graphs.pkl").read_bytes() == whole
 
 
 def test_networkx_of_a_graph_with_a_one_way_edge(home: Home, tmp_path: Path) -> None:
@@ -357,6 +365,311 @@ def test_reverie_boxes(home: Home, tmp_path: Path) -> None:
     assert json.loads((tmp_path / "nested.json").read_text()) == files
     run("convert", tmp_path / "nested.json", tmp_path / "flat.json")
     assert json.loads((tmp_path / "flat.json").read_text()) == flat
+
+
+FRAMES = [b"\xff\xd8 left \xff\xd9", b"\xff\xd8 forward \xff\xd9", b"\xff\xd8 stop \xff\xd9"]
+
+
+def make_parts(folder: Path) -> None:
+    """What the program renders of two episodes with one instruction, of three pictures and of one."""
+    parts = folder / "enfilade_export.parts"
+    states = [[1.5, -2.0, 0.1, 0.25], [1.5, -2.0, 0.1, 0.5], [1.5, -1.75, 0.1, 0.5]]
+    pixels = {
+        "min": [0, 0.1, 0.2],
+        "max": [1, 0.9, 0.8],
+        "mean": [0.5, 0.4, 0.3],
+        "std": [0.1, 0.2, 0.3],
+    }
+    for index, count in enumerate((3, 1)):
+        part = parts / f"{index:06d}"
+        part.mkdir(parents=True)
+        for k, frame in enumerate(FRAMES[-count:]):
+            (part / f"frame_{k:06d}.jpg").write_bytes(frame)
+        rows = {"actions": [2, 1, 0][-count:], "states": states[-count:], "pixels": pixels}
+        (parts / f"{index:06d}.rows.json").write_text(json.dumps(rows))
+    episodes = [{"instruction": "Geh über den Flur.", "length": length} for length in (3, 1)]
+    split = {"split": "train", "width": 64, "height": 48, "chunk": 1000, "episodes": episodes}
+    (parts / "episodes.json").write_text(json.dumps(split))
+
+
+def lines_of(file: Path) -> list[Any]:
+    return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+
+
+def test_lerobot_tables_have_columns_types_and_values(tmp_path: Path) -> None:
+    pa = pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    import pyarrow.parquet as parquet
+    from enfilade.exports import main
+
+    make_parts(tmp_path)
+    assert main(["lerobot", str(tmp_path), "--version", "2.1"]) == 0
+    first, second = (
+        parquet.read_table(tmp_path / f"data/chunk-000/episode_{k:06d}.parquet") for k in (0, 1)
+    )
+    whole = dict.fromkeys(("frame_index", "episode_index", "index", "task_index"), pa.int64())
+    assert {field.name: field.type for field in first.schema} == {
+        "observation.images.rgb": pa.struct([("bytes", pa.binary()), ("path", pa.string())]),
+        "observation.state": pa.list_(pa.field("element", pa.float32())),
+        "action": pa.int64(),
+        "timestamp": pa.float32(),
+        **whole,
+    }
+    assert first.schema == second.schema
+    single = [np.float32(x).item() for x in (0.1, 0.2, 0.4)]
+    assert first.to_pydict() == {
+        "observation.images.rgb": [
+            {"bytes": frame, "path": f"frame_{k:06d}.jpg"} for k, frame in enumerate(FRAMES)
+        ],
+        "observation.state": [
+            [1.5, -2, single[0], 0.25],
+            [1.5, -2, single[0], 0.5],
+            [1.5, -1.75, single[0], 0.5],
+        ],
+        "action": [2, 1, 0],
+        "timestamp": [0, single[1], single[2]],
+        "frame_index": [0, 1, 2],
+        "episode_index": [0, 0, 0],
+        "index": [0, 1, 2],
+        "task_index": [0, 0, 0],
+    }
+    assert second["observation.images.rgb"].to_pylist() == [
+        {"bytes": FRAMES[2], "path": "frame_000000.jpg"}
+    ]
+    of_second = {name: second[name].to_pylist() for name in ("action", "timestamp", *whole)}
+    assert of_second == {"action": [0], "timestamp": [0], "frame_index": [0], "episode_index": [1],
+                         "index": [3], "task_index": [0]}  # fmt: skip
+    # Columns are neither packed nor encoded, and may be null, as `datasets` needs them.
+    about = parquet.ParquetFile(tmp_path / "data/chunk-000/episode_000000.parquet")
+    assert about.schema.column(0).max_definition_level == 2
+    assert about.metadata.row_group(0).column(0).compression == "UNCOMPRESSED"
+    features = json.loads(first.schema.metadata[b"huggingface"])["info"]["features"]
+    assert list(features) == first.column_names
+    assert features["observation.images.rgb"] == {"_type": "Image"}
+    assert features["timestamp"] == {"dtype": "float32", "_type": "Value"}
+
+
+def test_lerobot_meta_describes_the_tables(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    from enfilade.exports import write_lerobot
+
+    make_parts(tmp_path)
+    assert write_lerobot(tmp_path, "2.1") == 2
+    instruction = "Geh über den Flur."
+    meta = tmp_path / "meta"
+    assert lines_of(meta / "tasks.jsonl") == [{"task_index": 0, "task": instruction}]
+    assert lines_of(meta / "episodes.jsonl") == [
+        {"episode_index": 0, "tasks": [instruction], "length": 3},
+        {"episode_index": 1, "tasks": [instruction], "length": 1},
+    ]
+    stats = lines_of(meta / "episodes_stats.jsonl")
+    assert [entry["episode_index"] for entry in stats] == [0, 1]
+    first = stats[0]["stats"]
+    action = {
+        "min": [0],
+        "max": [2],
+        "mean": [1],
+        "std": [pytest.approx(math.sqrt(2 / 3))],
+        "count": [3],
+    }
+    assert first["action"] == action
+    assert first["observation.state"]["min"] == pytest.approx([1.5, -2, 0.1, 0.25])
+    assert first["observation.state"]["mean"] == pytest.approx([1.5, -5.75 / 3, 0.1, 1.25 / 3])
+    assert first["observation.images.rgb"]["mean"] == [[[0.5]], [[0.4]], [[0.3]]]
+    assert first["observation.images.rgb"]["count"] == [3]
+    assert stats[1]["stats"]["index"] == {"min": [3], "max": [3], "mean": [3], "std": [0], "count": [1]}
+    info = json.loads((meta / "info.json").read_text())
+    features = info.pop("features")
+    assert info == {
+        "codebase_version": "v2.1",
+        "robot_type": "vln-ce",
+        "total_episodes": 2,
+        "total_frames": 4,
+        "total_tasks": 1,
+        "total_videos": 0,
+        "total_chunks": 1,
+        "chunks_size": 1000,
+        "fps": 5,
+        "splits": {"train": "0:2"},
+        "data_path": "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
+        "video_path": None,
+    }
+    assert features["observation.images.rgb"] == {
+        "dtype": "image", "shape": [48, 64, 3], "names": ["height", "width", "channel"]}  # fmt: skip
+    assert features["observation.state"]["names"] == ["x", "y", "z", "heading"]
+    assert features["action"] == {"dtype": "int64", "shape": [1], "names": ["action"]}
+    assert features["index"] == {"dtype": "int64", "shape": [1], "names": None}
+
+
+@pytest.mark.parametrize("version", ["2.1", "3.0"])
+def test_lerobot_goes_on_where_it_stopped(
+    version: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    from enfilade import _lerobot
+    from enfilade.exports import main, write_lerobot
+
+    monkeypatch.setattr(_lerobot, "_DATA_MEGABYTES", 0)  # an episode per table
+    make_parts(tmp_path / "whole")
+    write_lerobot(tmp_path / "whole", version)
+    make_parts(tmp_path)
+    parts = tmp_path / "enfilade_export.parts"
+    rows = parts / "000001.rows.json"
+    rows.rename(parts / "away")
+    words = ["lerobot", str(tmp_path), "--version", version]
+    assert main(words) == 3 and "000001" in capsys.readouterr().err
+    assert not (parts / "000000").exists(), "the first is a table"
+    (parts / "away").rename(rows)
+    assert write_lerobot(tmp_path, version) == write_lerobot(tmp_path, version) == 2
+    kept = {"000000.json", "000001.json", "episodes.json", "tables.json"}
+    assert {file.name for file in parts.iterdir()} == kept
+    for file in (tmp_path / "whole").rglob("*.*"):
+        if file.is_file():
+            assert (tmp_path / file.relative_to(tmp_path / "whole")).read_bytes() == file.read_bytes()
+
+
+def test_lerobot_3_has_tables_of_many_episodes(tmp_path: Path) -> None:
+    pa = pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    import pyarrow.parquet as parquet
+    from enfilade.exports import main
+
+    make_parts(tmp_path)
+    assert main(["lerobot", str(tmp_path)]) == 0
+    file = tmp_path / "data/chunk-000/file-000.parquet"
+    assert [other.name for other in file.parent.iterdir()] == [file.name]
+    table = parquet.read_table(file)
+    assert table.schema.field("observation.state").type == pa.list_(pa.float32(), 4)
+    assert table["episode_index"].to_pylist() == [0, 0, 0, 1]
+    assert table["index"].to_pylist() == [0, 1, 2, 3]
+    assert table["action"].to_pylist() == [2, 1, 0, 0]
+    assert table["task_index"].to_pylist() == [0, 0, 0, 0]
+    pictures = [picture["bytes"] for picture in table["observation.images.rgb"].to_pylist()]
+    assert pictures == [*FRAMES, FRAMES[2]]
+    assert parquet.ParquetFile(file).num_row_groups == 2, "one per episode"
+
+
+def test_lerobot_3_meta_describes_the_tables(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed")
+    import pyarrow.parquet as parquet
+    from enfilade.exports import write_lerobot
+
+    make_parts(tmp_path)
+    assert write_lerobot(tmp_path) == 1
+    meta = tmp_path / "meta"
+    tasks = pandas.read_parquet(meta / "tasks.parquet")
+    assert tasks.iloc[0].name == "Geh über den Flur." and tasks.index.name == "task"
+    assert tasks["task_index"].tolist() == [0] and list(tasks.columns) == ["task_index"]
+    first, second = parquet.read_table(meta / "episodes/chunk-000/file-000.parquet").to_pylist()
+    assert [first[name] for name in ("episode_index", "tasks", "length")] == [0, [tasks.index[0]], 3]
+    assert (first["dataset_from_index"], first["dataset_to_index"]) == (0, 3)
+    assert (second["dataset_from_index"], second["dataset_to_index"]) == (3, 4)
+    for name in ("data/chunk_index", "data/file_index", "meta/episodes/chunk_index"):
+        assert first[name] == second[name] == 0
+    assert first["stats/action/max"] == [2] and first["stats/action/q50"] == [1]
+    assert first["stats/action/count"] == [3] and second["stats/action/count"] == [1]
+    assert first["stats/observation.images.rgb/mean"] == [[[0.5]], [[0.4]], [[0.3]]]
+    assert not any(name.startswith("videos/") for name in first)
+    stats = json.loads((meta / "stats.json").read_text())
+    actions = np.array([2, 1, 0, 0])
+    assert stats["action"]["mean"] == pytest.approx([actions.mean()])
+    assert stats["action"]["std"] == pytest.approx([actions.std()])
+    assert stats["action"]["min"] == [0] and stats["action"]["count"] == [4]
+    assert stats["action"]["q50"] == pytest.approx([0.75]), "the mean of 1 (thrice) and 0"
+    assert stats["observation.images.rgb"]["max"] == [[[1]], [[0.9]], [[0.8]]]
+    info = json.loads((meta / "info.json").read_text())
+    features = info.pop("features")
+    assert info == {
+        "codebase_version": "v3.0",
+        "robot_type": "vln-ce",
+        "total_episodes": 2,
+        "total_frames": 4,
+        "total_tasks": 1,
+        "chunks_size": 1000,
+        "data_files_size_in_mb": 100,
+        "video_files_size_in_mb": 200,
+        "fps": 5,
+        "splits": {"train": "0:2"},
+        "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
+        "video_path": None,
+    }
+    assert features["observation.images.rgb"]["dtype"] == "image"
+    assert features["observation.state"]["shape"] == [4]
+
+
+def test_lerobot_keeps_versions_apart(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    from enfilade import ArgumentError, FileError
+    from enfilade.exports import write_lerobot
+
+    for version, other in (("2.1", "3.0"), ("3.0", "2.1")):
+        folder = tmp_path / version
+        make_parts(folder)
+        write_lerobot(folder, version)
+        with pytest.raises(FileError, match=f"tables of version {version}; give the same"):
+            write_lerobot(folder, other)
+        (folder / "enfilade_export.parts/tables.json").unlink()  # a folder of an earlier version
+        with pytest.raises(FileError, match=f"tables of version {version}; take another"):
+            write_lerobot(folder, other)
+    assert write_lerobot(tmp_path / "2.1", "2.1") == 2
+    for wrong in (("3.1",), ("2.1", True)):
+        with pytest.raises(ArgumentError):
+            write_lerobot(folder, *wrong)
+
+
+def test_lerobot_3_has_a_video_of_many_episodes(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    av = pytest.importorskip("av", reason="PyAV (av) is not installed")
+    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    import pyarrow.parquet as parquet
+    from enfilade.exports import write_lerobot
+
+    make_parts(tmp_path)
+    colours = iter([(200, 40, 40), (40, 200, 40), (40, 40, 200), (120, 120, 120)])
+    for file in sorted((tmp_path / "enfilade_export.parts").glob("*/*.jpg")):
+        image.new("RGB", (64, 64), next(colours)).save(file)
+    split = tmp_path / "enfilade_export.parts/episodes.json"
+    split.write_text(split.read_text().replace('"height": 48', '"height": 64'))
+    assert write_lerobot(tmp_path, videos=True) == 1
+    video = tmp_path / "videos/observation.images.rgb/chunk-000/file-000.mp4"
+    with av.open(str(video)) as container:
+        frames = list(container.decode(video=0))
+        assert [float(frame.pts * frame.time_base) for frame in frames] == pytest.approx(
+            [0, 0.2, 0.4, 0.6]
+        )
+        shown = [frame.to_ndarray(format="rgb24")[32, 32] for frame in frames]
+    assert (
+        np.abs(np.array(shown, int) - [(200, 40, 40), (40, 200, 40), (40, 40, 200), (120,) * 3]).max()
+        < 12
+    )
+    _, second = parquet.read_table(tmp_path / "meta/episodes/chunk-000/file-000.parquet").to_pylist()
+    key = "videos/observation.images.rgb/"
+    assert second[key + "from_timestamp"] == pytest.approx(0.6)
+    assert second[key + "to_timestamp"] == pytest.approx(0.8)
+    assert second[key + "file_index"] == second[key + "chunk_index"] == 0
+    columns = parquet.read_table(tmp_path / "data/chunk-000/file-000.parquet").column_names
+    assert "observation.images.rgb" not in columns and "action" in columns
+    info = json.loads((tmp_path / "meta/info.json").read_text())
+    assert info["features"]["observation.images.rgb"]["dtype"] == "video"
+    assert info["video_path"].format(
+        video_key="observation.images.rgb", chunk_index=0, file_index=0
+    ) == str(video.relative_to(tmp_path))
+
+
+def test_lerobot_renders_nothing_without_pyarrow(tmp_path: Path) -> None:
+    program = os.environ.get("ENFILADE_COMMAND") or os.environ.get("ENFILADE_PROGRAM")
+    if not program:
+        pytest.skip("ENFILADE_COMMAND names no program")
+    run("homes", "-o", tmp_path / "homes", "--preset", "graphs", "--homes", 1, "--paths", 1)
+    words = [program, "export", "--as", "lerobot", "--data", tmp_path / "homes", "-o", tmp_path / "out"]
+    (tmp_path / "pyarrow.py").write_text("raise ImportError('No module named pyarrow')\n")
+    path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
+    for python, message in ((sys.executable, 'pip install "enfilade[lerobot]"'), ("/none", "--python")):
+        done = subprocess.run(
+            [*map(str, words), "--python", python],
+            capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path},
+        )  # fmt: skip
+        assert done.returncode == 2 and message in done.stderr
+        assert not (tmp_path / "out").exists()
 
 
 def test_mapgpt_views(home: Home, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import pickle
 import re
 import struct
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,16 @@ def test_what_is_written_is_read(tmp_path: Path, some: Any, suffix: str) -> None
         found["b", "nowhere"]
     again = pickle.loads(pickle.dumps(found))
     assert (again["b", "v1"] == some["b", "v1"]).all()
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_viewpoints_with_underscores_are_found_by_the_whole_name(tmp_path: Path, suffix: str) -> None:
+    """As cameras name their pictures: IMG_1_01.jpg."""
+    key = ("my_home", "IMG_1_01")
+    values = np.ones((36, 2), np.float32)
+    found = features.open_features(write(tmp_path / f"f{suffix}", {key: values}))
+    assert (found[key] == values).all() and key in found
+    assert ("my_home", "01") not in found and "my_home" not in found
 
 
 def test_safetensors_are_read_by_their_bytes(tmp_path: Path) -> None:
@@ -120,6 +131,44 @@ def test_broken_lines_of_tsv_are_named(tmp_path: Path) -> None:
         file.write_text(line + bad)
         with pytest.raises(enfilade.InvalidInput, match="f.tsv:2"):
             features.open_features(file)
+
+
+def test_hdf5_that_another_program_writes_is_said_to_be_locked(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    file = tmp_path / "f.h5"
+    with h5py.File(file, "w") as root:
+        root["b_v1"] = np.zeros((36, 2), np.float32)
+    writes = "import sys, h5py\nf = h5py.File(sys.argv[1], 'a')\nprint('open', flush=True)\nsys.stdin.read()\n"
+    with subprocess.Popen(
+        [sys.executable, "-c", writes, str(file)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as writer:
+        assert writer.stdout is not None and writer.stdout.readline() == b"open\n"
+        with pytest.raises(enfilade.InvalidInput, match="another program.*HDF5_USE_FILE_LOCKING=FALSE"):
+            features.open_features(file)
+        writer.communicate()
+    assert len(features.open_features(file)) == 1
+
+
+def test_hdf5_with_a_filter_that_is_missing_names_it(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    packed = tmp_path / "lzf.h5"
+    with h5py.File(packed, "w") as root:
+        root.create_dataset("b_v1", data=np.ones((36, 2), np.float32), compression="lzf")
+    assert (features.open_features(packed)["b", "v1"] == 1).all()
+    with h5py.File(tmp_path / "blosc.h5", "w") as root:
+        made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        made.set_chunk((36, 2))
+        # An optional filter that is missing does not pack, but is named in the file.
+        made.set_filter(32001, h5py.h5z.FLAG_OPTIONAL)
+        space = h5py.h5s.create_simple((36, 2))
+        # The second claims to be packed; the first's chunk skipped the filter.
+        for name, skipped in ((b"b_v1", 1), (b"b_v2", 0)):
+            found = h5py.h5d.create(root.id, name, h5py.h5t.IEEE_F32LE, space, dcpl=made)
+            found.write_direct_chunk((0, 0), np.ones((36, 2), np.float32).tobytes(), skipped)
+    some = features.open_features(tmp_path / "blosc.h5")
+    with pytest.raises(enfilade.InvalidInput, match="32001.*hdf5plugin"):
+        some["b", "v2"]
+    assert (some["b", "v1"] == 1).all()
 
 
 def test_hdf5_leads_nowhere_else(tmp_path: Path, some: Any) -> None:
@@ -202,9 +251,10 @@ def test_what_could_not_be_read_is_not_written(
 
 
 def test_what_is_not_in_safetensors_is_not_written(tmp_path: Path) -> None:
-    for name, values in (("v", GOOD.astype(np.float64)), ("v_1", GOOD)):
-        with pytest.raises(enfilade.ArgumentError, match=name):
-            save(tmp_path / "f.safetensors", {("s", name): values})
+    with pytest.raises(enfilade.ArgumentError, match="float64"):
+        save(tmp_path / "f.safetensors", {("s", "v"): GOOD.astype(np.float64)})
+    with pytest.raises(enfilade.ArgumentError, match="s_1_v"):
+        save(tmp_path / "f.safetensors", {("s_1", "v"): GOOD, ("s", "1_v"): GOOD})
 
 
 @pytest.mark.parametrize("suffix", [".tsv", ".safetensors"])

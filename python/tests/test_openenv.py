@@ -1,14 +1,24 @@
 """The arena through OpenEnv's own server and client. Graphs are SYNTHETIC."""
 
+import json
+import os
+import shutil
+import subprocess
+import sys
 import threading
 import time
+import urllib.request
+from pathlib import Path
 
+import enfilade
 import pytest
 
-pytest.importorskip("openenv.core", reason="the package openenv-core is not installed (Python 3.10 or newer)")
+pytest.importorskip("openenv.core", reason="neither openenv nor openenv-core is installed (Python 3.10 or newer)")
 import uvicorn
 from enfilade import openenv as served
 from openenv.core.generic_client import GenericEnvClient
+
+PACKAGE = Path(__file__).parents[2] / "examples" / "openenv"
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +51,8 @@ def test_episodes_are_walked_one_after_another(address):
         }  # fmt: skip
         ended = env.step({"tool": "stop"})
         assert ended.done and ended.reward in (0, 1)
+        assert ended.observation["episode"] == first and ended.observation["ending"] == "stopped"
+        assert ended.observation["metrics"]["success"] == ended.reward
         env.reset()
         assert env.state()["episode_id"] != first
         env.reset(episode_id=first)
@@ -54,6 +66,50 @@ def test_walkers_do_not_see_each_other(address):
         other.reset(seed=1)
         one.step({"tool": "look", "argument": "left"})
         assert (one.state()["step_count"], other.state()["step_count"]) == (1, 0)
+
+
+def test_the_environment_has_a_name(address):
+    with urllib.request.urlopen(f"{address}/metadata") as answer:
+        said = json.loads(answer.read())
+    assert said["name"] == "enfilade" and said["version"] == enfilade.__version__
+
+
+@pytest.fixture(scope="module")
+def command():
+    """OpenEnv's own program."""
+    found = shutil.which("openenv", path=str(Path(sys.executable).parent)) or shutil.which("openenv")
+    if found is None:
+        pytest.skip("there is no command openenv")
+    return found
+
+
+def test_openenv_finds_no_fault_with_the_server(address, command):
+    done = subprocess.run([command, "validate", "--url", address], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_openenv_finds_no_fault_with_the_package(command):
+    def validate(*options):
+        given = [command, "validate", str(PACKAGE), *options]
+        return subprocess.run(given, capture_output=True, text=True, timeout=120)
+
+    done = validate("--level", "static")  # others build an image
+    if "No such option" in done.stdout + done.stderr:
+        done = validate()
+        if "uv.lock" in done.stdout + done.stderr:
+            pytest.skip("this version of openenv wants a uv.lock, which the package does not have")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_package_serves_a_data_set_that_it_makes(tmp_path):
+    code = "import server.app, enfilade.openenv as e; print(type(server.app.app).__name__)"
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("ENFILADE")}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, cwd=PACKAGE,
+        env={**kept, "TMPDIR": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == "FastAPI"
 
 
 def test_what_is_wrong_is_told(address):

@@ -113,6 +113,8 @@ def test_what_does_not_fit_is_refused(made: Path) -> None:
         ask(episodes.graphs, e.scan, [e.path], [e.path], task="reverie")
     with pytest.raises(enfilade.UnknownNameError, match="duet"):
         ask(episodes.graphs, e.scan, [e.path], [e.path], task="r4r", scorer="mine")
+    with pytest.raises(enfilade.UnknownNameError, match="enfilade.metrics"):
+        ask(episodes.graphs, e.scan, [e.path], [e.path], task="r2r", scorer="enfilade")
     with pytest.raises(enfilade.UnknownNameError, match="nowhere"):
         ask(episodes.graphs, e.scan, [["nowhere"]], [e.path], task="r4r")
     with pytest.raises(enfilade.ArgumentError, match="0 to"):
@@ -121,7 +123,7 @@ def test_what_does_not_fit_is_refused(made: Path) -> None:
         ask(episodes.graphs, e.scan, [e.path], [e.path], task="r4r", goals=[3])
     with pytest.raises(enfilade.ArgumentError, match="has its own"):
         episodes.score(results_of(episodes), success_distance=1.0)
-    with pytest.raises(enfilade.ArgumentError, match="is of R2R"):
+    with pytest.raises(enfilade.UnknownNameError, match="for R4R; there are hamt, duet"):
         episodes.score(results_of(episodes), scorer="enfilade")
 
 

@@ -63,7 +63,7 @@ class AskKill : public ::testing::Test {
 TEST_F(AskKill, TheRunGoesOnAndNothingIsAskedTwice) {
   // Each answer takes 10 ms, so that there is a middle to be killed in.
   const arena::StandIn model(world(), {.rule = arena::Rule::kRandom,
-                                       .faults = {arena::Fault::kSilence},
+                                       .faults = {arena::StandInFault::kSilence},
                                        .one_in = 1,
                                        .silence = 0.01});
   Rng rng(20);

@@ -26,7 +26,7 @@ Case regions(std::string input, std::string says, const std::string& content) {
 
 std::vector<Case> annotation_cases() {
   return {
-      refused("an object instead of the array", "$: object, not an array",
+      refused("an object instead of the array", "$[0]: has no field \"path_id\"",
               [](Files& f) { f.write(kAnnotations, "{}"); }),
       refused("a file cut off in the middle", "the file ends too early",
               [](Files& f) { f.write(kAnnotations, f.content(kAnnotations).substr(0, 80)); }),

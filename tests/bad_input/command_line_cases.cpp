@@ -37,7 +37,7 @@ std::vector<Case> command_line_cases() {
       line("a data set that is not there", "stats --data {}/none", 3, "{}/none: not a folder"),
       line("a data set that is a file", "stats --data {}/results.json", 3, "not a folder"),
       line("a data set with no annotations of the split", "run --data {} --split val_9", 3,
-           "holds no annotations of split \"val_9\"; tried: r2r/R2R_val_9.json"),
+           "holds no annotations of split \"val_9\" of R2R; tried: r2r/R2R_val_9.json"),
       line("a task that is none", "score {}/results.json --data {} --split made --task r3r", 2,
            "no task \"r3r\"; there are r2r, r2r-last, r2r-back, r4r, rxr, reverie, cvdn, soon"),
       line("a scorer that is none",
@@ -45,7 +45,8 @@ std::vector<Case> command_line_cases() {
            "no scorer \"official\" for R2R; there are enfilade, duet, hamt, valan, r4r_public"),
       line("a task of which there is no data",
            "score {}/results.json --data {} --split made --task soon", 3,
-           "holds no SOON annotations of split \"made\"; tried: soon/made.json, soon/made.json.gz"),
+           "holds no annotations of split \"made\" of SOON; tried: soon/made.json, "
+           "soon/made.json.gz"),
       line("a task that is none, of a run", "run --data {} --split made --task soup", 2,
            "no task \"soup\"; there are r2r,"),
       line("a table of a task that the data has not", "table {} --data {} --task soon", 2,

@@ -1,4 +1,5 @@
-// Walking freely: navigation meshes, VLN-CE's episodes, and results. All of it is SYNTHETIC.
+// Continuous environments: navigation meshes, VLN-CE's episodes, and results. All of it is
+// SYNTHETIC.
 #include <string>
 
 #include "tests/bad_input/harness.h"
@@ -48,7 +49,7 @@ Case floors(std::string input, const std::string& command, int exit_code, std::s
 
 // Run by the shortest-path agent, once the floor is made.
 Case walked(std::string input, int exit_code, std::string says, Damage damage = {}) {
-  return {"Episodes of walking freely",
+  return {"Continuous episodes",
           std::move(input),
           "run --task r2r-ce --data {} --split made --agent shortest",
           exit_code,
@@ -59,7 +60,7 @@ Case walked(std::string input, int exit_code, std::string says, Damage damage = 
 }
 
 Case scored(std::string input, int exit_code, std::string says, Damage damage = {}) {
-  return {"Results of walking freely",
+  return {"Continuous results",
           std::move(input),
           "score walks.json --task r2r-ce --data {} --split made",
           exit_code,
@@ -69,10 +70,10 @@ Case scored(std::string input, int exit_code, std::string says, Damage damage = 
           kFloors};
 }
 
-// Training an agent that walks freely; `floors` are made before.
+// Training the continuous agent; `floors` are made before.
 Case trained(std::string input, const std::string& options, int exit_code, std::string says,
              bool floors = true) {
-  return {"Training to walk freely",
+  return {"Training of the continuous agent",
           std::move(input),
           "train --data {} --splits made -o model --threads 1 " + options,
           exit_code,
@@ -86,19 +87,19 @@ std::vector<Case> training() {
   const std::string blind =
       "--task r2r-ce --recipe small --inputs language --hidden 2 --sets 1 --epochs 1 ";
   return {
-      trained("an agent that walks freely, and nothing wrong", blind, 0, "model: trained, 1 iter"),
+      trained("the continuous agent, and nothing wrong", blind, 0, "model: trained, 1 iter"),
       trained("no encoder for an agent that sees", "--task r2r-ce", 2,
               "train: --weights FILE is needed, of --encoder"),
-      trained("features of the graph for an agent that walks freely",
-              blind + "--features f.safetensors", 2, "train: --features: pictures of the graph's"),
+      trained("features of the graph for the continuous agent", blind + "--features f.safetensors",
+              2, "train: --features: pictures of the graph's"),
       trained("weights of an encoder for an agent of the graph",
               "--inputs none --weights w.safetensors", 2,
               "train: --weights: of --task r2r-ce alone"),
-      trained("an agent that does not walk freely", "--task r2r-ce --agent duet", 2,
+      trained("an agent that is not continuous", "--task r2r-ce --agent duet", 2,
               "--agent duet: walks in the graph; --task r2r-ce has seq2seq alone"),
       trained("an option of the graph's agents", blind + "--iterations 5", 2,
               "--iterations: not an option of --agent seq2seq --task r2r-ce"),
-      trained("an option of the agent that walks freely", "--inputs none --sets 2", 2,
+      trained("an option of the continuous agent", "--inputs none --sets 2", 2,
               "--sets: not an option of --agent seq2seq"),
       trained("a share of the teacher's above 1", blind + "--teacher-share 1.5", 2,
               "teacher_share: 1.5"),
@@ -108,7 +109,7 @@ std::vector<Case> training() {
               "{}/navmesh/r2r-ce: no such folder of navigation meshes; `enfilade continuous {}` "
               "makes it",
               false),
-      trained("no episodes to walk freely", blind + "--splits val", 3,
+      trained("no continuous episodes", blind + "--splits val", 3,
               "no episodes of r2r-ce val: tried {}/vlnce/val.json.gz"),
   };
 }
@@ -133,9 +134,10 @@ std::vector<Case> navigation() {
       floors("a mesh without triangles", kFloors, 1,
              "{}/meshes/one.obj: no triangles, at least 1 is needed [no-triangles]",
              [](Files& f) { f.write(kMesh, "v 0 0 0\nv 1 0 0\n"); }),
-      floors("a mesh of text", kFloors, 1,
-             "{}/meshes/one.obj: line 1: 2 numbers, not 3 [bad-value]",
-             [](Files& f) { f.write(kMesh, "v 0 0\nf 1 1 1\n"); }),
+      floors(
+          "a mesh of text", kFloors, 1,
+          "{}/meshes/one.obj: line 1: 2 numbers, not 3, and the face of line 2 uses it [bad-value]",
+          [](Files& f) { f.write(kMesh, "v 0 0\nf 1 1 1\n"); }),
       floors("text in a navigation mesh's place", kFloors, 3,
              "one.navmesh: does not begin with \"Enfilade navigation mesh, version",
              [](Files& f) { f.write("navmesh/r2r-ce/one.navmesh", "hello\n"); }),
@@ -150,13 +152,27 @@ std::vector<Case> navigation() {
                f.write("navmesh/r2r-ce/one.navmesh", "Enfilade navigation mesh, version 1\n");
              }),
       floors("no navigation meshes", "run --task r2r-ce --data {} --split made --agent shortest", 3,
-             "{}/navmesh/r2r-ce: No such file or directory"),
+             "{}/navmesh/r2r-ce: no such folder of navigation meshes; `enfilade continuous {}` "
+             "makes it"),
   };
 }
 
 std::vector<Case> episodes() {
   return {
       walked("episodes that are good", 0, "shortest on made of R2R-CE: 1 episodes"),
+      walked("episodes that were unpacked", 0, "shortest on made of R2R-CE: 1 episodes",
+             [](Files& f) {
+               f.write("vlnce/made.json", std::string(f.content(kEpisodes))).remove(kEpisodes);
+             }),
+      walked("episodes of HM3D, with a byte-order mark", 0,
+             "shortest on made of R2R-CE: 1 episodes",
+             [](Files& f) {
+               f.write(kScans, "00800-one\n");
+               f.write("connectivity/00800-one_connectivity.json", std::string(f.content(kGraph)));
+               f.write("meshes/00800-one.obj", std::string(f.content(kMesh)));
+               f.edit(kEpisodes, "mp3d/one/one.glb", "hm3d/val/00800-one/one.basis.glb");
+               f.edit(kEpisodes, "{\"episodes\"", "\xef\xbb\xbf{\"episodes\"");
+             }),
       walked("no file of that split", 3, "no episodes of r2r-ce made: tried {}/vlnce/made.json.gz",
              [](Files& f) { f.remove(kEpisodes); }),
       walked("an empty file", 3, "the file is empty, not JSON",

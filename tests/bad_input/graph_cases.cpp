@@ -20,6 +20,16 @@ Case list(std::string input, std::string says, std::function<void(Files&)> damag
   return {"Lists of scans", std::move(input), kCheck, 3, std::move(says), std::move(damage)};
 }
 
+// As editors, spreadsheets and shells save them: nothing is wrong.
+Case good_list(std::string input, std::string text) {
+  return {"Lists of scans",
+          std::move(input),
+          kCheck,
+          0,
+          "0 errors, 0 warnings",
+          [text = std::move(text)](Files& f) { f.write(kScans, text); }};
+}
+
 std::function<void(Files&)> edited(const std::string& from, const std::string& to) {
   return [=](Files& files) { files.edit(kGraph, from, to); };
 }
@@ -105,6 +115,12 @@ std::vector<Case> odd_graphs() {
 
 std::vector<Case> scan_lists() {
   return {
+      good_list("a byte-order mark, CR LF, blank lines and a comment",
+                "\xef\xbb\xbf# ours\r\none\r\n\r\ntwo\r\n\r\n"),
+      good_list("UTF-16, as Windows PowerShell writes it",
+                std::string("\xff\xfeo\0n\0e\0\r\0\n\0t\0w\0o\0", 18)),
+      good_list("the files' names, as `ls` prints them",
+                "one_connectivity.json\ntwo_connectivity.json\n"),
       list("an empty scans.txt", "lists no scan; one id a line is expected",
            [](Files& f) { f.write(kScans, "\n"); }),
       list("a scan listed twice", "\"one\" stands in the list twice",

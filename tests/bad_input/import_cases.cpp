@@ -1,5 +1,6 @@
 #include "enfilade/image/codecs.h"
 #include "tests/bad_input/harness.h"
+#include "tests/support/photo_files.h"
 
 namespace enfilade::bad_input {
 namespace {
@@ -64,6 +65,43 @@ std::vector<Case> import_cases() {
       import("a picture that is no panorama", two, 3,
              "attic.jpg: 64 x 48 pixels, not twice as wide as high",
              [](Files& f) { f.write("attic.jpg", jpeg(64, 48)); }),
+      import("a panorama that EXIF turns", two, 0, "hall.jpg: EXIF orientation 3: turned by half",
+             [](Files& f) { f.write("hall.jpg", tests::with_orientation(jpeg(64, 32), 3)); }),
+      import("a panorama that EXIF turns by a quarter", two, 3,
+             "32 x 64 pixels, not twice as wide as high: no panorama of all directions; it was "
+             "turned by EXIF orientation 6",
+             [](Files& f) { f.write("hall.jpg", tests::with_orientation(jpeg(64, 32), 6)); }),
+      import("a tilted panorama", two, 0,
+             "hall.jpg: GPano: pitch 3, roll -2 degrees: undone [levelled]",
+             [](Files& f) {
+               f.write("hall.jpg",
+                       tests::with_xmp(jpeg(64, 32), tests::gpano({{"PosePitchDegrees", "3"},
+                                                                   {"PoseRollDegrees", "-2"}})));
+             }),
+      import("a part of a sphere", two, 0, "64 x 16 of 64 x 32 pixels, 360 x 90 degrees; other",
+             [](Files& f) {
+               f.write("hall.jpg",
+                       tests::with_xmp(jpeg(64, 16),
+                                       tests::gpano({{"FullPanoWidthPixels", "64"},
+                                                     {"FullPanoHeightPixels", "32"},
+                                                     {"CroppedAreaImageWidthPixels", "64"},
+                                                     {"CroppedAreaImageHeightPixels", "16"},
+                                                     {"CroppedAreaLeftPixels", "0"},
+                                                     {"CroppedAreaTopPixels", "8"}})));
+             }),
+      import("a pose that is no number", two, 0,
+             "GPano:PosePitchDegrees: \"up\", not a number from -90 to 90; the field is ignored",
+             [](Files& f) {
+               f.write("hall.jpg",
+                       tests::with_xmp(jpeg(64, 32), tests::gpano({{"PosePitchDegrees", "up"}})));
+             }),
+      import("zeros before the end marker", two, 0,
+             "hall.jpg: harmless oddities: 1; the first: Corrupt JPEG data",
+             [](Files& f) {
+               std::string padded = jpeg(64, 32);
+               padded.insert(padded.size() - 2, 20, '\0');
+               f.write("hall.jpg", padded);
+             }),
       import("two pictures of one name", "--scan home -o new hall.jpg ./hall.jpg", 2,
              "viewpoint \"hall\": two of the pictures have that name"),
       import("a name that cannot be an id", "--scan home -o new 'my hall.jpg'", 2,
@@ -80,12 +118,36 @@ std::vector<Case> import_cases() {
              "--faces \"frbluu\": each of f r b l u d"),
       import("faces of two sizes", faces, 3, "8 x 8 pixels; a face has to be square",
              [](Files& f) { f.write("l.jpg", jpeg(8, 8)); }),
+      import("an id with _, which is good here", "--scan home -o new --name IMG_1_01 hall.jpg", 0,
+             "ids with \"_\": 1, the first \"IMG_1_01\": programs of others may cut names there; "
+             "\"IMG-1-01\" is safe"),
       import("a viewpoint without a position", placed, 2,
              "places.csv: has no position of viewpoint \"attic\"", place("cellar,1,2,3")),
       import("a position of three numbers missing", placed, 3,
              "places.csv: line 3: 2 values, not 4 or 5: name x y z [heading]", place("attic 1")),
       import("a position in words", placed, 3, "\"up\" is not a number of metres or degrees",
              place("attic,1,2,up")),
+      import("positions as a spreadsheet saves them", placed, 0,
+             "attic: faces of 16 pixels, at (1.50, "
+             "2.00, 4.50) m",
+             [](Files& f) {
+               f.write("places.csv",
+                       "\xef\xbb\xbfName;X;Y;Z\r\nhall.jpg;0;0;1,5\r\nattic.jpg;1,5;2;4,5\r\n");
+             }),
+      import("decimal commas between commas", placed, 3,
+             "7 values, not 4 or 5: name x y z [heading]; decimal commas need semicolons",
+             place("attic,1,5,2,0,4,5")),
+      import("positions in UTF-16", placed, 0, "attic: faces of 16 pixels, at (1.50, 2.00, 4.50) m",
+             [](Files& f) {
+               std::string text = "\xff\xfe";
+               for (const char c : std::string("hall 0 0 1.5\nattic 1.5 2 4.5\n")) {
+                 (text += c) += '\0';
+               }
+               f.write("places.csv", text);
+             }),
+      import("columns in another order", placed, 3,
+             "columns \"name y x z\"; the order is: name x y z [heading]",
+             [](Files& f) { f.edit("places.csv", "name,x,y,z", "name,y,x,z"); }),
       import("a viewpoint with two positions", placed, 3, "\"hall\" has a position already",
              place("hall,1,2,3")),
       import("an edge to nowhere", two + " --edge hall garden", 2,

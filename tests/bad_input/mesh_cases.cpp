@@ -13,6 +13,11 @@ constexpr const char* kWall = "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 1 2 3 4\n";
 constexpr const char* kPainted =
     "mtllib m.mtl\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nvt 0 0\nusemtl oak\nf 1/1 2/1 3/1 4/1\n";
 
+// A square of four vertices and a face.
+constexpr const char* kPlyHeader =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+
 // A level square of 4 m, and what goes wrong with it or with what is asked of it.
 Case scanned(std::string input, const std::string& options, int exit_code, std::string says,
              Damage damage = {}) {
@@ -54,9 +59,26 @@ std::vector<Case> files() {
       scanned("vertices and no triangles", "", 3, "[no-triangles]", mesh("v 0 0 0\nv 1 0 0\n")),
       scanned("a vertex at NaN", "", 3, "{}/m.obj: line 3: \"nan\", not a finite number",
               mesh("v 0 0 0\nv 4 0 0\nv 4 nan 0\nf 1 2 3\n")),
-      scanned("a vertex at 1e39", "", 3,
-              "{}/m.obj: triangles[0]: 1 of 1 have corners that are not finite [not-finite]",
+      scanned("a vertex at 1e39", "", 3, "{}/m.obj: line 3: \"1e39\", not a finite number",
               mesh("v 0 0 0\nv 4 0 0\nv 4 1e39 0\nf 1 2 3\n")),
+      scanned("a vertex at NaN that no face uses", "", 0,
+              "warning: {}/m.obj: line 6: 1 positions are not finite numbers; no face uses them "
+              "[not-finite]",
+              mesh(std::string(kFloor) + "v -nan(ind) 0 0\n")),
+      scanned("normals that are not finite", "", 0,
+              "warning: {}/m.obj: line 5: 2 normals are not finite numbers: those of the faces "
+              "are taken [not-finite]",
+              mesh("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nvn nan nan nan\nvn 0 1.#QNAN 1\n"
+                   "f 1//1 2//1 3//2 4//2\n")),
+      scanned("texture points that are not finite", "", 0,
+              "warning: {}/m.obj: line 5: 1 texture points are not finite numbers: taken as 0",
+              mesh("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nvt nan 0\nf 1/1 2/1 3/1 4/1\n")),
+      scanned("a corner whose normal is missing", "", 0,
+              "warning: {}/m.obj: line 5: 1 corners name a normal that is missing",
+              mesh("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1//9 2 3 4\n")),
+      scanned("colours of 0 to 255", "", 0,
+              "note: {}/m.obj: colours of up to 255, taken as 0 to 255 [colour-bytes]",
+              mesh("v 0 0 0 255 0 0\nv 4 0 0 0 0 255\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n")),
       scanned("a corner that is no vertex", "", 3,
               "{}/m.obj: line 5: position \"9\", not one of the 4 before it [bad-index]",
               mesh("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 9\n")),
@@ -76,6 +98,37 @@ std::vector<Case> files() {
                     .write("m.mtl", "newmtl oak\nmap_Kd oak.png\n")
                     .write("oak.png", "GIF89a");
               }),
+      scanned("a texture by its path on another computer", "", 0, "[moved-file]",
+              [](Files& f) {
+                f.write("m.obj", kPainted)
+                    .write("M.MTL", "newmtl oak\nmap_Kd C:\\Users\\a b\\none.png\n");
+              }),
+      scanned("text in UTF-16", "", 3, "{}/m.obj: text in UTF-16; save it in UTF-8 [bad-encoding]",
+              mesh("\xFF\xFEv")),
+      read("a PLY whose rows have more values than its header says", "m.ply", 0,
+           "warning: {}/m.ply: line 10, vertex 0: 4 rows have more values than the header says",
+           kPlyHeader + std::string("0 0 0 9\n4 0 0 9\n4 4 0 9\n0 4 0 9\n4 0 1 2 3\n")),
+      read("a PLY with free text in its header", "m.ply", 0,
+           "warning: {}/m.ply: line 3: 1 lines of the header are free text",
+           std::string(kPlyHeader).insert(21, "made by hand\n") +
+               "0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 0 1 2 3\n"),
+      read("a PLY whose texture is missing", "m.ply", 0, "none.png: cannot open",
+           "ply\nformat ascii 1.0\ncomment TextureFile none.png\nelement vertex 4\n"
+           "property float x\nproperty float y\nproperty float z\nproperty float s\n"
+           "property float t\nelement face 1\nproperty list uchar int vertex_indices\n"
+           "end_header\n0 0 0 0 0\n4 0 0 1 0\n4 4 0 1 1\n0 4 0 0 1\n4 0 1 2 3\n"),
+      read("a glTF that requires Basis textures", "m.gltf", 0,
+           "warning: {}/m.gltf: 1 textures in KHR_texture_basisu, which is not read",
+           R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_texture_basisu"],
+"images": [{"uri": "oak.ktx2"}], "textures": [{"extensions": {"KHR_texture_basisu": {"source": 0}}}],
+"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0, "mode": 6}]}], "nodes": [{"mesh": 0}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
+"bufferViews": [{"buffer": 0, "byteLength": 48}], "buffers": [{"byteLength": 48,
+"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAIBAAACAQAAAAAAAAIBAAACAQAAAAAAAAAAA"}]})"),
+      read("a glTF that requires an unknown extension", "m.gltf", 3,
+           "\"EXT_own\" is required, but not known here [unknown-extension]",
+           R"({"asset": {"version": "2.0"}, "extensionsRequired": ["EXT_own"]})"),
       read("a GLB cut off in the middle", "m.glb", 3,
            "{}/m.glb: ", std::string("glTF\2\0\0\0\144\0\0\0", 12)),
       read("a glTF without its buffer", "m.gltf", 3, "m.bin",

@@ -1,6 +1,7 @@
 // Files of other benchmarks than R2R. All of what they say is SYNTHETIC.
 #include <initializer_list>
 
+#include "enfilade/core/gzip.h"
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
@@ -116,6 +117,8 @@ std::vector<Case> guides() {
       whole(g, "an empty file", "$: the file is empty; a list, or lines of JSON, are expected", ""),
       whole(g, "a line cut off", "rxr_made_guide.jsonl:1", g.text.substr(0, 90)),
       whole(g, "gzip that is damaged", "cannot unpack", "\x1f\x8b\x08 no more"),
+      whole(g, "gzip with other bytes behind its end",
+            "cannot unpack: bytes after the end of the compressed text", gzip(g.text, 6) + "more"),
       edited(g, "no instruction_id", "$[0]: has no field \"instruction_id\"", "\"instruction_id\"",
              "\"instr\""),
       edited(g, "a negative instruction_id", "$[0].instruction_id: -7 is no id", ": 7", ": -7"),

@@ -229,6 +229,13 @@ std::vector<Case> weight_cases() {
               "none.pt: cannot be read"),
       weights("a file that is no weights", kVerb, 3, "w.safetensors",
               [](Files& f) { f.write("w.safetensors", "epoch 8"); }),
+      weights("weights in PyTorch's tar form of 2017", kVerb, 3,
+              "torch.save(torch.load(file, weights_only=False), new_file) [old-torch]",
+              [](Files& f) {
+                std::string tar(1024, '\0');
+                tar.replace(0, 8, "sys_info").replace(257, 6, "ustar ");
+                f.write("w.safetensors", tar);
+              }),
       weights("a file cut off in the middle", kVerb, 3, "w.safetensors",
               [](Files& f) {
                 const std::string whole = file_of(listener());

@@ -45,13 +45,13 @@ const fs::path& folder() {
 
 // The splits of a benchmark whose goals are known, training aside.
 std::vector<std::string> known_splits(const dataset::Dataset& data, Task task) {
-  std::vector<std::string> splits = data.splits(task);
+  std::vector<std::string> splits = data.splits(tasks::benchmark(task));
   std::erase_if(splits, [](const std::string& split) { return !split.starts_with("val"); });
   return splits;
 }
 
 tasks::EpisodeSet episodes_of(const dataset::Dataset& data, Task task, const std::string& split) {
-  return task == Task::kR2r ? data.episodes(split) : data.episodes(task, split);
+  return data.episodes(task, split);
 }
 
 // The table of three agents on all such splits: results are written, found, read and scored.
@@ -109,8 +109,8 @@ TEST_P(EveryTask, StatisticsCountWhatItHas) {
   const dataset::Dataset data(folder());
   const Task task = GetParam();
   std::vector<tasks::Annotations> splits;
-  for (const std::string& split : data.splits(task)) {
-    splits.push_back(task == Task::kR2r ? data.annotations(split) : data.annotations(task, split));
+  for (const std::string& split : data.splits(tasks::benchmark(task))) {
+    splits.push_back(data.annotations(task, split));
   }
   const auto* objects = task == Task::kReverie ? &data.objects() : nullptr;
   const auto statistics = compute_statistics(splits, data.graphs(), 5, objects);

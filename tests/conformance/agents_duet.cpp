@@ -177,7 +177,7 @@ class EpisodeCheck {
   void check_batch(std::size_t begin, std::size_t end, json& results) {
     std::vector<RolloutEpisode> batch;
     for (std::size_t k = begin; k < end; ++k) batch.push_back(duet_episode(records_[k], *graphs_));
-    RolloutOptions options;
+    DuetRolloutOptions options;
     options.expert = Expert::kSpl;
     std::vector<std::size_t> steps(batch.size());
     const Rollout rollout = runner_.run(network_, batch, options, [&](const StepOfAll& step) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "enfilade/neural/core/optimizer.h"
-#include "enfilade/neural/duet/duet_learner.h"
+#include "enfilade/neural/duet/duet_split.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/duet_episodes.h"
 
@@ -16,9 +16,9 @@ namespace {
 using namespace neural::duet;
 using nlohmann::json;
 
-RolloutOptions options_of(const std::string& task, const std::string& variant,
-                          const json& feedback) {
-  RolloutOptions options;
+DuetRolloutOptions options_of(const std::string& task, const std::string& variant,
+                              const json& feedback) {
+  DuetRolloutOptions options;
   options.draw_best = true;
   options.explore = 0;
   options.three_losses = variant == "three_losses";
@@ -109,7 +109,7 @@ class VariantCheck {
     neural::core::OptimizerConfig adam;
     adam.rates.learning_rate = rate;
     adam.rates.weight_decay = 0.01;
-    neural::core::Optimizer optimizer(adam);
+    neural::core::WeightOptimizer optimizer(adam);
     for (const json& iteration : about["iterations"]) check_iteration(iteration, optimizer);
     for (const auto& [name, weight] : network_.weights()) {
       if (is_noise(name, variant_)) continue;
@@ -122,7 +122,7 @@ class VariantCheck {
   }
 
  private:
-  void check_iteration(const json& iteration, neural::core::Optimizer& optimizer) {
+  void check_iteration(const json& iteration, neural::core::WeightOptimizer& optimizer) {
     const json& rollouts = iteration["rollouts"];
     std::vector<std::vector<RolloutEpisode>> batches;
     std::vector<WeightedRollout> walks;

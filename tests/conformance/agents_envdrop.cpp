@@ -11,7 +11,6 @@
 #include "enfilade/models/instruction_words.h"
 #include "enfilade/neural/panoramic/panoramic_episode.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
-#include "enfilade/neural/panoramic/panoramic_rollout.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/envdrop_episodes.h"
 
@@ -260,7 +259,7 @@ class EpisodeCheck {
     tally_.begin("envdrop_episodes.jsonl.gz (words)");
     constexpr std::size_t kMostWords = 80;  // as the recorded run's
     const models::InstructionWords vocabulary(tasks::Vocabulary::load(file));
-    for (const std::string& split : folder_.data().splits()) {
+    for (const std::string& split : folder_.data().splits(tasks::benchmark(tasks::Task::kR2r))) {
       for (const tasks::Episode& e : folder_.data().episodes(split).episodes) {
         const auto found = episodes_.all().find(e.instruction_id);
         if (found == episodes_.all().end()) continue;

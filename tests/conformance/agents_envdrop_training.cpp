@@ -162,7 +162,7 @@ class VariantCheck {
   std::string name_;
   AgentsTally& tally_;
   PanoramicNetwork network_;
-  neural::core::Optimizer optimizer_;
+  neural::core::WeightOptimizer optimizer_;
 };
 
 }  // namespace

@@ -142,7 +142,7 @@ std::vector<double> golden_array(const features::TensorFile& file, const std::st
       return numbers_of<std::uint8_t>(array->bytes);
     default:
       throw Error(fmt::format("{}: array {:?} is of type {}", file.path().string(), name,
-                              to_string(array->type)));
+                              enum_name(array->type)));
   }
 }
 

@@ -19,6 +19,7 @@
 #include "enfilade/tasks/continuous_score.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/metrics.h"
+#include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/scorer.h"
 
 namespace enfilade::tests {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/scan/data_root.h"
@@ -42,7 +43,7 @@ fs::path find_connectivity(const Options& options) {
 
 std::unique_ptr<render::Renderer> legacy_renderer(
     const std::shared_ptr<const scan::PanoramaSet>& panoramas, const Options& options) {
-  const auto backend = render::parse_backend(options.backend);
+  const auto backend = find_enum<render::Backend>(options.backend);
   if (!backend) throw UsageError(fmt::format("--backend {}: there is none", options.backend));
   render::RendererConfig config;
   config.backend = *backend;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/compare.h"
@@ -160,7 +161,7 @@ void check_home(const Options& options, std::uint64_t seed, Totals& totals) {
   const auto truth = true_graph(built.home, found);
   const auto compared = graph::compare(graph::NavGraph(found), graph::NavGraph(truth));
   fmt::print("{:>8} {:<7}{:>3}{:>7}{:>7}{:>7}{:>7}{:>9.4f}{:>7}   {}\n", seed,
-             to_string(built.home.plan.kind), built.home.plan.storeys.size(), found.entries.size(),
+             enum_name(built.home.plan.kind), built.home.plan.storeys.size(), found.entries.size(),
              compared.common, compared.extra.size(), compared.missing.size(), compared.f1(),
              components(found), not_reached(built.home, found));
   if (options.list) list_differences(built.home, found, compared);

@@ -121,7 +121,7 @@ std::vector<DoubtfulInput> doubtful_inputs(const fs::path& file, const fs::path&
     const Json all = Json::parse(read_file(file));
     std::string name = file.stem().string();
     std::replace(name.begin(), name.end(), '_', '-');
-    const Task task = tasks::benchmark(name, tasks::World::kGraph).task;
+    const Task task = tasks::benchmark(name, tasks::WorldKind::kGraph).task;
     const auto objects = task == Task::kReverie
                              ? tasks::ObjectBoxes::load(data / "reverie/BBox.json.gz")
                              : tasks::ObjectBoxes();

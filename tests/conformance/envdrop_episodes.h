@@ -10,7 +10,6 @@
 
 #include "enfilade/neural/panoramic/panoramic_episode.h"
 #include "enfilade/neural/panoramic/panoramic_network.h"
-#include "enfilade/neural/panoramic/panoramic_rollout.h"
 #include "tests/conformance/agents_golden.h"
 #include "tests/conformance/tensor_numbers.h"
 
@@ -26,7 +25,7 @@ neural::panoramic::PanoramicNetwork network_of(const AgentsFolder& folder, const
 /// One of them.
 struct EnvdropEpisode {
   std::string id;
-  neural::panoramic::EpisodeStart start;
+  neural::panoramic::ListenerStart start;
   std::vector<std::int64_t> words;
   const nlohmann::json* recorded = nullptr;
 };

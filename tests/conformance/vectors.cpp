@@ -110,7 +110,7 @@ std::vector<std::pair<tasks::MetricField, double>> read_expected(Element element
   std::vector<std::pair<tasks::MetricField, double>> expected;
   const auto members = json::object(element, path, reader.faults());
   if (!members) return expected;
-  const auto known = tasks::metric_fields();
+  const auto& known = tasks::kMetricFields;
   for (const auto member : *members) {
     const Path place(path, member.key);
     const auto field = std::ranges::find_if(

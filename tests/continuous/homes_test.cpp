@@ -1,4 +1,4 @@
-// Walking freely in model homes, whose floors are known exactly. SYNTHETIC.
+// Continuous navigation in model homes, whose floors are known exactly. SYNTHETIC.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,12 +10,11 @@
 #include <vector>
 
 #include "enfilade/agents/continuous_run.h"
-#include "enfilade/agents/graph_walk.h"
 #include "enfilade/agents/mesh_floor.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/dataset/dataset.h"
-#include "enfilade/homes/home_floor.h"
+#include "enfilade/homes/built_home.h"
 #include "enfilade/tasks/files.h"
 #include "tests/continuous/box_ways.h"
 #include "tests/support/small_homes.h"
@@ -29,7 +28,7 @@ using namespace continuous;
 homes::BuiltHome flat(std::uint64_t seed) {
   return homes::build_home(
       {.seed = seed, .kind = homes::HomeKind::kFlat, .storeys = {}, .area = 90},
-      homes::Surfaces::kPlain);
+      homes::HomeSurfaces::kPlain);
 }
 
 std::shared_ptr<const NavigationMesh> floor_of(const homes::BuiltHome& home) {
@@ -116,7 +115,8 @@ TEST(ContinuousHomes, ExpertsReachTheirGoals) {
   write_small_homes(folder.path(), 4);
   std::vector<Building> made;
   for (const homes::HomeEntry& entry : homes::read_home_list(folder.path())) {
-    made.push_back({entry.scan, floor_of(homes::build_home(entry.plan, homes::Surfaces::kPlain))});
+    made.push_back(
+        {entry.scan, floor_of(homes::build_home(entry.plan, homes::HomeSurfaces::kPlain))});
   }
   const auto buildings = std::make_shared<const Buildings>(std::move(made));
   const agents::MeshFloor floor(buildings);
@@ -160,7 +160,8 @@ TEST(ContinuousHomes, GraphAgentsWalkTheirTrajectories) {
   write_small_homes(folder.path(), 3);
   std::vector<Building> made;
   for (const homes::HomeEntry& entry : homes::read_home_list(folder.path())) {
-    made.push_back({entry.scan, floor_of(homes::build_home(entry.plan, homes::Surfaces::kPlain))});
+    made.push_back(
+        {entry.scan, floor_of(homes::build_home(entry.plan, homes::HomeSurfaces::kPlain))});
   }
   const auto buildings = std::make_shared<const Buildings>(std::move(made));
   const agents::MeshFloor floor(buildings);

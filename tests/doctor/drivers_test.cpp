@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "enfilade/core/file.h"
-#include "enfilade/render/gl_devices.h"
-#include "enfilade/render/sample.h"
+#include "enfilade/render/devices.h"
 #include "tests/support/emulated.h"
 #include "tests/support/process.h"
 #include "tests/support/refusal.h"

@@ -6,13 +6,13 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/scan/depth_skybox.h"
-#include "enfilade/scan/undistorted_cameras.h"
+#include "enfilade/scan/matterport_cameras.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace enfilade;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   try {
-    const auto cameras = scan::parse_undistorted_cameras(text, "<fuzz>").cameras;
+    const auto cameras = scan::parse_undistorted_cameras(text, "<fuzz>");
     std::vector<scan::DepthImage> images;
     for (const auto& camera : cameras) {
       EN_CHECK(!camera.viewpoint().empty());

@@ -9,6 +9,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/continuous_results.h"
+#include "enfilade/tasks/continuous_score.h"
 
 namespace {
 
@@ -20,7 +21,6 @@ void check_episodes(std::string_view text) {
     EN_CHECK(!one.scan().empty());
     EN_CHECK(one.start_heading().value >= 0);
   }
-  form_of(read);
   const std::string written = to_json(read);
   const auto again = tasks::parse_continuous_episodes(written, "<fuzz>", "made");
   EN_CHECK(again.episodes == read.episodes);
@@ -47,7 +47,7 @@ void check_results(std::string_view text) {
     }
     return episodes;
   }();
-  using Form = tasks::ContinuousResultsForm;
+  using Form = tasks::ContinuousForm;
   const auto parse = [](std::string_view of) {
     return tasks::parse_continuous_results(of, "<fuzz>", kEpisodes, tasks::Coverage::kPart);
   };

@@ -8,6 +8,7 @@
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/image/jpeg_rows.h"
+#include "enfilade/image/photo.h"
 
 namespace {
 
@@ -38,6 +39,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       }
     }
     const image::Image8 picture = image::decode_jpeg(bytes, "<fuzz>");
+    const image::Photo photo = image::decode_photo(bytes, "<fuzz>");
+    EN_CHECK_EQ(photo.picture.pixels.size(), picture.pixels.size());
     std::vector<std::uint8_t> pixels(picture.pixels.size());
     image::decode_jpeg(bytes, shape.width, shape.height, pixels, "<fuzz>");
     EN_CHECK(pixels == picture.pixels);

@@ -105,7 +105,7 @@ def save_script(folder):
 def save_features(folder):
     """As HAMT's precompute scripts have it, but of 3 dimensions."""
     folder.mkdir(parents=True, exist_ok=True)
-    kinds = [("f32.h5", "<f4", None, None), ("f16_gzip.h5", "<f2", "gzip", "latest"), ("f64.h5", ">f8", None, None)]
+    kinds = [("f32.h5", "<f4", None, None), ("f16_gzip.h5", "<f2", "gzip", "latest"), ("f32_lzf.h5", "<f4", "lzf", None), ("f64.h5", ">f8", None, None)]
     for name, kind, packed, version in kinds:
         with h5py.File(folder / name, "w", libver=version) as file:
             for number, viewpoint in enumerate(["aa", "bb"]):

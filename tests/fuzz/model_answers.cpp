@@ -16,10 +16,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static arena::GraphWorld world(arena::testing::episodes());
   static const arena::Prompt prompt = arena::Prompt::named("text");
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const arena::Limits limits{.steps = 3, .mistakes = 2};
+  const arena::SessionLimits limits{.steps = 3, .mistakes = 2};
   for (const Answers answers : {Answers::kTools, Answers::kJson, Answers::kText}) {
     const auto session = world.start_on_graph(0, limits);
-    arena::Chat chat(prompt, {.model = "m"}, answers, limits);
+    arena::Chat chat(prompt, {.model = "m"}, {.answers = answers}, limits);
     while (!session->ending()) {
       chat.ask(session->observation(), {}, {});
       arena::ChatAnswer answer;

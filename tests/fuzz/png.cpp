@@ -6,6 +6,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/image/photo.h"
 
 namespace {
 
@@ -45,6 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const image::Shape shape = image::png_shape(bytes, "<fuzz>");
     if (std::uint64_t{shape.width} * shape.height > kMostPixels) return 0;
+    EN_CHECK_EQ(image::decode_photo(bytes, "<fuzz>").picture.channels, shape.channels);
     if (shape.bits == 16) {
       const image::Image16 picture = image::decode_png16(bytes, "<fuzz>");
       EN_CHECK(image::decode_png16(image::encode_png(picture), "<written>") == picture);

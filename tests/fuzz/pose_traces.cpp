@@ -14,7 +14,6 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/scan/file_tree.h"
-#include "enfilade/scan/zip_writer.h"
 #include "enfilade/tasks/pose_trace.h"
 
 namespace {

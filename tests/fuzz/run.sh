@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
 if (($# > 0)); then shift; fi
-[ $# -gt 0 ] || set -- connectivity corrections regions annotations results task_files task_forms task_results continuous_files pose_traces dialogues trace vectors store jpeg png hdr zip conf strip \
+[ $# -gt 0 ] || set -- connectivity corrections regions annotations results task_files task_forms task_results continuous_files pose_traces trace vectors store jpeg png hdr zip conf strip \
   mesh_gltf mesh_obj mesh_ply house segmentation safetensors pickle feature_tsv feature_hdf5 subwords decisions navigation model_answers
 mkdir -p build/fuzz/found
 

@@ -33,13 +33,13 @@ class OneFile {
     write_file_atomically(folder_ / "s_connectivity.json", to_json(graph_));
   }
 
-  std::shared_ptr<const scan::MatterportImages> open(const std::uint8_t* data,
-                                                     std::size_t size) const {
+  std::shared_ptr<const scan::PanoramaSource> open(const std::uint8_t* data,
+                                                   std::size_t size) const {
     std::ofstream file(folder_ / "file", std::ios::binary);
     file.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
     file.close();
     EN_CHECK(file.good());
-    return scan::MatterportImages::open(folder_, folder_, "s");
+    return scan::open_matterport_images(folder_, folder_, "s");
   }
 
  private:

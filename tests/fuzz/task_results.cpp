@@ -8,6 +8,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/benchmark.h"
+#include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/score_table.h"
 #include "tests/fuzz/fixture.h"
 

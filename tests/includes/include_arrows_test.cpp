@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <algorithm>
 #include <string>
 #include <string_view>
@@ -103,17 +102,18 @@ TEST(IncludeArrows, KeepDetailHeadersInTheirFolder) {
 }
 
 TEST(IncludeArrows, KeepRoomsInTheirLibraryAndInTheirOrder) {
-  EXPECT_THAT(codes("enfilade/service/server.cpp", "enfilade/service/http/app.h"), IsEmpty());
-  EXPECT_THAT(codes("enfilade/service/http/app.h", "enfilade/service/store/database.h"), IsEmpty());
-  EXPECT_THAT(codes("enfilade/service/http/app.h", "httplib.h"), IsEmpty());
-  EXPECT_THAT(codes("enfilade/service/store/sql.h", "enfilade/service/detail/text.h"), IsEmpty());
-  EXPECT_THAT(codes("enfilade/service/store/sql.h", "enfilade/service/http/app.h"),
+  EXPECT_THAT(codes("enfilade/service/server.cpp", "enfilade/service/http/routes.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/service/http/routes.h", "enfilade/service/store/database.h"),
+              IsEmpty());
+  EXPECT_THAT(codes("enfilade/service/http/routes.h", "httplib.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/service/store/rows.h", "enfilade/service/detail/text.h"), IsEmpty());
+  EXPECT_THAT(codes("enfilade/service/store/rows.h", "enfilade/service/http/routes.h"),
               ElementsAre("upward"));
-  EXPECT_THAT(codes("enfilade/service/detail/text.h", "enfilade/service/store/sql.h"),
+  EXPECT_THAT(codes("enfilade/service/detail/text.h", "enfilade/service/store/rows.h"),
               ElementsAre("upward"));
-  EXPECT_THAT(codes("enfilade/service/server.h", "enfilade/service/http/app.h"),
+  EXPECT_THAT(codes("enfilade/service/server.h", "enfilade/service/http/routes.h"),
               ElementsAre("private-header"));
-  EXPECT_THAT(codes("apps/enfilade/serve.cpp", "enfilade/service/http/app.h"),
+  EXPECT_THAT(codes("apps/enfilade/serve.cpp", "enfilade/service/http/routes.h"),
               ElementsAre("detail"));
   EXPECT_THAT(codes("enfilade/service/cellar/wine.h", "string"), ElementsAre("unknown-folder"));
 }

@@ -22,7 +22,7 @@ def first(pattern, file):
 NOT_IN_WHEELS = {"libtbb-dev", "libtorch-dev", "libgtest-dev", "libgmock-dev", "libbenchmark-dev"}
 # Debian's names of what packaging/libraries.sh builds from source.
 BUILT = {"libhwy-dev": "highway", "libcpp-httplib-dev": "httplib", "librecast-dev": "recast", "libzip-dev": "libzip",
-         "libturbojpeg0-dev": "turbojpeg"}  # fmt: skip
+         "libturbojpeg0-dev": "turbojpeg", "libjpeg-dev": "turbojpeg"}  # fmt: skip
 
 
 def libraries_of_cmake():
@@ -58,6 +58,15 @@ class Packaging(unittest.TestCase):
         self.assertEqual(libraries_of_cmake() - named, set())
         ours = set(re.findall(r"^\w+ +(\S+) +(?:command|header|package) ", text("tools/packages.sh"), re.M))
         self.assertEqual(named - ours - {"python3-dev"}, set())
+
+    def test_pip_builds_of_a_clone_what_a_wheel_has(self):
+        settings, release_only = text("pyproject.toml").split("[[tool.scikit-build.overrides]]")
+        self.assertIn('build.targets = ["enfilade_python", "enfilade"]', settings)
+        self.assertIn('EN_WITH_WEB = "ON"', settings)
+        self.assertNotRegex(settings, 'EN_(BUILD_APPS|WITH_D3) = "OFF"')
+        # A release differs in where the pages come from, and in nothing that is built.
+        overridden = re.findall(r"^(\S+) = ", release_only.split("\n[")[0], re.M)
+        self.assertEqual(set(overridden), {"if.env.ENFILADE_WHEEL", "sdist.include", "sdist.exclude"})
 
     def test_of_pythons_that_share_the_stable_abi_the_oldest_builds(self):
         pythons = [release.Interpreter(str(v), v, t) for v, t in

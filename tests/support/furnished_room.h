@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/capture/house_files.h"
+#include "enfilade/capture/scan_files.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/mesh/mesh.h"
 #include "enfilade/mesh/mesh_builder.h"

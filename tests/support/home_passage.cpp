@@ -117,7 +117,7 @@ void add_level_floors(const Plan& plan, const Way& way, std::vector<Floor>& floo
   };
   for (const PlanRoom& room : plan.rooms) add(room.floor, room.storey);
   for (const Opening& o : plan.openings) {
-    if (o.kind != Opening::Kind::kDoor && o.kind != Opening::Kind::kArch) continue;
+    if (o.kind != OpeningKind::kDoor && o.kind != OpeningKind::kArch) continue;
     const double half = plan.inner_wall / 2;
     add(laid_rect(o.along_x, o.from, o.to, o.wall - half, o.wall + half),
         plan.rooms[o.room0].storey);

@@ -2,10 +2,11 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "enfilade/agents/continuous_environment.h"
+#include "enfilade/arena/world.h"
 #include "tests/support/made_meshes.h"
 
 namespace enfilade::arena::testing {
@@ -17,8 +18,8 @@ inline std::shared_ptr<const mesh::RayTracer> room_tracer() {
 }
 
 /// Episode 5, "Walk east." from (1, 1) looking east, to (5, 1); with `more`, others from other
-/// places of the room to (5, 3).
-inline agents::ContinuousWorld room(std::int64_t more = 0) {
+/// places of the room to (5, 3). A split of that benchmark.
+inline FloorWorld room(std::int64_t more = 0, std::string_view task = "r2r-ce") {
   auto all = std::make_shared<tasks::ContinuousEpisodes>();
   all->split = "test";
   for (std::int64_t k = 0; k <= more; ++k) {
@@ -32,7 +33,7 @@ inline agents::ContinuousWorld room(std::int64_t more = 0) {
     one.goals = {{.position = {5, k == 0 ? 1.0 : 3.0, 0}, .radius = 3}};
     one.reference_path = {one.start, one.goals->front().position};
   }
-  return {std::move(all), nullptr,
+  return {tasks::Split(tasks::benchmark(task), std::move(all)),
           std::make_shared<const continuous::Buildings>(std::vector<continuous::Building>{
               {"room", std::make_shared<const continuous::NavigationMesh>(
                            mesh::make_floor_polygons(*room_tracer()))}})};

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/seq2seq/environment.h"
+#include "enfilade/neural/seq2seq/network.h"
 
 namespace enfilade::tests {
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/core/random_weights.h"
 #include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/duet/duet_network.h"
 
@@ -99,13 +98,13 @@ struct DuetBatch {
     return one;
   }
 
-  NavigationOutput run(const DuetNetwork& network, Dropout* dropout = nullptr) const {
+  NavigationOutput run(const DuetNetwork& network, RateDropout* dropout = nullptr) const {
     const Tokens text = network.encode_text(ids, lengths, dropout);
     return network.navigate(text, seen(network, dropout), dropout);
   }
 
   /// `navigation` with the encoded views.
-  NavigationInput seen(const DuetNetwork& network, Dropout* dropout = nullptr) const {
+  NavigationInput seen(const DuetNetwork& network, RateDropout* dropout = nullptr) const {
     const Tokens seen = network.encode_panorama(panorama, dropout);
     NavigationInput input = navigation;
     const std::int64_t n = ids.size(0), hidden = network.config().hidden;

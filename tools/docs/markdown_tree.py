@@ -122,14 +122,21 @@ def resolve(page: Path, target: str) -> tuple[Path, str]:
 
 
 def tracked_files(pattern: str = "") -> list[Path]:
-    """Files of the tree that are the project's: what Git knows or would add; else all but build folders."""
+    """Files of the tree that are the project's: what Git knows or would add; without Git all but folders that
+    .gitignore names."""
     command = ["git", "-C", str(ROOT), "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     try:
         found = subprocess.run(command, capture_output=True, check=True, text=True).stdout.split("\0")
         files = [ROOT / name for name in found if name]
     except (OSError, subprocess.CalledProcessError):  # an unpacked archive
-        skip = {"build", "node_modules", ".git"}
-        files = [f for f in ROOT.rglob("*") if not skip & set(f.relative_to(ROOT).parts)]
+        lines = (ROOT / ".gitignore").read_text(encoding="utf-8").split()
+        skip = {".git"} | {line.rstrip("/") for line in lines if line.endswith("/") and not line.startswith("/")}
+        made = [ROOT / line.strip("/") for line in lines if line.startswith("/") and line.endswith("/")]
+        files = [
+            f
+            for f in ROOT.rglob("*")
+            if not skip & set(f.relative_to(ROOT).parts) and not any(f.is_relative_to(folder) for folder in made)
+        ]
     return sorted(f for f in set(files) if f.is_file() and f.match(pattern or "*"))
 
 

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import ast
 import re
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from markdown_tree import ROOT, tracked_files
+
 MOST_WORDS = 25  # the rule is 20; a list of names may take a few more
 MOST_COLUMNS = 120
 
@@ -247,18 +247,11 @@ def check(path: Path) -> list[Fault]:
     return faults
 
 
-def tree() -> list[Path]:
-    names = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True
-    ).stdout.splitlines()  # fmt: skip
-    return [ROOT / name for name in sorted(set(names)) if (ROOT / name).is_file()]
-
-
 def main(arguments: list[str]) -> int:
     if arguments and arguments[0] in ("-h", "--help"):
         print(__doc__)
         return 0
-    faults = [fault for path in ([Path(one).resolve() for one in arguments] or tree()) for fault in check(path)]
+    faults = [fault for path in ([Path(one).resolve() for one in arguments] or tracked_files()) for fault in check(path)]
     for fault in faults:
         print(fault)
     print(f"prose: {len(faults)} faults", file=sys.stderr)

@@ -28,6 +28,18 @@ class MarkdownTree(unittest.TestCase):
             (root / "page.md").write_text(text)
             return [str(fault) for fault in markdown_tree.check_page(root / "page.md")]
 
+    def test_without_git_what_gitignore_names_is_left_out(self) -> None:
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(markdown_tree, "ROOT", Path(folder).resolve()):
+            root = markdown_tree.ROOT
+            (root / ".gitignore").write_text("# Made\n/build/\n/web/dist/\nnode_modules/\n*.orig\n")
+            kept = ["README.md", "dist/a.md", "web/a.md"]
+            for name in [*kept, "build/a.md", "web/dist/a.md", "web/node_modules/b/a.md", "node_modules/a.md"]:
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text("x")
+            with mock.patch.dict(os.environ, {"GIT_CEILING_DIRECTORIES": str(root.parent)}):
+                found = markdown_tree.tracked_files("*.md")
+            self.assertEqual([str(one.relative_to(root)) for one in found], kept)
+
     def test_a_link_to_nothing_is_named_by_its_line(self) -> None:
         self.assertEqual(self.faults("# Page\n\n[x](none.md)\n"), ["page.md:3: the link 'none.md' leads to no file"])
 

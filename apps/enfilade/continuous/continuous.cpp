@@ -1,22 +1,30 @@
 // enfilade continuous: navigation meshes and continuous episodes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/continuous/floors.h"
-#include "apps/enfilade/continuous/scenes.h"
+#include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/continuous_run.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/agents/mesh_floor.h"
+#include "enfilade/continuous/buildings.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/built_home.h"
+#include "enfilade/homes/home_set.h"
 #include "enfilade/tasks/derive_continuous.h"
 
-namespace enfilade::apps {
-namespace continuous_verb {
+namespace enfilade::apps::continuous_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,31 +37,139 @@ struct Options {
   bool floors_only = false, light = false;
 };
 
+// Around the viewpoints: what lies farther cannot be part of an episode.
+mesh::Box around(const graph::NavGraph& graph) {
+  constexpr float kAside = 6, kBelow = 3, kAbove = 3;  // metres
+  mesh::Box box{graph.positions().front(), graph.positions().front()};
+  for (const Vec3f p : graph.positions()) {
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+  return {box.low - Vec3f{kAside, kAside, kBelow}, box.high + Vec3f{kAside, kAside, kAbove}};
+}
+
+mesh::FloorPolygons floor_of_file(const dataset::MeshFile& found, const graph::NavGraph& graph,
+                                  const mesh::Body& body) {
+  const mesh::RayTracer tracer(
+      std::make_shared<const mesh::Mesh>(read_mesh_file(found.file, {.up = found.up})));
+  mesh::PolygonOptions polygons;
+  polygons.floor.body = body;
+  polygons.floor.within = around(graph);
+  return mesh::make_floor_polygons(tracer, polygons);
+}
+
+// Counts of a data set's buildings.
+struct FloorsReport {
+  std::size_t made = 0, kept = 0;
+  std::vector<std::string> without_mesh;  // scans
+  std::vector<Diagnostic> faults;         // of meshes, a scan each
+};
+
+// Makes the navigation mesh of each scan that has a mesh: a synthetic home's own, made again from
+// its seed, or a file. Existing ones for the same body are kept; a killed run can be continued.
+class FloorMaker {
+ public:
+  FloorMaker(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
+             const MeshSource& source)
+      : data_(data),
+        setup_(setup),
+        source_(source),
+        folder_(data.folder() / setup.navigation_folder()) {
+    if (!source.folder.empty() && !fs::is_directory(source.folder)) {
+      throw FileError(fmt::format("{}: not a folder (looked for meshes there)", source.folder));
+    }
+    if (file_exists(data.folder() / "homes.json")) {
+      for (homes::HomeEntry& home : homes::read_home_list(data.folder())) {
+        homes_.emplace(home.scan, std::move(home));
+      }
+    }
+    make_folder(folder_);
+    remove_unfinished(folder_);
+  }
+
+  FloorsReport run(int threads, const Progress& progress) {
+    const graph::GraphSet& graphs = *data_.graphs();
+    std::size_t done = 0;
+    parallel_for(graphs.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t s = first; s < last; ++s) {
+        make(graphs.scans()[s], s);
+        const std::lock_guard lock(mutex_);
+        ++done;
+        if (progress) progress(done, graphs.size());
+      }
+    });
+    std::ranges::sort(report_.without_mesh);
+    std::ranges::sort(report_.faults, {}, &Diagnostic::file);
+    return std::move(report_);
+  }
+
+ private:
+  void make(const std::string& scan, std::size_t index) {
+    const fs::path file = folder_ / continuous::navigation_mesh_name(scan);
+    if (is_there(file)) return count(report_.kept);
+    const auto home = homes_.find(scan);
+    const auto found = home == homes_.end() ? find_mesh_file(data_.folder(), source_, scan)
+                                            : std::optional<dataset::MeshFile>();
+    if (home == homes_.end() && !found) {
+      const std::lock_guard lock(mutex_);
+      report_.without_mesh.push_back(scan);
+      return;
+    }
+    try {
+      const graph::NavGraph& graph =
+          data_.graphs()->graph(ScanIndex(static_cast<std::uint32_t>(index)));
+      continuous::save_navigation_mesh(
+          home == homes_.end()
+              ? floor_of_file(*found, graph, setup_.body)
+              : homes::make_home_floor(
+                    homes::build_home(home->second.plan, homes::HomeSurfaces::kPlain), setup_.body),
+          file);
+      count(report_.made);
+    } catch (const InvalidInput& error) {  // the other buildings are made all the same
+      const std::lock_guard lock(mutex_);
+      Diagnostic fault = error.diagnostics().front();
+      fault.file = home == homes_.end() ? found->file.string() : scan;
+      report_.faults.push_back(std::move(fault));
+    }
+  }
+
+  bool is_there(const fs::path& file) const {
+    if (!file_exists(file)) return false;
+    const mesh::Body have = continuous::load_navigation_mesh(file).body;
+    const mesh::Body& want = setup_.body;
+    return have.radius == want.radius && have.height == want.height && have.step == want.step &&
+           have.slope == want.slope;
+  }
+
+  void count(std::size_t& number) {
+    const std::lock_guard lock(mutex_);
+    ++number;
+  }
+
+  const dataset::Dataset& data_;
+  const agents::ContinuousSetup& setup_;
+  const MeshSource& source_;
+  fs::path folder_;
+  std::map<std::string, homes::HomeEntry> homes_;
+  std::mutex mutex_;
+  FloorsReport report_;
+};
+
 // What became of one split.
 struct SplitReport {
   std::size_t episodes = 0, paths = 0;
   std::vector<tasks::DroppedPath> dropped;
 };
 
-std::size_t source_paths(const tasks::DerivedEpisodes& derived, const tasks::Annotations& from) {
-  return from.paths.size() - derived.dropped.size();
-}
-
 void write_packed(const fs::path& file, const std::string& text) {
   make_folder(file.parent_path());
   write_file_atomically(file, gzip(text, 6));
 }
 
-tasks::Annotations annotations_of(const dataset::Dataset& data, tasks::ContinuousForm form,
-                                  const std::string& split) {
-  return form == tasks::ContinuousForm::kRxr ? data.annotations(tasks::Task::kRxr, split)
-                                             : data.annotations(split);
-}
-
 SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                          const std::shared_ptr<const continuous::Buildings>& buildings,
                          const std::string& split, const Options& options) {
-  const tasks::Annotations annotations = annotations_of(data, setup.benchmark->form, split);
+  const tasks::Annotations annotations = data.annotations(setup.benchmark->task, split);
   tasks::DeriveOptions derive;
   derive.seed = options.seed;
   if (options.headings == "random") derive.start_headings = tasks::StartHeadings::kRandom;
@@ -69,18 +185,14 @@ SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousS
   }
   write_packed(folder / tasks::episode_places(*setup.benchmark, split).front(),
                to_json(derived.episodes));
-  return {derived.episodes.episodes.size(), source_paths(derived, annotations), derived.dropped};
-}
-
-void tell_dropped(const std::string& split, const SplitReport& report, std::string& text) {
-  for (const tasks::DroppedPath& path : report.dropped) {
-    text += fmt::format("{}\t{}\t{}\t{}\n", split, path.id, path.scan, path.why);
-  }
+  return {derived.episodes.episodes.size(), annotations.paths.size() - derived.dropped.size(),
+          derived.dropped};
 }
 
 FloorsReport make_and_tell(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                            const Options& options) {
-  FloorsReport report = make_floors(data, setup, options.meshes, options.threads);
+  FloorsReport report =
+      FloorMaker(data, setup, options.meshes).run(options.threads, progress_bar("floors"));
   const fs::path folder = data.folder() / setup.navigation_folder();
   fmt::print("{}: navigation meshes: {} made, {} were there\n", folder.string(), report.made,
              report.kept);
@@ -92,14 +204,11 @@ FloorsReport make_and_tell(const dataset::Dataset& data, const agents::Continuou
   if (report.made + report.kept == 0 && report.faults.empty()) {
     throw UsageError(fmt::format(
         "{}: no building has a mesh to walk on; looked for model homes (homes.json), "
-        "v1/scans/SCAN/matterport_mesh, mp3d/SCAN/SCAN.glb and meshes/SCAN.glb. Give --meshes DIR",
+        "v1/scans/SCAN/matterport_mesh, mp3d/SCAN/SCAN.glb, hm3d/SPLIT/00800-NAME/NAME.glb and "
+        "meshes/SCAN.glb. Give --meshes DIR",
         data.folder().string()));
   }
   return report;
-}
-
-std::vector<std::string> splits_of(const dataset::Dataset& data, tasks::ContinuousForm form) {
-  return form == tasks::ContinuousForm::kRxr ? data.splits(tasks::Task::kRxr) : data.splits();
 }
 
 ExitCode make(const Options& options) {
@@ -113,12 +222,13 @@ ExitCode make(const Options& options) {
   }
   const ExitCode status = floors.faults.empty() ? kSuccess : kFaultsFound;
   if (options.floors_only || floors.made + floors.kept == 0) return status;
-  const auto buildings =
-      std::make_shared<const continuous::Buildings>(data.folder() / setup.navigation_folder());
+  const auto buildings = agents::open_buildings(*setup.benchmark, data.folder());
   std::string dropped;
-  for (const std::string& split : splits_of(data, setup.benchmark->form)) {
+  for (const std::string& split : data.splits(tasks::benchmark(setup.benchmark->task))) {
     const SplitReport report = derive_split(data, setup, buildings, split, options);
-    tell_dropped(split, report, dropped);
+    for (const tasks::DroppedPath& path : report.dropped) {
+      dropped += fmt::format("{}\t{}\t{}\t{}\n", split, path.id, path.scan, path.why);
+    }
     fmt::print("{}: {} episodes of {} paths; {} cannot be walked\n",
                (data.folder() / tasks::episode_places(*setup.benchmark, split).front()).string(),
                report.episodes, report.paths, report.dropped.size());
@@ -128,7 +238,9 @@ ExitCode make(const Options& options) {
   return status;
 }
 
-void add_verb(CLI::App& app, int& status) {
+}  // namespace
+
+void add(CLI::App& app, int& status) {
   CLI::App& verb =
       *app.add_subcommand("continuous", "Build navigation meshes and derive VLN-CE episodes");
   const auto options = std::make_shared<Options>();
@@ -139,7 +251,7 @@ void add_verb(CLI::App& app, int& status) {
   add_value(verb, "--meshes", options->meshes.folder, "DIR",
             "Folder of meshes SCAN.glb, .obj or .ply, instead of the data set's");
   add_setting(verb, "--up", options->meshes.up, "AXIS",
-              "Up axis of meshes; format: y for glTF, else z (also mp3d/)",
+              "Up axis; format: y for glTF, else z (also mp3d/, hm3d/)",
               CLI::IsMember({"format", "y", "z"}));
   add_setting(verb, "--start-headings", options->headings, "RULE",
               "Start headings: path (the annotation's, as VLN-CE since v1-3) or random",
@@ -157,9 +269,4 @@ void add_verb(CLI::App& app, int& status) {
   verb.callback([options, &status] { status = make(*options); });
 }
 
-}  // namespace
-}  // namespace continuous_verb
-
-void add_continuous(CLI::App& app, int& status) { continuous_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::continuous_verb

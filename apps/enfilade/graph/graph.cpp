@@ -10,7 +10,6 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/drawn_path.h"
-#include "apps/enfilade/graph/graph_verbs.h"
 #include "apps/enfilade/home_pictures.h"
 #include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
@@ -18,7 +17,7 @@
 #include "enfilade/graph/check.h"
 #include "enfilade/graph/graph_set.h"
 
-namespace enfilade::apps {
+namespace enfilade::apps::graph_verb {
 namespace {
 
 using draw::PlannedPath;
@@ -158,7 +157,7 @@ std::vector<PlannedPath> paths_of(const DrawnPath& drawn) {
   const graph::NavGraph& graph = drawn.graph();
   const std::vector<ViewpointIndex>& reference = drawn.path().viewpoints;
   std::vector<PlannedPath> paths{
-      {PlannedPath::Role::kReference, reference,
+      {draw::PathRole::kReference, reference,
        fmt::format("reference path, {:.1f} m", length_of(graph, reference))}};
   if (drawn.walk) paths.push_back(agent(graph, drawn.path(), *drawn.walk));
   return paths;
@@ -168,9 +167,7 @@ std::vector<PlannedPath> paths_of(const DrawnPath& drawn) {
 std::optional<draw::PlanUnderlay> underlay_of(const DrawArguments& a, const dataset::Dataset& data,
                                               const graph::NavGraph& graph) {
   if (a.mesh.empty()) return home_underlay(data.folder(), graph);
-  MeshOptions mesh;
-  mesh.file = a.mesh;
-  return draw::plan_underlay(read_mesh_file(mesh), graph);
+  return draw::plan_underlay(read_mesh_file(a.mesh, {}), graph);
 }
 
 void draw_plan(const DrawArguments& a) {
@@ -242,14 +239,14 @@ void add_draw(CLI::App& graph) {
 
 }  // namespace
 
-void add_graph(CLI::App& app, int& status) {
+void add(CLI::App& app, int& status) {
   CLI::App& verb =
       *app.add_subcommand("graph", "Build, check and compare navigation graphs, draw floor plans");
   verb.require_subcommand(1);
   add_check(verb, status);
   add_draw(verb);
-  add_graph_build(verb, status);
-  add_graph_compare(verb, status);
+  graph_build_verb::add(verb, status);
+  graph_compare_verb::add(verb, status);
 }
 
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::graph_verb

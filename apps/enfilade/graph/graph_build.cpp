@@ -1,19 +1,26 @@
-// enfilade graph build: viewpoints and edges from any mesh.
+// enfilade graph build: viewpoints and edges from any mesh; enfilade graph compare: how far two
+// graphs of one building agree.
 #include <fmt/format.h>
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/graph/graph_verbs.h"
 #include "apps/enfilade/mesh_files.h"
+#include "apps/enfilade/verbs.h"
+#include "enfilade/core/file.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/check.h"
+#include "enfilade/graph/compare.h"
 #include "enfilade/graph/corrections.h"
 
 namespace enfilade::apps {
+
 namespace graph_build_verb {
 namespace {
 
@@ -40,7 +47,7 @@ struct Built {
 Built build(const BuildArguments& a, const std::string& scan) {
   graph::Corrections corrections;
   if (!a.corrections.empty()) corrections = graph::load_corrections(a.corrections);
-  const auto made = std::make_shared<const mesh::Mesh>(read_mesh_file(a.mesh));
+  const auto made = std::make_shared<const mesh::Mesh>(read_mesh_file(a.mesh.file, a.mesh.read()));
   const Stopwatch watch;
   const mesh::RayTracer tracer(made);
   const mesh::WalkableFloor floor = find_floor(*made, a.mesh, a.walk);
@@ -118,17 +125,9 @@ void run(const BuildArguments& a) {
   if (a.plan != "-") fmt::print("{}\n", a.plan);
 }
 
-void add_body(CLI::App& verb, BuildArguments& a) {
-  add_metres_option(verb, "--body-radius", a.walk.body.radius, "Radius of the walking body");
-  add_metres_option(verb, "--body-height", a.walk.body.height, "Height of the walking body");
-  add_metres_option(verb, "--step", a.walk.body.step, "Highest step");
-  add_setting(verb, "--slope", a.walk.body.slope, "", "Steepest floor, degrees", finite_number());
-  add_metres_option(verb, "--cell", a.walk.cell, "Grid spacing of the floor");
-  add_metres_option(verb, "--longest-edge", a.edges.longest, "Longest edge");
-  add_metres_option(verb, "--body-width", a.edges.width, "Free width along an edge");
-}
+}  // namespace
 
-void add_verb(CLI::App& graph, int& /*status*/) {
+void add(CLI::App& graph, int& /*status*/) {
   CLI::App& verb = *graph.add_subcommand("build", "Build a navigation graph from a mesh");
   const auto a = std::make_shared<BuildArguments>();
   add_mesh_options(verb, a->mesh);
@@ -138,7 +137,13 @@ void add_verb(CLI::App& graph, int& /*status*/) {
   add_metres_option(verb, "--eye-height", a->viewpoints.eye_height,
                     "Camera height above the floor");
   add_whole_number(verb, "--seed", a->viewpoints.seed, "Selects among equally good viewpoints", 0);
-  add_body(verb, *a);
+  add_metres_option(verb, "--body-radius", a->walk.body.radius, "Radius of the walking body");
+  add_metres_option(verb, "--body-height", a->walk.body.height, "Height of the walking body");
+  add_metres_option(verb, "--step", a->walk.body.step, "Highest step");
+  add_setting(verb, "--slope", a->walk.body.slope, "", "Steepest floor, degrees", finite_number());
+  add_metres_option(verb, "--cell", a->walk.cell, "Grid spacing of the floor");
+  add_metres_option(verb, "--longest-edge", a->edges.longest, "Longest edge");
+  add_metres_option(verb, "--body-width", a->edges.width, "Free width along an edge");
   add_value(verb, "--corrections", a->corrections, "FILE",
             "Edges and viewpoints to add or remove: docs/graph.md");
   add_value(verb, "--plan", a->plan, "FILE", "Draw a floor plan as SVG; - for standard output");
@@ -149,9 +154,77 @@ void add_verb(CLI::App& graph, int& /*status*/) {
   verb.callback([a] { run(*a); });
 }
 
-}  // namespace
 }  // namespace graph_build_verb
 
-void add_graph_build(CLI::App& graph, int& status) { graph_build_verb::add_verb(graph, status); }
+namespace graph_compare_verb {
+namespace {
+
+using graph::ComparedEdge;
+using graph::NavGraph;
+
+struct CompareArguments {
+  std::string found, truth, plan;
+  std::optional<double> least_f1;
+  bool labels = false;
+};
+
+NavGraph load(const std::string& file) {
+  constexpr std::string_view kSuffix = "_connectivity.json";
+  std::string scan = std::filesystem::path(file).filename().string();
+  if (scan.ends_with(kSuffix)) scan.resize(scan.size() - kSuffix.size());
+  return NavGraph(scan::parse_connectivity(read_file(file), scan, file));
+}
+
+std::string list(const NavGraph& found, const std::vector<ComparedEdge>& edges, const char* what) {
+  std::string text;
+  for (const ComparedEdge& e : edges) {
+    text += fmt::format("{:<9}{:>5} - {:<5}{:>6.2f} m  {} {}\n", what, e.a.at(), e.b.at(), e.length,
+                        found.id(e.a), found.id(e.b));
+  }
+  return text;
+}
+
+int run(const CompareArguments& a) {
+  const NavGraph found = load(a.found), truth = load(a.truth);
+  const graph::GraphComparison c = graph::compare(found, truth);
+  const std::string report =
+      list(found, c.extra, "extra") + list(found, c.missing, "missing") +
+      fmt::format("viewpoints  {} in both, {} only in A, {} only in B\n", c.matched,
+                  c.only_found.size(), c.only_truth.size()) +
+      fmt::format("edges       {} in both, {} extra, {} missing\n", c.common, c.extra.size(),
+                  c.missing.size()) +
+      fmt::format("precision   {:.4f}\nrecall      {:.4f}\nF1          {:.4f}\n", c.precision(),
+                  c.recall(), c.f1());
+  if (a.plan != "-") fmt::print("{}", report);
+  if (!a.plan.empty()) {
+    draw::ComparisonPlanOptions options;
+    options.title = found.scan() + " against " + truth.scan();
+    options.label_viewpoints = a.labels;
+    write_output(a.plan, draw::graph_comparison_svg(found, c, options));
+    if (a.plan != "-") fmt::print("{}\n", a.plan);
+  }
+  return a.least_f1 && c.f1() < *a.least_f1 ? kFaultsFound : kSuccess;
+}
+
+}  // namespace
+
+void add(CLI::App& graph, int& status) {
+  CLI::App& verb = *graph.add_subcommand(
+      "compare", "Compare a navigation graph with a reference: precision, recall, F1");
+  const auto a = std::make_shared<CompareArguments>();
+  add_value(verb, "A", a->found, "FILE", "Connectivity file")->required();
+  add_value(verb, "B", a->truth, "FILE", "Connectivity file of the reference")->required();
+  add_value(verb, "--plan", a->plan, "FILE",
+            "Draw the difference as SVG; - for standard output, without the report");
+  verb.add_flag("--labels", a->labels, "Write indices beside viewpoints of the plan");
+  add_value(verb, "--least-f1", a->least_f1, "X", "Exit code 1 if F1 is lower")
+      ->check(finite_number(0, 1));
+  set_examples(verb, {"enfilade graph compare built/x_connectivity.json x_connectivity.json",
+                      "enfilade graph compare A.json B.json --plan difference.svg",
+                      "enfilade graph compare A.json B.json --least-f1 0.98"});
+  verb.callback([a, &status] { status = run(*a); });
+}
+
+}  // namespace graph_compare_verb
 
 }  // namespace enfilade::apps

@@ -7,12 +7,9 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/continuous/walks.h"
 #include "apps/enfilade/learning/learn.h"
-#include "apps/enfilade/learning/rank_options.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/core/file.h"
 #include "enfilade/neural/ranks.h"
 #include "enfilade/neural/speaker.h"
@@ -20,22 +17,14 @@
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/score_table.h"
 
-namespace enfilade::apps {
-namespace evaluate_verb {
+namespace enfilade::apps::evaluate_verb {
 namespace {
 
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string model;
-  std::string data;
-  std::string features;
-  std::string objects;
-  std::string meshes;
-  std::string task;
+  std::string model, data, features, objects, meshes, task, output, device = "cpu";
   std::vector<std::string> splits{"val_seen", "val_unseen"};
-  std::string output;
-  std::string device = "cpu";
   int threads = 0;
   std::size_t batch_size = 100;
   RankOptions ranks;
@@ -51,8 +40,8 @@ std::vector<tasks::EpisodeSet> load_splits(const Options& options,
   if (features != nullptr) here.features = features->info();
   std::vector<tasks::EpisodeSet> splits;
   for (const std::string& split : options.splits) {
-    splits.push_back(episodes_of(data, task, split));
-    here.add(task == tasks::Task::kR2r ? data.annotations(split) : data.annotations(task, split));
+    splits.push_back(data.episodes(task, split));
+    here.add(data.annotations(task, split));
     here.add_graphs(splits.back());
   }
   const auto warnings =
@@ -81,7 +70,9 @@ void evaluate(const Options& options, neural::TrainedAgent& agent,
   if (goals_hidden(episodes)) {
     fmt::print("The goals of this split are hidden; hand the results file in.\n");
   } else {
-    print_score(trajectories, episodes);
+    const tasks::Benchmark& benchmark = tasks::benchmark(episodes.task);
+    fmt::print("{}", to_table(compute_score(trajectories, episodes,
+                                            benchmark.scorer(benchmark.table_scorer))));
   }
 }
 
@@ -118,15 +109,14 @@ void evaluate_continuous(const Options& options) {
     const fs::path own = models::ModelFiles{options.model}.results(split);
     const fs::path file = options.output.empty() ? own : fs::path(options.output) / own.filename();
     make_folder(file.parent_path());
-    run_free_walk({.data = options.data,
-                   .task = task,
-                   .agent = options.model,
-                   .split = split,
-                   .features = {},
-                   .output = file.string(),
-                   .meshes = options.meshes,
-                   .batch_size = options.batch_size,
-                   .threads = options.threads});
+    run_agent_over_split({.data = options.data,
+                          .meshes = options.meshes,
+                          .output = file.string(),
+                          .agent = options.model,
+                          .split = split,
+                          .task = task,
+                          .run = {.batch_size = options.batch_size},
+                          .threads = options.threads});
   }
 }
 
@@ -173,7 +163,9 @@ void run(const Options& options) {
   tell_failures(ranks, [&] { evaluate_walker(options, place, ranks); });
 }
 
-void add_verb(CLI::App& app, int& /*status*/) {
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("evaluate", kEvaluateHelp);
   const auto options = std::make_shared<Options>();
   add_value(verb, "model", options->model, "MODELDIR",
@@ -184,7 +176,7 @@ void add_verb(CLI::App& app, int& /*status*/) {
             "Image features, if the agent uses vision");
   add_value(verb, "--objects", options->objects, "FILE",
             "Object features (HDF5), if the agent uses them: REVERIE, SOON");
-  add_task_option(verb, options->task, "r2r, or what the data set has", FreeTasks::kToo);
+  add_task_option(verb, options->task, "r2r, or what the data set has", Worlds::kBoth);
   add_value(verb, "--meshes", options->meshes, "DIR",
             "Continuous agents: folder of meshes SCAN.glb, .obj or .ply, instead of the data "
             "set's");
@@ -205,9 +197,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { run(*options); });
 }
 
-}  // namespace
-}  // namespace evaluate_verb
-
-void add_evaluate(CLI::App& app, int& status) { evaluate_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::evaluate_verb

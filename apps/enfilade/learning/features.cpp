@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/cluster/job.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/features/feature_set.h"
@@ -14,8 +13,7 @@
 #include "enfilade/neural/device.h"
 #include "enfilade/scan/panorama_set.h"
 
-namespace enfilade::apps {
-namespace features_verb {
+namespace enfilade::apps::features_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,37 +91,35 @@ void run(Options o) {
   print_report(report, file);
 }
 
-void add_options(CLI::App& verb, Options& o) {
-  add_data_option(verb, o.data);
-  add_value(verb, "-o,--output", o.output, "FILE",
-            "File .safetensors (resumable), .tsv (R2R's form) or .h5 (HAMT's, DUET's)")
-      ->required();
-  add_setting(verb, "--encoder", o.job.encoder.name, "NAME",
-              fmt::format("Encoder: {}", fmt::join(neural::encoder_names(), ", ")),
-              CLI::IsMember(neural::encoder_names()));
-  add_value(verb, "--weights", o.weights, "FILE",
-            "Weights .safetensors or .pth (docs/features.md), or the word random");
-  verb.add_flag("--logits", o.job.encoder.logits,
-                "vit-b-16: append the scores of ImageNet's 1,000 classes, for pretraining");
-  add_setting(verb, "--preprocessing", o.preprocessing, "NAME",
-              "Preprocessing of ResNets: caffe (R2R's features) or torchvision (other weights)",
-              CLI::IsMember({"caffe", "torchvision"}));
-  add_value(verb, "--scan", o.scans, "SCAN", "Scans to encode (default: all of scans.txt)");
-  add_value(verb, "--images", o.images, "DIR",
-            "Folder of stores or scans (default: the data set's)");
-  add_value(verb, "--shard", o.shard, "N/COUNT", "Compute shard N of COUNT, such as 3/16");
-  add_whole_number(verb, "--batch", o.job.batch, "Pictures per batch");
-  add_setting(verb, "--device", o.job.encoder.device, "NAME", "cpu, cuda or cuda:N");
-  add_threads_option(verb, o.job.threads);
-  verb.add_flag("--float16", o.float16, "Half the size; three digits per number");
-  add_value(verb, "--merge", o.merge, "FILE...",
-            "Merge these feature files into --output, or change a file's format");
-}
+}  // namespace
 
-void add_verb(CLI::App& app, int& /*status*/) {
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("features", kFeaturesHelp);
   const auto options = std::make_shared<Options>();
-  add_options(verb, *options);
+  add_data_option(verb, options->data);
+  add_value(verb, "-o,--output", options->output, "FILE",
+            "File .safetensors (resumable), .tsv (R2R's form) or .h5 (HAMT's, DUET's)")
+      ->required();
+  add_setting(verb, "--encoder", options->job.encoder.name, "NAME",
+              fmt::format("Encoder: {}", fmt::join(neural::encoder_names(), ", ")),
+              CLI::IsMember(neural::encoder_names()));
+  add_value(verb, "--weights", options->weights, "FILE",
+            "Weights .safetensors or .pth (docs/features.md), or the word random");
+  verb.add_flag("--logits", options->job.encoder.logits,
+                "vit-b-16: append the scores of ImageNet's 1,000 classes, for pretraining");
+  add_setting(verb, "--preprocessing", options->preprocessing, "NAME",
+              "Preprocessing of ResNets: caffe (R2R's features) or torchvision (other weights)",
+              CLI::IsMember({"caffe", "torchvision"}));
+  add_value(verb, "--scan", options->scans, "SCAN", "Scans to encode (default: all of scans.txt)");
+  add_value(verb, "--images", options->images, "DIR",
+            "Folder of stores or scans (default: the data set's)");
+  add_value(verb, "--shard", options->shard, "N/COUNT", "Compute shard N of COUNT, such as 3/16");
+  add_whole_number(verb, "--batch", options->job.batch, "Pictures per batch");
+  add_setting(verb, "--device", options->job.encoder.device, "NAME", "cpu, cuda or cuda:N");
+  add_threads_option(verb, options->job.threads);
+  verb.add_flag("--float16", options->float16, "Half the size; three digits per number");
+  add_value(verb, "--merge", options->merge, "FILE...",
+            "Merge these feature files into --output, or change a file's format");
   set_examples(
       verb,
       {("enfilade features --encoder home --weights home_encoder.safetensors -o "
@@ -140,9 +136,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { run(*options); });
 }
 
-}  // namespace
-}  // namespace features_verb
-
-void add_features(CLI::App& app, int& status) { features_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::features_verb

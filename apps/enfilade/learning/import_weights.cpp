@@ -1,16 +1,15 @@
 // enfilade import-weights: a model directory of weights that others released.
-#include "apps/enfilade/learning/import_weights.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <memory>
 #include <string>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/verbs.h"
 #include "enfilade/neural/released_weights.h"
 
-namespace enfilade::apps {
-namespace import_weights_verb {
+namespace enfilade::apps::import_weights_verb {
 namespace {
 
 struct Options {
@@ -68,15 +67,19 @@ void run(const Options& options) {
   weights.file = options.file;
   weights.vocabulary = options.vocabulary;
   weights.heads = options.heads;
-  weights.subout = models::parse_subout(options.subout);
-  if (!options.agent.empty()) weights.agent = models::parse_agent_kind(options.agent);
-  if (!options.letters.empty()) weights.letters = models::parse_letters(options.letters);
+  weights.subout = models::parse_name<models::Subout>("subout", options.subout);
+  if (!options.agent.empty())
+    weights.agent = models::parse_name<models::AgentKind>("agent", options.agent);
+  if (!options.letters.empty())
+    weights.letters = models::parse_name<models::Letters>("letters", options.letters);
   if (options.max_words > 0) weights.max_words = options.max_words;
   if (options.max_steps > 0) weights.max_steps = options.max_steps;
   print(options, neural::import_weights(weights, options.output));
 }
 
-void add_verb(CLI::App& app, int& /*status*/) {
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("import-weights", kImportWeightsHelp);
   const auto options = std::make_shared<Options>();
   add_value(verb, "file", options->file, "FILE",
@@ -108,9 +111,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { run(*options); });
 }
 
-}  // namespace
-}  // namespace import_weights_verb
-
-void add_import_weights(CLI::App& app, int& status) { import_weights_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::import_weights_verb

@@ -15,10 +15,8 @@
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/mpcat40.h"
 #include "enfilade/neural/device.h"
-#include "enfilade/neural/probe.h"
 
-namespace enfilade::apps {
-namespace pretrain_verb {
+namespace enfilade::apps::pretrain_verb {
 namespace {
 
 struct Options {
@@ -77,10 +75,6 @@ std::string percent(double value) {
   return std::isnan(value) ? "-" : fmt::format("{:.1f}", 100 * value);
 }
 
-double at_or_nan(const std::vector<double>& values, std::size_t i) {
-  return i < values.size() ? values[i] : std::nan("");
-}
-
 void print_report(const neural::PretrainReport& report) {
   fmt::print("{} pictures drawn in {:.1f} s; {} parameters, {} steps in {:.1f} s; loss {:.3f}\n\n",
              report.pictures, report.drawing_seconds, report.parameters, report.steps,
@@ -101,8 +95,10 @@ void print_report(const neural::PretrainReport& report) {
   shares("distance off by", [](const auto& score) { return std::expm1(score.distance_error); });
   for (std::size_t i = 0; i < report.classes.size(); ++i) {
     const auto name = mesh::class_name(static_cast<std::size_t>(report.classes[i]));
-    shares(fmt::format("  {}", name),
-           [i](const auto& score) { return at_or_nan(score.average_precision, i); });
+    shares(fmt::format("  {}", name), [i](const auto& score) {
+      const std::vector<double>& all = score.average_precision;
+      return i < all.size() ? all[i] : std::nan("");
+    });
   }
 }
 
@@ -147,16 +143,16 @@ void run(Options o) {
   print_report(report);
 }
 
-void add_verb(CLI::App& app, int& /*status*/) {
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("pretrain", kPretrainHelp);
   const auto options = std::make_shared<Options>();
   add_data_option(verb, options->data);
   add_setting(verb, "-o,--output", options->output, "FILE",
-              "Weights, for `enfilade features "
-              "--weights`");
+              "Weights, for `enfilade features --weights`");
   add_whole_number(verb, "--pictures", options->config.pictures,
-                   "Approximate number of training "
-                   "pictures");
+                   "Approximate number of training pictures");
   add_whole_number(verb, "--epochs", options->config.epochs, "Passes over the pictures");
   add_whole_number(verb, "--seed", options->config.seed, "The same seed gives the same network", 0);
   add_setting(verb, "--device", options->config.device, "NAME", "cpu, cuda or cuda:N");
@@ -170,9 +166,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { run(*options); });
 }
 
-}  // namespace
-}  // namespace pretrain_verb
-
-void add_pretrain(CLI::App& app, int& status) { pretrain_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::pretrain_verb

@@ -1,48 +1,115 @@
-#include "apps/enfilade/learning/run_verb.h"
+#include "apps/enfilade/learning/learn.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <system_error>
+#include <utility>
 
 #include "apps/common/program.h"
 #include "enfilade/core/errors.h"
-
-extern char** environ;
+#include "enfilade/core/file.h"
 
 namespace enfilade::apps {
 namespace {
 
-int wait_for(pid_t child) {
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : kInternal;
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+// The published sizes and optimisers suit 14,000 instructions and a day's training; these suit a
+// few thousand and a minute. Walking behind the teacher alone teaches most in the first minutes.
+const Words kPanoramic = {"--agent",          "panoramic", "--recipe",     "small",
+                          "--feedback",       "teacher",   "--iterations", "600",
+                          "--evaluate-every", "300",       "--seed",       "1"};
+
+bool is_newer(const fs::path& file, const fs::path& than) {
+  std::error_code code;
+  const auto made = fs::last_write_time(file, code);
+  return !code && made >= fs::last_write_time(than, code) && !code;
 }
+
+class Lesson {
+ public:
+  Lesson(fs::path homes, fs::path output) : homes_(std::move(homes)), output_(std::move(output)) {}
+
+  int run() {
+    const fs::path encoder = output_ / "encoder.safetensors";
+    const fs::path features = output_ / "features.safetensors";
+    forget_other_homes({encoder, features});
+    make(encoder, homes_ / "homes.json", {"pretrain", "--pictures", "3500"});
+    make(features, encoder, {"features", "--encoder", "home", "--weights", encoder.string()});
+    train("panoramic", features, kPanoramic);
+    step({"table", output_.string(), "--data", homes_.string()});
+    step({"report", output_.string(), "--data", homes_.string(), "-o",
+          (output_ / "report.html").string()});
+    return status_;
+  }
+
+ private:
+  void step(const Words& words) {
+    if (status_ == 0) status_ = run_step(words);
+  }
+
+  // What was learnt in other homes may be newer than these, so that times tell nothing.
+  void forget_other_homes(const std::vector<fs::path>& learnt) {
+    const fs::path learnt_from = output_ / "learnt_from.json";
+    const std::string homes = read_file(homes_ / "homes.json");
+    if (fs::exists(learnt_from) && read_file(learnt_from) == homes) return;
+    for (const fs::path& file : learnt) {
+      if (fs::remove(file)) {
+        fmt::print("\n{} was learnt in other homes: removed, to be made again\n", file.string());
+      }
+    }
+    write_file_atomically(learnt_from, homes);
+  }
+
+  // As make does: nothing, if the file is there and newer than what it is made of.
+  void make(const fs::path& file, const fs::path& from, Words words) {
+    if (is_newer(file, from)) {
+      fmt::print("\n{} is there, made by an earlier demo\n", file.string());
+      return;
+    }
+    const Words rest{"--data", homes_.string(), "-o", file.string()};
+    words.insert(words.end(), rest.begin(), rest.end());
+    step(words);
+  }
+
+  void train(const std::string& name, const fs::path& features, const Words& recipe) {
+    const fs::path model = output_ / "models" / name;
+    if (status_ == 0 && fs::exists(model) && !is_newer(model / "config.json", features)) {
+      fmt::print("\n{} was trained on other features: removed, to be trained again\n",
+                 model.string());
+      fs::remove_all(model);
+    }
+    Words words{"train",           "--data", homes_.string(), "--features",
+                features.string(), "-o",     model.string()};
+    words.insert(words.end(), recipe.begin(), recipe.end());
+    step(words);
+  }
+
+  fs::path homes_, output_;
+  int status_ = 0;
+};
 
 }  // namespace
 
-int run_verb(const std::vector<std::string>& words) {
+int run_step(const std::vector<std::string>& words) {
   fmt::print("\n$ enfilade {}\n", fmt::join(words, " "));
   std::fflush(stdout);
-  std::string program = own_program().string();
-  std::vector<char*> arguments{program.data()};
-  std::vector<std::string> copy = words;
-  for (std::string& word : copy) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  std::vector<std::string> command{own_program().string()};
+  command.insert(command.end(), words.begin(), words.end());
   const Stopwatch clock;
-  pid_t child = 0;
-  const int error =
-      posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ);
-  if (error != 0) {
-    throw FileError(fmt::format("{}: cannot be started: {}", program, std::strerror(error)));
+  const int status = run_command(command);
+  if (status < 0) {
+    throw FileError(fmt::format("{}: cannot be started: {}", command[0], std::strerror(-status)));
   }
-  const int status = wait_for(child);
   if (status == 0) fmt::print("({:.0f} s)\n", clock.seconds());
   return status;
+}
+
+int learn_in_homes(const fs::path& homes, const fs::path& output) {
+  return Lesson(homes, output).run();
 }
 
 }  // namespace enfilade::apps

@@ -14,8 +14,7 @@
 #include "enfilade/neural/speaker.h"
 #include "enfilade/tasks/path_sampling.h"
 
-namespace enfilade::apps {
-namespace speak_verb {
+namespace enfilade::apps::speak_verb {
 namespace {
 
 struct Options {
@@ -96,42 +95,37 @@ void speak(const Options& options) {
   }
 }
 
-void add_options(CLI::App& verb, Options& options) {
-  add_value(verb, "model", options.model, "MODELDIR",
-            "Model directory of `enfilade train "
-            "--agent speaker`")
-      ->required();
-  add_data_option(verb, options.data);
-  add_value(verb, "--features", options.features, "FILE",
-            "Image features, if the speaker uses vision");
-  add_value(verb, "-o,--output", options.output, "FILE",
-            "Annotations to write, such as DATA/r2r/R2R_NAME.json; - for standard output")
-      ->required();
-  add_setting(verb, "--splits", options.splits, "NAMES", "Splits whose buildings the paths are in")
-      ->delimiter(',');
-  add_whole_number(verb, "--paths", options.sampling.paths, "Most paths");
-  add_whole_number(verb, "--min-edges", options.sampling.min_edges, "Fewest edges of a path");
-  add_whole_number(verb, "--max-edges", options.sampling.max_edges, "Most edges of a path");
-  add_setting(verb, "--min-length", options.sampling.min_length, "",
-              "Least length of a path, "
-              "metres",
-              finite_number());
-  add_whole_number(verb, "--seed", options.sampling.seed,
-                   "Seed of paths, words and dropout; one seed gives one file", 0);
-  verb.add_flag("--draw-words", options.draw_words,
-                "Sample words by probability, instead of the most probable ones");
-  add_whole_number(verb, "--most-words", options.speaking.most_words,
-                   "Most words of an instruction");
-  add_setting(verb, "--environmental-dropout", options.speaking.environmental_dropout, "",
-              "Share of feature columns that a whole batch lacks", finite_number(0, 0.99));
-  add_whole_number(verb, "--batch", options.speaking.batch_size, "Paths at once");
-  add_threads_option(verb, options.threads);
-}
+}  // namespace
 
-void add_verb(CLI::App& app, int& /*status*/) {
+void add(CLI::App& app, int& /*status*/) {
   CLI::App& verb = *app.add_subcommand("speak", kSpeakHelp);
   const auto options = std::make_shared<Options>();
-  add_options(verb, *options);
+  add_value(verb, "model", options->model, "MODELDIR",
+            "Model directory of `enfilade train --agent speaker`")
+      ->required();
+  add_data_option(verb, options->data);
+  add_value(verb, "--features", options->features, "FILE",
+            "Image features, if the speaker uses vision");
+  add_value(verb, "-o,--output", options->output, "FILE",
+            "Annotations to write, such as DATA/r2r/R2R_NAME.json; - for standard output")
+      ->required();
+  add_setting(verb, "--splits", options->splits, "NAMES", "Splits whose buildings the paths are in")
+      ->delimiter(',');
+  add_whole_number(verb, "--paths", options->sampling.paths, "Most paths");
+  add_whole_number(verb, "--min-edges", options->sampling.min_edges, "Fewest edges of a path");
+  add_whole_number(verb, "--max-edges", options->sampling.max_edges, "Most edges of a path");
+  add_setting(verb, "--min-length", options->sampling.min_length, "",
+              "Least length of a path, metres", finite_number());
+  add_whole_number(verb, "--seed", options->sampling.seed,
+                   "Seed of paths, words and dropout; one seed gives one file", 0);
+  verb.add_flag("--draw-words", options->draw_words,
+                "Sample words by probability, instead of the most probable ones");
+  add_whole_number(verb, "--most-words", options->speaking.most_words,
+                   "Most words of an instruction");
+  add_setting(verb, "--environmental-dropout", options->speaking.environmental_dropout, "",
+              "Share of feature columns that a whole batch lacks", finite_number(0, 0.99));
+  add_whole_number(verb, "--batch", options->speaking.batch_size, "Paths at once");
+  add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade train --agent speaker --features resnet.safetensors -o speaker",
                       "enfilade speak speaker --data DIR --features resnet.safetensors --paths "
                       "20000 -o DIR/r2r/R2R_aug.json",
@@ -140,9 +134,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { speak(*options); });
 }
 
-}  // namespace
-}  // namespace speak_verb
-
-void add_speak(CLI::App& app, int& status) { speak_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::speak_verb

@@ -9,10 +9,8 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/learning/learn.h"
-#include "apps/enfilade/learning/run_verb.h"
 #include "apps/enfilade/learning/training_options.h"
 #include "apps/enfilade/verbs.h"
-#include "apps/enfilade/version.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
@@ -23,8 +21,7 @@
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score_table.h"
 
-namespace enfilade::apps {
-namespace study_verb {
+namespace enfilade::apps::study_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,26 +74,15 @@ class Study {
   }
 
   void step(const std::vector<std::string>& words) {
-    if (status_ == kSuccess) status_ = run_verb(words);
+    if (status_ == kSuccess) status_ = run_step(words);
   }
 
   void train(std::size_t homes, std::size_t seed) {
-    const std::string iterations = std::to_string(config_.iterations);
-    std::vector<std::string> words{"train",
-                                   "--data",
-                                   data(),
-                                   "--features",
-                                   features().string(),
-                                   "-o",
-                                   model(homes, seed).string(),
-                                   "--buildings",
-                                   std::to_string(homes),
-                                   "--validation",
-                                   "val_unseen",
-                                   "--evaluate-every",
-                                   iterations,
-                                   "--seed",
-                                   std::to_string(seed)};
+    std::vector<std::string> words{"train", "--data", data(), "--features", features().string()};
+    words.insert(words.end(), {"-o", model(homes, seed).string()});
+    words.insert(words.end(), {"--buildings", std::to_string(homes), "--validation", "val_unseen"});
+    words.insert(words.end(), {"--evaluate-every", std::to_string(config_.iterations)});
+    words.insert(words.end(), {"--seed", std::to_string(seed)});
     const std::vector<std::string> chosen = o_.training.words();
     words.insert(words.end(), chosen.begin(), chosen.end());
     step(words);
@@ -148,7 +134,9 @@ class Study {
   int status_ = kSuccess;
 };
 
-void add_verb(CLI::App& app, int& status) {
+}  // namespace
+
+void add(CLI::App& app, int& status) {
   CLI::App& verb =
       *app.add_subcommand("study", "Measure success in unseen homes by number of training homes");
   const auto options = std::make_shared<Options>();
@@ -179,9 +167,4 @@ void add_verb(CLI::App& app, int& status) {
   });
 }
 
-}  // namespace
-}  // namespace study_verb
-
-void add_study(CLI::App& app, int& status) { study_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::study_verb

@@ -11,25 +11,24 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/continuous/scenes.h"
 #include "apps/enfilade/learning/learn.h"
-#include "apps/enfilade/learning/rank_options.h"
 #include "apps/enfilade/learning/training_options.h"
+#include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/device.h"
 #include "enfilade/neural/ranks.h"
 #include "enfilade/neural/train.h"
 
-namespace enfilade::apps {
-namespace train_verb {
+namespace enfilade::apps::train_verb {
 namespace {
 
 namespace fs = std::filesystem;
 
 struct Options {
   std::string data, features, output, from, device = "cpu", precision = "float32";
-  std::string encoder = "home", weights, meshes;  // of an agent that walks freely
+  std::string encoder = "home", weights, meshes;  // of the continuous agent
   int threads = 0;
   TrainingOptions training;
   std::vector<std::string> splits{"train"}, validation{"val_seen", "val_unseen"};
@@ -150,7 +149,7 @@ neural::TrainingData load_continuous_training(const Options& options,
     sight.encoder.weights = options.weights;
     sight.encoder.preprocessing = neural::Preprocessing::kTorchvision;
     sight.scene_of = [&options, data](const std::string& scan) {
-      return scene_of_scan(data, {.folder = options.meshes, .up = "format"}, scan, options.threads);
+      return scene_of_scan(data, {.folder = options.meshes}, scan, options.threads);
     };
   }
   return neural::load_continuous_data(
@@ -202,8 +201,9 @@ void train(const Options& options, const std::optional<neural::RankPlace>& place
   Reporter reporter(fs::path(options.output).filename().string(), options.output);
   std::optional<fs::path> from;
   if (!options.from.empty()) from = options.from;
-  const neural::Computing computing{device_of(options.device, place),
-                                    neural::parse_precision(options.precision), &ranks};
+  const neural::Computing computing{
+      device_of(options.device, place),
+      models::parse_name<neural::Precision>("precision", options.precision), &ranks};
   const neural::TrainingListener listener =
       ranks.is_first() ? reporter.listener() : neural::TrainingListener();
   const bool trained = neural::train(config, data, options.output, computing, listener, from);
@@ -223,35 +223,33 @@ void run(const Options& options) {
   tell_failures(ranks, [&] { train(options, place, ranks); });
 }
 
-void add_data(CLI::App& verb, Options& options) {
-  add_data_option(verb, options.data);
-  add_value(verb, "--features", options.features, "FILE",
+}  // namespace
+
+void add(CLI::App& app, int& /*status*/) {
+  CLI::App& verb = *app.add_subcommand("train", kTrainHelp);
+  const auto options = std::make_shared<Options>();
+  add_data_option(verb, options->data);
+  add_value(verb, "--features", options->features, "FILE",
             "Image features (made by `enfilade features`)");
-  add_setting(verb, "--encoder", options.encoder, "NAME",
+  add_setting(verb, "--encoder", options->encoder, "NAME",
               fmt::format("r2r-ce: image encoder: {}", fmt::join(neural::encoder_names(), ", ")));
-  add_value(verb, "--weights", options.weights, "FILE",
+  add_value(verb, "--weights", options->weights, "FILE",
             "r2r-ce: encoder's weights, constant, copied into the model directory");
-  add_value(verb, "--meshes", options.meshes, "DIR",
+  add_value(verb, "--meshes", options->meshes, "DIR",
             "r2r-ce: folder of meshes SCAN.glb, .obj or .ply, instead of the data set's");
-  add_value(verb, "-o,--output", options.output, "MODELDIR",
+  add_value(verb, "-o,--output", options->output, "MODELDIR",
             "Model directory; an existing one resumes from its last checkpoint")
       ->required();
-  add_value(verb, "--from", options.from, "MODELDIR",
+  add_value(verb, "--from", options->from, "MODELDIR",
             "duet: start from this model's weights and vocabulary, of equal sizes");
-  add_setting(verb, "--splits", options.splits, "",
+  add_setting(verb, "--splits", options->splits, "",
               "Splits for training and vocabulary; for the test submission "
               "train,val_seen,val_unseen")
       ->delimiter(',');
-  add_value(verb, "--buildings", options.buildings, "N",
+  add_value(verb, "--buildings", options->buildings, "N",
             "Train in the first N buildings of the splits (default: all)")
       ->check(whole_number(1));
-  add_setting(verb, "--validation", options.validation, "", "Validation splits")->delimiter(',');
-}
-
-void add_verb(CLI::App& app, int& /*status*/) {
-  CLI::App& verb = *app.add_subcommand("train", kTrainHelp);
-  const auto options = std::make_shared<Options>();
-  add_data(verb, *options);
+  add_setting(verb, "--validation", options->validation, "", "Validation splits")->delimiter(',');
   options->training.add_to(verb);
   add_setting(verb, "--device", options->device, "", "cpu, cuda, cuda:1, ...");
   add_setting(verb, "--precision", options->precision, "",
@@ -280,9 +278,4 @@ void add_verb(CLI::App& app, int& /*status*/) {
   verb.callback([options] { run(*options); });
 }
 
-}  // namespace
-}  // namespace train_verb
-
-void add_train(CLI::App& app, int& status) { train_verb::add_verb(app, status); }
-
-}  // namespace enfilade::apps
+}  // namespace enfilade::apps::train_verb

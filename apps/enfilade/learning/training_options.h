@@ -1,13 +1,12 @@
 /// \file  The options of a training, for train and study.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "enfilade/models/train_config.h"
+#include "enfilade/models/train_options.h"
 
 namespace enfilade::apps {
 
@@ -28,29 +27,15 @@ class TrainingOptions {
   std::vector<std::string> words() const;
 
  private:
-  using Kinds = std::vector<models::AgentKind>;
-  template <class T>
-  CLI::Option* change(CLI::App& verb, const std::string& name, const std::string& help,
-                      const Kinds& kinds,
-                      const std::function<void(models::TrainConfig&, const T&)>& apply);
-  void whole(CLI::App& verb, const std::string& name, const std::string& help, const Kinds& kinds,
-             const std::function<std::size_t&(models::TrainConfig&)>& field,
-             std::uint64_t least = 1);
-  void real(CLI::App& verb, const std::string& name, const std::string& help, const Kinds& kinds,
-            const std::function<double&(models::TrainConfig&)>& field);
-  void name(CLI::App& verb, const std::string& name, const std::string& help, const Kinds& kinds,
-            const std::vector<std::string>& allowed,
-            const std::function<void(models::TrainConfig&, const std::string&)>& apply);
-  void add_sizes(CLI::App& verb);
-  void add_updates(CLI::App& verb);
-
+  using Rows = std::vector<const models::TrainOption*>;  // of one flag
+  void add_size(CLI::App& verb);
+  void add(CLI::App& verb, const Rows& rows);
   models::AgentKind kind() const;
-  void add_seq2seq_ce(CLI::App& verb);
 
   std::string agent_, task_, recipe_, stage_;
   struct Change {
     CLI::Option* option;
-    Kinds kinds;  // empty: of all
+    std::function<bool(models::AgentKind)> of;
     std::function<void(models::TrainConfig&)> apply;
   };
   std::vector<Change> changes_;

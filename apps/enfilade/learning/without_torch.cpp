@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "apps/common/program.h"
-#include "apps/enfilade/learning/import_weights.h"
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/file.h"
@@ -48,10 +47,6 @@ void hand_over_to_learn() {
         fmt::format("this needs PyTorch's library, which is in the program {}: it is not there. {}",
                     program.string(), kHowToLearn));
   }
-  std::vector<std::string> arguments = own_arguments();
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
   // Threads of OpenMP that wait in a loop for their next small part keep BLAS's, and everybody
   // else's, from working: beside two busy programs pictures were encoded four times as slowly as
   // with threads that sleep at once. On an idle machine sleeping at once costs a quarter. Looking a
@@ -61,8 +56,8 @@ void hand_over_to_learn() {
   if (std::getenv("OMP_WAIT_POLICY") == nullptr) setenv("GOMP_SPINCOUNT", "1000", 0);
   setenv("OMP_WAIT_POLICY", "passive", 0);
   // NOLINTEND(concurrency-mt-unsafe)
-  execv(program.c_str(), pointers.data());
-  throw FileError(fmt::format("{}: cannot be started: {}", program.string(), std::strerror(errno)));
+  const int error = become(program, own_arguments());
+  throw FileError(fmt::format("{}: cannot be started: {}", program.string(), std::strerror(error)));
 }
 
 std::optional<neural::TorchReport> torch_report() { return std::nullopt; }
@@ -81,13 +76,13 @@ std::unique_ptr<agents::ContinuousAgent> load_continuous_agent(
   return nullptr;  // not reached
 }
 
-void add_evaluate(CLI::App& app, int& /*status*/) { add_elsewhere(app, "evaluate", kEvaluateHelp); }
-void add_features(CLI::App& app, int& /*status*/) { add_elsewhere(app, "features", kFeaturesHelp); }
-void add_import_weights(CLI::App& app, int& /*status*/) {
+void evaluate_verb::add(CLI::App& app, int&) { add_elsewhere(app, "evaluate", kEvaluateHelp); }
+void features_verb::add(CLI::App& app, int&) { add_elsewhere(app, "features", kFeaturesHelp); }
+void import_weights_verb::add(CLI::App& app, int&) {
   add_elsewhere(app, "import-weights", kImportWeightsHelp);
 }
-void add_pretrain(CLI::App& app, int& /*status*/) { add_elsewhere(app, "pretrain", kPretrainHelp); }
-void add_speak(CLI::App& app, int& /*status*/) { add_elsewhere(app, "speak", kSpeakHelp); }
-void add_train(CLI::App& app, int& /*status*/) { add_elsewhere(app, "train", kTrainHelp); }
+void pretrain_verb::add(CLI::App& app, int&) { add_elsewhere(app, "pretrain", kPretrainHelp); }
+void speak_verb::add(CLI::App& app, int&) { add_elsewhere(app, "speak", kSpeakHelp); }
+void train_verb::add(CLI::App& app, int&) { add_elsewhere(app, "train", kTrainHelp); }
 
 }  // namespace enfilade::apps

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,25 +12,21 @@
 
 namespace enfilade::arena::detail {
 
-class Transcript {
- public:
-  explicit Transcript(const Session& session);
-  /// \param before the observation before the call  \param call null: none could be read
-  /// \param more fields of the line, before `told`
-  void add(const Observation& before, const Call* call, const Session& after,
-           const nlohmann::ordered_json& more = nlohmann::ordered_json::object());
-  /// The whole text. \pre the session has ended
-  std::string finish(const Session& session, const World& world) &&;
-
- private:
-  std::string text_;
-};
-
-/// The last line of a whole transcript. \throws FileError; InvalidInput if it has none
-nlohmann::ordered_json end_of_transcript(const std::filesystem::path& file);
+/// The first line.
+std::string first_line(const Session& session);
+/// A line per call. \param before  the observation before the call
+/// \param call  no value: the answer had none
+/// \param more  fields of the line, before `told`
+std::string call_line(const SessionObservation& before, const std::optional<Call>& call,
+                      const Session& after,
+                      const nlohmann::ordered_json& more = nlohmann::ordered_json::object());
+/// The last line. \param reason  of Ending::kRefused; empty for the others
+/// \pre the session has ended
+std::string end_line(const Session& session, const World& world, const std::string& reason = {});
 
 /// Writes results.json of those of the episodes that have a transcript; nothing if none has.
 /// \returns the ends of their transcripts
+/// \throws FileError; InvalidInput for one without an end
 std::vector<nlohmann::ordered_json> write_results(const std::filesystem::path& folder,
                                                   const World& world,
                                                   const std::vector<std::size_t>& which);

@@ -46,7 +46,7 @@ FlatFloor::FlatFloor(const NavigationMesh& mesh) {
   around_.resize(sides_.size());
   std::vector<std::uint32_t> next(first_around_.begin(), first_around_.end() - 1);
   for (std::uint32_t p = 0; p < polygons(); ++p) {
-    for (const Side& side : sides(p)) around_[next[side.corner]++] = p;
+    for (const PolygonSide& side : sides(p)) around_[next[side.corner]++] = p;
   }
 }
 

@@ -27,7 +27,7 @@ constexpr Flat flat(Vec3f p) { return {p.x, p.y}; }
 class FlatFloor {
  public:
   static constexpr std::uint32_t kRim = 0xffffffffU;
-  struct Side {
+  struct PolygonSide {
     std::uint32_t corner = 0;     ///< where it begins
     std::uint32_t beyond = kRim;  ///< the polygon there
   };
@@ -35,7 +35,7 @@ class FlatFloor {
   explicit FlatFloor(const NavigationMesh& mesh);
 
   std::size_t polygons() const { return first_side_.size() - 1; }
-  std::span<const Side> sides(std::uint32_t polygon) const {
+  std::span<const PolygonSide> sides(std::uint32_t polygon) const {
     return std::span(sides_).subspan(first_side_[polygon],
                                      first_side_[polygon + 1] - first_side_[polygon]);
   }
@@ -49,7 +49,7 @@ class FlatFloor {
 
  private:
   std::vector<Vec3d> corners_;
-  std::vector<Side> sides_;
+  std::vector<PolygonSide> sides_;
   std::vector<std::uint32_t> first_side_, around_, first_around_;
 };
 
@@ -81,9 +81,9 @@ inline bool on_side(Flat point, Flat a, Flat b) {
 /// polygon that is seen on both sides of a hole, or that the eye is on the border of, is visited
 /// more than once.
 template <class Visit>
-class Sight {
+class FloorSight {
  public:
-  Sight(const FlatFloor& floor, Flat eye, const Visit& visit)
+  FloorSight(const FlatFloor& floor, Flat eye, const Visit& visit)
       : floor_(floor), eye_(eye), visit_(visit) {}
 
   /// From a point of a polygon, which may be on its border.
@@ -115,7 +115,7 @@ class Sight {
     const auto sides = floor_.sides(polygon);
     for (std::size_t k = 0; k < sides.size(); ++k) {
       if (sides[k].beyond == kRim) continue;
-      const FlatFloor::Side& next = sides[k + 1 == sides.size() ? 0 : k + 1];
+      const FlatFloor::PolygonSide& next = sides[k + 1 == sides.size() ? 0 : k + 1];
       const Flat right = floor_.corner(sides[k].corner) - eye_;
       const Flat left = floor_.corner(next.corner) - eye_;
       if (turn(right, left) > 0) look_through(sides[k].beyond, polygon, next.corner, right, left);
@@ -128,9 +128,9 @@ class Sight {
     visit_(polygon, Cone{right, left});
     const auto sides = floor_.sides(polygon);
     for (std::size_t k = 0; k < sides.size(); ++k) {
-      const FlatFloor::Side& side = sides[k];
+      const FlatFloor::PolygonSide& side = sides[k];
       if (side.beyond == kRim || (side.beyond == from && side.corner == entered)) continue;
-      const FlatFloor::Side& next = sides[k + 1 == sides.size() ? 0 : k + 1];
+      const FlatFloor::PolygonSide& next = sides[k + 1 == sides.size() ? 0 : k + 1];
       const Flat a = floor_.corner(side.corner) - eye_, b = floor_.corner(next.corner) - eye_;
       const Flat narrow_right = turn(right, a) > 0 ? a : right;
       const Flat narrow_left = turn(b, left) > 0 ? b : left;

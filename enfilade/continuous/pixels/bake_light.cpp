@@ -9,6 +9,7 @@
 
 #include "enfilade/continuous/pixels/scene_parts.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/image/tone.h"
 
 namespace enfilade::continuous::pixels {
 namespace {
@@ -73,9 +74,8 @@ class Grid {
 class LightBaker {
  public:
   LightBaker(const mesh::LitMesh& light, const SceneOptions& options, SceneParts& parts)
-      : light_(light), mesh_(light.mesh()), options_(options), parts_(parts) {
+      : light_(light), mesh_(light.mesh()), surroundings_(mesh_), options_(options), parts_(parts) {
     samples_ = luminance(light.lights().sun.irradiance) > 0 ? 4 : 1;
-    for (const mesh::Object& object : mesh_.objects) has_rooms_ = has_rooms_ || object.region >= 0;
   }
 
   void run(const Progress& progress) {
@@ -104,16 +104,13 @@ class LightBaker {
   }
 
  private:
-  static float luminance(Vec3f c) { return 0.2126F * c.x + 0.7152F * c.y + 0.0722F * c.z; }
+  static float luminance(Vec3f c) { return image::luminance(c.x, c.y, c.z); }
   Vec3f corner(std::size_t triangle, unsigned k) const {
     const unsigned first = parts_.surfaces.all[triangle].first_corner;
     return mesh_.positions[mesh_.triangles[triangle][(first + k) % 3U]];
   }
   float spacing(std::size_t triangle, double metres) const {
-    const std::uint32_t object = mesh::object_of(mesh_, triangle);
-    const bool outside =
-        has_rooms_ && (object == mesh::kNoObject || mesh_.objects[object].region < 0);
-    return static_cast<float>(metres) * (outside ? kOutside : 1);
+    return static_cast<float>(metres) * (surroundings_.has(triangle) ? kOutside : 1);
   }
   static std::uint16_t cells(float edge, float spacing) {
     const float count = std::ceil(edge / spacing);
@@ -265,11 +262,11 @@ class LightBaker {
 
   const mesh::LitMesh& light_;
   const mesh::Mesh& mesh_;
+  mesh::Surroundings surroundings_;
   const SceneOptions& options_;
   SceneParts& parts_;
   std::vector<std::uint32_t> other_;  // by triangle
   unsigned samples_ = 1;
-  bool has_rooms_ = false;
 };
 
 }  // namespace

@@ -55,7 +55,7 @@ Eye::Eye(Vec3d at, Radians heading, Radians elevation) : position(at), whole(to_
   forward = to_float({axes.m[2], axes.m[5], axes.m[8]});
 }
 
-void Frame::resize(std::uint32_t blocks_across, std::uint32_t blocks_down) {
+void VisibilityBuffer::resize(std::uint32_t blocks_across, std::uint32_t blocks_down) {
   blocks_across_ = blocks_across;
   const std::size_t blocks = std::size_t{blocks_across} * blocks_down;
   const std::size_t tiles = blocks * kBlockTiles;
@@ -65,7 +65,7 @@ void Frame::resize(std::uint32_t blocks_across, std::uint32_t blocks_down) {
   block_far.resize(blocks);
 }
 
-void Frame::clear(const Lattice& lattice, TileRows rows) {
+void VisibilityBuffer::clear(const Lattice& lattice, TileRows rows) {
   constexpr float kFull = std::numeric_limits<float>::max();
   for (std::uint32_t ty = rows.begin; ty < rows.end; ++ty) {
     for (std::uint32_t tx = 0; tx < blocks_across_ * kBlock; ++tx) {

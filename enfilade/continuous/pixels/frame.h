@@ -53,7 +53,7 @@ struct TileRows {
 
 /// The triangles that the pixels of a picture see. Tiles lie by block, row-major both:
 /// tile_place().
-class Frame {
+class VisibilityBuffer {
  public:
   std::vector<float> nearness;         ///< 1 / distance along the optical axis, by pixel
   std::vector<std::int32_t> triangle;  ///< or kNothing

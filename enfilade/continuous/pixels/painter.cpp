@@ -8,26 +8,12 @@
 #include <span>
 
 #include "enfilade/image/image.h"
-#include "enfilade/render/pack_pixels.h"
+#include "enfilade/render/renderer.h"
 
 namespace enfilade::continuous::pixels {
 namespace {
 
 Vec3f times(Vec3f a, Vec3f b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-
-// Place k of a tile in Z-order, so that the rays of a packet lie in a small square.
-struct Place {
-  std::uint32_t x, y;
-};
-constexpr std::array<Place, kTilePixels> make_z_order() {
-  std::array<Place, kTilePixels> order{};
-  for (std::uint32_t k = 0; k < kTilePixels; ++k) {
-    order[k] = {(k & 1U) | (k >> 1U & 2U) | (k >> 2U & 4U),
-                (k >> 1U & 1U) | (k >> 2U & 2U) | (k >> 3U & 4U)};
-  }
-  return order;
-}
-constexpr auto kZOrder = make_z_order();
 
 template <class T>
 T* values_at(std::span<std::byte> pixels, std::size_t first) {
@@ -49,7 +35,7 @@ Sphere::Sphere(std::uint32_t across, std::uint32_t down)
   }
 }
 
-void Painter::trace(TileRows rows, Frame& frame) const {
+void PixelPainter::trace(TileRows rows, VisibilityBuffer& frame) const {
   const std::uint32_t width = pixels_.width(), height = pixels_.height();
   std::array<mesh::Ray, kTilePixels> rays;
   std::array<mesh::Hit, kTilePixels> hits;
@@ -58,7 +44,7 @@ void Painter::trace(TileRows rows, Frame& frame) const {
        y0 += kTile) {
     for (std::uint32_t x0 = 0; x0 < width; x0 += kTile) {
       std::size_t n = 0;
-      for (const auto [dx, dy] : kZOrder) {
+      for (const auto [dx, dy] : mesh::kZOrder) {
         const std::uint32_t x = x0 + dx, y = y0 + dy;
         if (x >= width || y >= height) continue;
         places[n] = frame.pixel_place(x, y);
@@ -82,13 +68,13 @@ void Painter::trace(TileRows rows, Frame& frame) const {
   }
 }
 
-Vec3f Painter::sky(Vec3f towards) const {
+Vec3f PixelPainter::sky(Vec3f towards) const {
   if (!scene_.lit) return {};
   return mesh::sky_radiance(scene_.sky, (1 / length(towards)) * towards);
 }
 
-inline Vec3f Painter::look(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
-                           float distance) const {
+inline Vec3f PixelPainter::look(const Surface& surface, const Paint& paint, Vec3f from,
+                                Vec3f towards, float distance) const {
   const Weights at = weights_at(surface, from);
   const float across = dot(towards, surface.normal);
   const Vec3f light = light_at(scene_.surfaces.light.data(), surface,
@@ -110,8 +96,8 @@ inline Vec3f Painter::look(const Surface& surface, const Paint& paint, Vec3f fro
 }
 
 // One reflection; a mirror in a mirror is as bright as a white wall there.
-Vec3f Painter::mirrored(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
-                        Vec3f light) const {
+Vec3f PixelPainter::mirrored(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
+                             Vec3f light) const {
   const float across = dot(towards, surface.normal);
   const Vec3f back = towards - 2 * across * surface.normal;
   const Vec3f at = surface.origin + from;
@@ -136,7 +122,8 @@ Vec3f Painter::mirrored(const Surface& surface, const Paint& paint, Vec3f from, 
   return light + paint.mirror * seen;
 }
 
-void Painter::find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Directions& out) const {
+void PixelPainter::find_directions(std::uint32_t tile_x, std::uint32_t tile_y,
+                                   Directions& out) const {
   if (pixels_.lattice != nullptr) return find_directions(*pixels_.lattice, tile_x, tile_y, out);
   for (std::uint32_t k = 0; k < kTilePixels; ++k) {
     const std::uint32_t column = std::min(tile_x * kTile + k % kTile, pixels_.width() - 1);
@@ -149,8 +136,8 @@ void Painter::find_directions(std::uint32_t tile_x, std::uint32_t tile_y, Direct
 }
 
 // As Pixels::towards(), with the products of rows and columns taken once.
-void Painter::find_directions(const Lattice& lattice, std::uint32_t tile_x, std::uint32_t tile_y,
-                              Directions& out) const {
+void PixelPainter::find_directions(const Lattice& lattice, std::uint32_t tile_x,
+                                   std::uint32_t tile_y, Directions& out) const {
   std::array<Vec3f, kTile> across;
   for (std::uint32_t i = 0; i < kTile; ++i) across[i] = lattice.x[tile_x * kTile + i] * eye_.right;
   for (std::uint32_t k = 0, row = tile_y * kTile; k < kTilePixels; ++row) {
@@ -164,7 +151,8 @@ void Painter::find_directions(const Lattice& lattice, std::uint32_t tile_x, std:
   }
 }
 
-void Painter::colour(const TileColours& tile, std::array<std::uint32_t, kTilePixels>& rgba) const {
+void PixelPainter::colour(const TileColours& tile,
+                          std::array<std::uint32_t, kTilePixels>& rgba) const {
   std::uint64_t wanted = ~std::uint64_t{0};
   if (!photos_.empty()) wanted = colouring_.reprojector(tile, photos_, rgba.data());
   if (wanted == 0) return;
@@ -182,8 +170,8 @@ void Painter::colour(const TileColours& tile, std::array<std::uint32_t, kTilePix
   }
 }
 
-void Painter::colour_tiles(const Frame& frame, std::uint32_t tile_y,
-                           std::vector<std::uint32_t>& lines) const {
+void PixelPainter::colour_tiles(const VisibilityBuffer& frame, std::uint32_t tile_y,
+                                std::vector<std::uint32_t>& lines) const {
   const std::uint32_t pitch = line_pitch(pixels_.width());
   Directions directions;
   std::array<std::uint32_t, kTilePixels> rgba;
@@ -204,8 +192,8 @@ void Painter::colour_tiles(const Frame& frame, std::uint32_t tile_y,
   }
 }
 
-void Painter::paint_depth(const Frame& frame, std::uint32_t row, const render::DepthOutput& output,
-                          std::size_t first) const {
+void PixelPainter::paint_depth(const VisibilityBuffer& frame, std::uint32_t row,
+                               const render::DepthOutput& output, std::size_t first) const {
   const bool along_ray = pixels_.lattice != nullptr && output.measure == render::DepthMeasure::kRay;
   const auto each = [&](const auto& put) {
     for (std::uint32_t j0 = 0; j0 < pixels_.width(); j0 += kTile) {
@@ -228,8 +216,9 @@ void Painter::paint_depth(const Frame& frame, std::uint32_t row, const render::D
   });
 }
 
-void Painter::paint(const Frame& frame, TileRows rows, const render::Outputs& outputs,
-                    std::size_t view, std::vector<std::uint32_t>& lines) const {
+void PixelPainter::paint(const VisibilityBuffer& frame, TileRows rows,
+                         const render::Outputs& outputs, std::size_t view,
+                         std::vector<std::uint32_t>& lines) const {
   const std::uint32_t width = pixels_.width();
   const std::size_t pixels = std::size_t{width} * pixels_.height();
   for (std::uint32_t row = rows.begin * kTile; row < std::min(rows.end * kTile, pixels_.height());

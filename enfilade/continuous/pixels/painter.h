@@ -9,7 +9,6 @@
 #include "enfilade/continuous/pixels/frame.h"
 #include "enfilade/continuous/pixels/photo.h"
 #include "enfilade/continuous/pixels/scene_parts.h"
-#include "enfilade/continuous/pixels/shader.h"
 #include "enfilade/render/renderer.h"
 
 namespace enfilade::continuous::pixels {
@@ -46,24 +45,24 @@ struct Pixels {
 
 /// Functions that compute the colours of tiles.
 struct Colouring {
-  Shader shader = nullptr;  ///< null: Painter::look() for each pixel
+  Shader shader = nullptr;  ///< null: PixelPainter::look() for each pixel
   Reprojector reprojector = reproject_plainly;
 };
 
 /// Paints the pictures of one eye.
-class Painter {
+class PixelPainter {
  public:
   /// \param photos the panoramas that colours come from where they see
-  Painter(const SceneParts& scene, const Pixels& pixels, const Eye& eye, const Colouring& colouring,
-          std::span<const Photo* const> photos = {})
+  PixelPainter(const SceneParts& scene, const Pixels& pixels, const Eye& eye,
+               const Colouring& colouring, std::span<const Photo* const> photos = {})
       : scene_(scene), pixels_(pixels), eye_(eye), colouring_(colouring), photos_(photos) {}
 
   /// Finds what pixels see by rays. \pre frame.resize()
-  void trace(TileRows rows, Frame& frame) const;
+  void trace(TileRows rows, VisibilityBuffer& frame) const;
   /// Writes the outputs of view `view` for these rows of tiles. \param line room for a row of
   /// pixels
-  void paint(const Frame& frame, TileRows rows, const render::Outputs& outputs, std::size_t view,
-             std::vector<std::uint32_t>& lines) const;
+  void paint(const VisibilityBuffer& frame, TileRows rows, const render::Outputs& outputs,
+             std::size_t view, std::vector<std::uint32_t>& lines) const;
   static std::uint32_t line_pitch(std::uint32_t width) {
     return (width + kTile - 1) / kTile * kTile;
   }
@@ -88,10 +87,10 @@ class Painter {
   void find_directions(const Lattice& lattice, std::uint32_t tile_x, std::uint32_t tile_y,
                        Directions& out) const;
   void colour(const TileColours& tile, std::array<std::uint32_t, kTilePixels>& rgba) const;
-  void colour_tiles(const Frame& frame, std::uint32_t tile_y,
+  void colour_tiles(const VisibilityBuffer& frame, std::uint32_t tile_y,
                     std::vector<std::uint32_t>& lines) const;
-  void paint_depth(const Frame& frame, std::uint32_t row, const render::DepthOutput& output,
-                   std::size_t first) const;
+  void paint_depth(const VisibilityBuffer& frame, std::uint32_t row,
+                   const render::DepthOutput& output, std::size_t first) const;
 
   const SceneParts& scene_;
   const Pixels& pixels_;

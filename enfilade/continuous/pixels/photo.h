@@ -1,4 +1,4 @@
-/// \file  A panorama as a source of colours.
+/// \file  Colours of a tile's pixels with vector instructions: of surfaces, and of panoramas.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,9 +7,31 @@
 
 #include "enfilade/continuous/pixels/frame.h"
 #include "enfilade/continuous/pixels/scene_parts.h"
-#include "enfilade/continuous/pixels/shader.h"
 
 namespace enfilade::continuous::pixels {
+
+/// Directions of a tile's pixels in the world.
+struct Directions {
+  alignas(64) std::array<float, kTilePixels> x, y, z;
+};
+
+/// A tile to paint.
+struct TileColours {
+  const SceneParts& scene;
+  const Eye& eye;
+  float spread;                  ///< angle between pixels
+  const std::int32_t* triangle;  ///< of kTilePixels pixels
+  const float* nearness;
+  const Directions& towards;
+};
+
+/// Writes kTilePixels colours, RGBA, equal to PixelPainter::look() to the bit. Mirrors and the sky
+/// are left out. \returns the pixels that are left out, as bits
+using Shader = std::uint64_t (*)(const TileColours& tile, std::uint32_t* rgba);
+/// With the processor's best vector instructions.
+Shader best_shader();
+/// By the names and in the order of rasteriser_variants().
+const std::vector<Shader>& shader_variants();
 
 /// Six faces with a border of a texel, in halved sizes; and how near the mesh is at each texel of
 /// the largest size.

@@ -10,38 +10,20 @@
 #include <bit>
 #include <cmath>
 
+#include "enfilade/continuous/pixels/instruction_sets.h"
 #include "enfilade/continuous/pixels/rasteriser.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace enfilade::continuous::pixels {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
+#include "enfilade/continuous/pixels/simd_vector.inc"
 
-using DF = hn::CappedTag<float, Bundle::kSize>;
-using DI = hn::Rebind<std::int32_t, DF>;
-using VF = hn::Vec<DF>;
+static_assert(Bundle::kSize == 16);
 
-struct Vector {
-  VF x, y, z;
-};
-// Nothing here may be fused to one operation: all versions have to round alike.
-HWY_INLINE Vector operator-(Vector a, Vector b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE Vector operator+(Vector a, Vector b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
 HWY_INLINE Vector cross(Vector a, Vector b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
           hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-HWY_INLINE VF dot(Vector a, Vector b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE Vector splat(Vec3f v) {
-  const DF d;
-  return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)};
 }
 
 // A function of the picture, x a + y b + c, by lane.
@@ -88,7 +70,7 @@ struct Triangle {
 
 class Drawer {
  public:
-  Drawer(const Sight& sight, TileRows rows, Frame& frame)
+  Drawer(const RasterView& sight, TileRows rows, VisibilityBuffer& frame)
       : tree_(sight.tree),
         surfaces_(sight.surfaces),
         lattice_(sight.lattice),
@@ -415,7 +397,7 @@ class Drawer {
   const Surfaces& surfaces_;
   const Lattice& lattice_;
   const Eye& eye_;
-  Frame& frame_;
+  VisibilityBuffer& frame_;
   TileRows rows_;
   std::int32_t first_row_, last_row_;
   float top_, bottom_;           // of the band, as y of the lattice
@@ -424,7 +406,7 @@ class Drawer {
   std::array<Vec3f, 3> axes_;    // likewise, of right, down, forward
 };
 
-void rasterise(const Sight& sight, TileRows rows, Frame& frame) {
+void rasterise(const RasterView& sight, TileRows rows, VisibilityBuffer& frame) {
   Drawer(sight, rows, frame).draw();
 }
 Rasteriser rasteriser() { return &rasterise; }
@@ -439,23 +421,13 @@ namespace {
 
 HWY_EXPORT(rasteriser);
 
-std::vector<RasteriserVariant> find_variants() {
-  std::vector<RasteriserVariant> found;
-  // Better targets have lower bits; see enfilade/render/cpu/simd_kernels.cpp.
-  std::int64_t supported = (hwy::SupportedTargets() | HWY_STATIC_TARGET) & HWY_TARGETS;
-  for (; supported != 0; supported &= supported - 1) {
-    const std::int64_t target = supported & -supported;
-    hwy::GetChosenTarget().Update(target);
-    found.push_back({hwy::TargetName(target), HWY_DYNAMIC_DISPATCH(rasteriser)()});
-  }
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return found;
-}
-
 }  // namespace
 
 const std::vector<RasteriserVariant>& rasteriser_variants() {
-  static const std::vector<RasteriserVariant> kVariants = find_variants();
+  static const std::vector<RasteriserVariant> kVariants =
+      find_versions<RasteriserVariant>([](const char* name) {
+        return RasteriserVariant{.name = name, .draw = HWY_DYNAMIC_DISPATCH(rasteriser)()};
+      });
   return kVariants;
 }
 

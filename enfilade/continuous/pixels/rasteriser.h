@@ -15,7 +15,7 @@
 namespace enfilade::continuous::pixels {
 
 /// Scene and eye of a picture.
-struct Sight {
+struct RasterView {
   const Tree& tree;
   const Surfaces& surfaces;
   const Lattice& lattice;
@@ -23,12 +23,12 @@ struct Sight {
 };
 
 /// Draws these rows of tiles, whole rows of blocks. \pre frame.clear()
-using Rasteriser = void (*)(const Sight& sight, TileRows rows, Frame& frame);
+using Rasteriser = void (*)(const RasterView& sight, TileRows rows, VisibilityBuffer& frame);
 
 /// With the processor's best vector instructions.
 Rasteriser best_rasteriser();
 /// One triangle and one pixel after another: the reference for the others.
-void rasterise_plainly(const Sight& sight, TileRows rows, Frame& frame);
+void rasterise_plainly(const RasterView& sight, TileRows rows, VisibilityBuffer& frame);
 
 struct RasteriserVariant {
   std::string name;  ///< of the instruction set: "AVX2"

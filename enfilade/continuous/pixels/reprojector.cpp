@@ -1,5 +1,5 @@
 // Colours of pixels from panoramas with vector instructions, once for each instruction set that
-// Highway knows. All operations are those of plain_reprojector.cpp, in its order; none is fused.
+// Highway knows. All operations are those of plain_kernels.cpp, in its order; none is fused.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "enfilade/continuous/pixels/reprojector.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -8,40 +8,14 @@
 #include <array>
 #include <cstddef>
 
+#include "enfilade/continuous/pixels/instruction_sets.h"
 #include "enfilade/continuous/pixels/photo.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace enfilade::continuous::pixels {
 namespace HWY_NAMESPACE {
 namespace reprojecting {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using DF = hn::CappedTag<float, 16>;
-using DI = hn::Rebind<std::int32_t, DF>;
-using DU = hn::Rebind<std::uint32_t, DF>;
-using VF = hn::Vec<DF>;
-using VI = hn::Vec<DI>;
-using VU = hn::Vec<DU>;
-using MF = hn::Mask<DF>;
-
-struct Vector {
-  VF x, y, z;
-};
-HWY_INLINE Vector operator+(Vector a, Vector b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE Vector operator-(Vector a, Vector b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE Vector scaled(VF k, Vector a) {
-  return {hn::Mul(k, a.x), hn::Mul(k, a.y), hn::Mul(k, a.z)};
-}
-HWY_INLINE VF dot(Vector a, Vector b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE VF number(float x) { return hn::Set(DF(), x); }
-HWY_INLINE VI number(std::int32_t x) { return hn::Set(DI(), x); }
-HWY_INLINE Vector splat(Vec3f v) { return {number(v.x), number(v.y), number(v.z)}; }
+#include "enfilade/continuous/pixels/simd_vector.inc"
 
 struct OnFace {
   VI face;
@@ -228,22 +202,11 @@ namespace {
 
 HWY_EXPORT(reprojector);
 
-std::vector<Reprojector> find_reprojectors() {
-  std::vector<Reprojector> found;
-  // As in rasteriser.cpp.
-  std::int64_t supported = (hwy::SupportedTargets() | HWY_STATIC_TARGET) & HWY_TARGETS;
-  for (; supported != 0; supported &= supported - 1) {
-    hwy::GetChosenTarget().Update(supported & -supported);
-    found.push_back(HWY_DYNAMIC_DISPATCH(reprojector)());
-  }
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return found;
-}
-
 }  // namespace
 
 const std::vector<Reprojector>& reprojector_variants() {
-  static const std::vector<Reprojector> kVariants = find_reprojectors();
+  static const std::vector<Reprojector> kVariants =
+      find_versions<Reprojector>([](const char*) { return HWY_DYNAMIC_DISPATCH(reprojector)(); });
   return kVariants;
 }
 

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "enfilade/continuous/pixels/surfaces.h"
-#include "enfilade/continuous/pixels/tone.h"
 #include "enfilade/continuous/pixels/tree.h"
 #include "enfilade/continuous/scene.h"
 

@@ -1,5 +1,5 @@
 // Colours of pixels with vector instructions, once for each instruction set that Highway knows. All
-// operations are those of Painter::look(), in its order, and none is fused.
+// operations are those of PixelPainter::look(), in its order, and none is fused.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "enfilade/continuous/pixels/shader.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -9,39 +9,19 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "enfilade/continuous/pixels/shader.h"
+#include "enfilade/continuous/pixels/instruction_sets.h"
+#include "enfilade/continuous/pixels/photo.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace enfilade::continuous::pixels {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
+#include "enfilade/continuous/pixels/simd_vector.inc"
 
 constexpr std::size_t kLanes = 16;
-using DF = hn::CappedTag<float, kLanes>;
-using DI = hn::Rebind<std::int32_t, DF>;
-using DU = hn::Rebind<std::uint32_t, DF>;
-using VF = hn::Vec<DF>;
-using VI = hn::Vec<DI>;
-using VU = hn::Vec<DU>;
-using MF = hn::Mask<DF>;
 
-struct Vector {
-  VF x, y, z;
-};
-HWY_INLINE Vector operator+(Vector a, Vector b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
 HWY_INLINE Vector times(Vector a, Vector b) {
   return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
 }
-HWY_INLINE Vector scaled(VF k, Vector a) {
-  return {hn::Mul(k, a.x), hn::Mul(k, a.y), hn::Mul(k, a.z)};
-}
-HWY_INLINE VF dot(Vector a, Vector b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE VF number(float x) { return hn::Set(DF(), x); }
-HWY_INLINE VI number(std::int32_t x) { return hn::Set(DI(), x); }
 HWY_INLINE VU bits_of(VI v) { return hn::BitCast(DU(), v); }
 HWY_INLINE VI signed_of(VU v) { return hn::BitCast(DI(), v); }
 HWY_INLINE VF to_number(VU v) { return hn::ConvertTo(DF(), signed_of(v)); }  // below 2^31
@@ -171,9 +151,10 @@ HWY_INLINE VU halves_times(VU halves, VU factor) {
 
 HWY_INLINE Parts between(const Textures::Tables& tables, VI level, VF s, VF t) {
   const Each fields(records(tables.levels), level);
-  const VI width = fields.whole(EN_FIELD(Textures::Level, width));
-  const Axis x = along(s, width), y = along(t, fields.whole(EN_FIELD(Textures::Level, height)));
-  const VI first = fields.whole(EN_FIELD(Textures::Level, first));
+  const VI width = fields.whole(EN_FIELD(Textures::TextureLevel, width));
+  const Axis x = along(s, width),
+             y = along(t, fields.whole(EN_FIELD(Textures::TextureLevel, height)));
+  const VI first = fields.whole(EN_FIELD(Textures::TextureLevel, first));
   const VI top = hn::Add(first, hn::Mul(y.low, width));
   const VI bottom = hn::Add(first, hn::Mul(y.high, width));
   const VU both = hn::ShiftRight<8>(halves_times(x.share, y.share));
@@ -201,7 +182,7 @@ HWY_INLINE Vector texels(const SceneParts& scene, VI texture, VF s, VF t, VF siz
   const void* const memory = tables.first_level;
   const VI level = hn::GatherIndex(DI(), static_cast<const std::int32_t*>(memory), texture);
   const Each fields(records(tables.levels), level);
-  const VI last = fields.whole(EN_FIELD(Textures::Level, last));
+  const VI last = fields.whole(EN_FIELD(Textures::TextureLevel, last));
   const VI logarithm = hn::Sub(hn::BitCast(DI(), size), number(127 << 23));
   const auto small = hn::RebindMask(DI(), hn::Gt(size, number(1.0F)));
   const VI halvings =
@@ -343,22 +324,11 @@ namespace {
 
 HWY_EXPORT(shader);
 
-std::vector<Shader> find_shaders() {
-  std::vector<Shader> found;
-  // As in rasteriser.cpp.
-  std::int64_t supported = (hwy::SupportedTargets() | HWY_STATIC_TARGET) & HWY_TARGETS;
-  for (; supported != 0; supported &= supported - 1) {
-    hwy::GetChosenTarget().Update(supported & -supported);
-    found.push_back(HWY_DYNAMIC_DISPATCH(shader)());
-  }
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return found;
-}
-
 }  // namespace
 
 const std::vector<Shader>& shader_variants() {
-  static const std::vector<Shader> kVariants = find_shaders();
+  static const std::vector<Shader> kVariants =
+      find_versions<Shader>([](const char*) { return HWY_DYNAMIC_DISPATCH(shader)(); });
   return kVariants;
 }
 

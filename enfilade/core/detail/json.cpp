@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 
 namespace enfilade::json {
 namespace {
@@ -187,7 +187,7 @@ Document::Document(std::string_view text, std::string name)
 }
 
 Document Document::load(const std::filesystem::path& path) {
-  return {read_file(path), path.string()};
+  return {read_text_file(path), path.string()};
 }
 
 Document Document::parse(std::string_view text, const std::string& name) { return {text, name}; }

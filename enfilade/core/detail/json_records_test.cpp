@@ -1,4 +1,4 @@
-#include "enfilade/core/detail/json_records.h"
+#include "enfilade/core/detail/json_entries.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace enfilade::draw::plan {
@@ -34,11 +35,11 @@ struct Extent {
   }
 };
 
-std::vector<Extent> extents(const Plan& plan, const std::vector<Disc>& discs) {
+std::vector<Extent> extents(const StoreyPlan& plan, const std::vector<Disc>& discs) {
   std::vector<Extent> found(plan.storeys.size());
   for (std::size_t i = 0; i < plan.graph.size(); ++i) {
     const std::size_t storey = plan.storey_of[i];
-    if (storey != Plan::kNowhere) found[storey].add(plan.graph.position(ViewpointIndex(i)));
+    if (storey != StoreyPlan::kNowhere) found[storey].add(plan.graph.position(ViewpointIndex(i)));
   }
   for (const PlanEdge& edge : plan.edges) {  // the far ends of stairs
     found[plan.storey_of[edge.a.at()]].add(plan.graph.position(edge.b));
@@ -46,15 +47,15 @@ std::vector<Extent> extents(const Plan& plan, const std::vector<Disc>& discs) {
   }
   for (const Disc& disc : discs) {
     const std::size_t storey = plan.storey_of[disc.centre.at()];
-    if (storey == Plan::kNowhere) continue;
+    if (storey == StoreyPlan::kNowhere) continue;
     found[storey].add(plan.graph.position(disc.centre), disc.radius + 0.2);
   }
   return found;
 }
 
 // Storeys of one row share north and south, so that places above each other are at the same height.
-Layout arrange_at(const std::vector<Extent>& extents, double scale) {
-  Layout layout{{}, scale, {}};
+PanelLayout arrange_at(const std::vector<Extent>& extents, double scale) {
+  PanelLayout layout{{}, scale, {}};
   Point cursor;
   std::size_t first = 0;
   const auto finish_row = [&](std::size_t end) {
@@ -85,9 +86,9 @@ Layout arrange_at(const std::vector<Extent>& extents, double scale) {
 
 }  // namespace
 
-Plan make_plan(const graph::NavGraph& graph, bool show_excluded) {
-  Plan plan{graph, find_storeys(graph), {}, {}};
-  plan.storey_of.assign(graph.size(), Plan::kNowhere);
+StoreyPlan make_plan(const graph::NavGraph& graph, bool show_excluded) {
+  StoreyPlan plan{graph, find_storeys(graph), {}, {}};
+  plan.storey_of.assign(graph.size(), StoreyPlan::kNowhere);
   for (std::size_t s = 0; s < plan.storeys.size(); ++s) {
     for (const ViewpointIndex v : plan.storeys[s].viewpoints) plan.storey_of[v.at()] = s;
   }
@@ -110,7 +111,7 @@ Point Panel::at(Vec3f world) const {
   return {corner.x + scale * (world.x - west), corner.y + kCaption + scale * (north - world.y)};
 }
 
-Caption caption(const Plan& plan, std::size_t storey) {
+Caption caption(const StoreyPlan& plan, std::size_t storey) {
   const double tenths = std::round(plan.storeys[storey].floor * 10) / 10;
   const std::size_t n = plan.storeys[storey].viewpoints.size();
   return {fmt::format("Storey {}", storey + 1),
@@ -118,8 +119,8 @@ Caption caption(const Plan& plan, std::size_t storey) {
                       std::abs(tenths), n, n == 1 ? "" : "s")};
 }
 
-Layout arrange(const Plan& plan, const std::vector<Disc>& discs, const PlanUnderlay* underlay,
-               double pixels_per_metre) {
+PanelLayout arrange(const StoreyPlan& plan, const std::vector<Disc>& discs,
+                    const PlanUnderlay* underlay, double pixels_per_metre) {
   constexpr double kRim = 0.3;  // metres around what the underlay has
   std::vector<Extent> bounds = extents(plan, discs);
   for (std::size_t s = 0; s < bounds.size(); ++s) {
@@ -134,12 +135,41 @@ Layout arrange(const Plan& plan, const std::vector<Disc>& discs, const PlanUnder
   }
   if (pixels_per_metre > 0) return arrange_at(bounds, pixels_per_metre);
   double scale = kLargestScale;
-  Layout layout = arrange_at(bounds, scale);
+  PanelLayout layout = arrange_at(bounds, scale);
   while ((layout.size.x > kWidest || layout.size.y > kHighest) && scale > kSmallestScale) {
     scale *= 0.97;
     layout = arrange_at(bounds, scale);
   }
   return layout;
+}
+
+std::string number(double value) {
+  const double tenths = std::round(value * 10) / 10;
+  return fmt::format("{}", tenths == 0 ? 0.0 : tenths);  // no "-0"
+}
+
+std::string pair(Point p) { return number(p.x) + "," + number(p.y); }
+
+double text_width(std::string_view text, double size) {
+  std::size_t characters = 0;
+  for (const char c : text) characters += (static_cast<unsigned char>(c) & 0xc0U) != 0x80 ? 1 : 0;
+  return 0.58 * size * static_cast<double>(characters);
+}
+
+std::vector<std::string> wrap(std::string_view text, double size, double width) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  std::vector<std::string> lines;
+  for (std::size_t at = text.find_first_not_of(kBlanks); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
+    const std::string word(text.substr(at, end - at));
+    if (lines.empty() || text_width(lines.back() + " " + word, size) > width) {
+      lines.push_back(word);
+    } else {
+      lines.back() += " " + word;
+    }
+    at = text.find_first_not_of(kBlanks, end);
+  }
+  return lines;
 }
 
 }  // namespace enfilade::draw::plan

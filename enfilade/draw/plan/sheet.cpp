@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 #include "enfilade/draw/markup.h"
-#include "enfilade/draw/plan/marks.h"
+#include "enfilade/draw/plan/trace.h"
 
 namespace enfilade::draw::plan {
 namespace {
@@ -95,7 +97,7 @@ std::string draw_heading(const Sheet& sheet, const std::vector<std::string>& not
 
 }  // namespace
 
-std::string draw_sheet(const Sheet& sheet, const Layout& layout, const std::string& panels) {
+std::string draw_sheet(const Sheet& sheet, const PanelLayout& layout, const std::string& panels) {
   const double width =
       std::max({layout.size.x, kNarrowest, 1.15 * text_width(sheet.title, kTitleSize)});
   std::vector<std::string> note;
@@ -121,14 +123,14 @@ std::string draw_sheet(const Sheet& sheet, const Layout& layout, const std::stri
   return out + legend.svg + "</g>\n</svg>\n";
 }
 
-std::string draw_caption(const Plan& plan, const Panel& panel) {
+std::string draw_caption(const StoreyPlan& plan, const Panel& panel) {
   const auto [name, facts] = caption(plan, panel.storey);
   const Point p = panel.corner + Point{0, 12};
   return text(p, name, 13, kInk, true) +
          text(p + Point{text_width(name, 13) + 10, 0}, facts, 12, kFaintInk);
 }
 
-std::string draw_floor(const Plan& plan, const Panel& panel) {
+std::string draw_floor(const StoreyPlan& plan, const Panel& panel) {
   const auto place = [&](ViewpointIndex v) { return pair(panel.at(plan.graph.position(v))); };
   std::string path;
   for (const ViewpointIndex v : plan.storeys[panel.storey].viewpoints) {
@@ -146,7 +148,7 @@ std::string draw_floor(const Plan& plan, const Panel& panel) {
       path, kFloorRim, number(width + 3), kFloor, number(width));
 }
 
-std::string draw_labels(const Plan& plan, const Panel& panel) {
+std::string draw_labels(const StoreyPlan& plan, const Panel& panel) {
   std::string out =
       "<g font-size=\"10\" fill=\"#111\" stroke=\"#fff\" stroke-width=\"2.5\" "
       "stroke-linejoin=\"round\" paint-order=\"stroke\">\n";
@@ -156,6 +158,62 @@ std::string draw_labels(const Plan& plan, const Panel& panel) {
     append(out, "<text x=\"{}\" y=\"{}\">{}</text>\n", number(p.x), number(p.y), i);
   }
   return out + "</g>\n";
+}
+
+namespace {
+
+using Kind = UnderlayLine::Kind;
+
+struct Look {
+  Kind kind;
+  const char* name;
+  const char* attributes;  // of the lines
+};
+// In the order in which they are drawn. What is harder to pass is darker and broader.
+constexpr std::array<Look, 5> kLooks{
+    {{Kind::kThing, "furniture", "stroke=\"#c9b79a\" stroke-width=\"0.8\""},
+     {Kind::kStairs, "stairs", "stroke=\"#b08968\" stroke-width=\"0.8\""},
+     {Kind::kWindow, "window", "stroke=\"#56b4e9\" stroke-width=\"2.2\""},
+     {Kind::kDoor, "door", "stroke=\"#b5651d\" stroke-width=\"1.6\""},
+     {Kind::kWall, "wall", "stroke=\"#4b5058\" stroke-width=\"2.2\""}}};
+
+}  // namespace
+
+std::string draw_lines(const UnderlayStorey& storey, const Panel& panel) {
+  std::string out = "<g fill=\"none\" stroke-linecap=\"round\">\n";
+  for (const Look& look : kLooks) {
+    std::string path;
+    for (const UnderlayLine& line : storey.lines) {
+      if (line.kind != look.kind) continue;
+      path += "M" + pair(panel.at(line.from)) + "L" + pair(panel.at(line.to));
+    }
+    if (!path.empty()) append(out, "<path d=\"{}\" {}/>\n", path, look.attributes);
+  }
+  return out + "</g>\n";
+}
+
+std::string draw_texts(const UnderlayStorey& storey, const Panel& panel) {
+  constexpr double kSize = 11;
+  if (storey.texts.empty()) return "";
+  std::string out =
+      "<g stroke=\"#fff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\">\n";
+  for (const UnderlayText& name : storey.texts) {
+    out += text(panel.at(name.at) + Point{0, kSize / 3}, name.text, kSize, kInk, false,
+                Anchor::kMiddle);
+  }
+  return out + "</g>\n";
+}
+
+std::vector<LegendItem> underlay_legend(const PlanUnderlay& underlay) {
+  std::vector<LegendItem> items;
+  for (const auto& look : std::views::reverse(kLooks)) {
+    const bool there = std::ranges::any_of(underlay.storeys, [&](const UnderlayStorey& storey) {
+      return std::ranges::find(storey.lines, look.kind, &UnderlayLine::kind) != storey.lines.end();
+    });
+    if (!there) continue;
+    items.push_back({line_sample(look.attributes), 28, look.name});
+  }
+  return items;
 }
 
 }  // namespace enfilade::draw::plan

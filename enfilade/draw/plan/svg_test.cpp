@@ -1,11 +1,10 @@
-#include "enfilade/draw/plan/svg.h"
+#include "enfilade/draw/plan/plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace enfilade::draw::plan {
 namespace EN_UNIT {
-
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 

@@ -1,8 +1,13 @@
 #include "enfilade/exports/detail/scan_parts.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <system_error>
+#include <utility>
 
+#include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/rng.h"
@@ -18,9 +23,7 @@ std::string state_of_graphs(const graph::GraphSet& graphs) {
   for (std::size_t i = 0; i < graphs.size(); ++i) {
     const graph::NavGraph& graph = graphs.graph(ScanIndex(i));
     std::string ids;
-    for (std::size_t v = 0; v < graph.size(); ++v) {
-      if (graph.included(ViewpointIndex(v))) ids += graph.id(ViewpointIndex(v)) + "\n";
-    }
+    for (const ViewpointIndex v : included(graph)) ids += graph.id(v) + "\n";
     text += fmt::format("{} {:016x}\n", graph.scan(), stream_of(ids.data(), ids.size()));
   }
   return text;
@@ -42,13 +45,34 @@ fs::path open_parts(const fs::path& file, const std::string& job) {
 
 }  // namespace
 
+const std::string& checked_file_name(const std::string& name) {
+  if (name.find_first_of("/\\\"") != std::string::npos || name.starts_with('.')) {
+    throw ArgumentError(fmt::format("{:?}: not a name of a file", name.substr(0, 80)));
+  }
+  return name;
+}
+
+std::vector<ViewpointIndex> included(const graph::NavGraph& graph) {
+  std::vector<ViewpointIndex> found;
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    if (graph.included(ViewpointIndex(i))) found.emplace_back(i);
+  }
+  return found;
+}
+
+std::size_t included_count(const graph::GraphSet& graphs) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < graphs.size(); ++i) {
+    count += graphs.graph(ScanIndex(i)).included_count();
+  }
+  return count;
+}
+
 void write_by_scan(const graph::GraphSet& graphs, const fs::path& file, const std::string& job,
                    const ExportOptions& options, const WriteViewpoint& write) {
   const fs::path parts = open_parts(file, job + state_of_graphs(graphs));
-  std::size_t total = 0;
+  const std::size_t total = included_count(graphs);
   std::size_t done = 0;
-  for (std::size_t i = 0; i < graphs.size(); ++i)
-    total += graphs.graph(ScanIndex(i)).included_count();
   for (std::size_t i = 0; i < graphs.size(); ++i) {
     const graph::NavGraph& graph = graphs.graph(ScanIndex(i));
     const fs::path part = parts / (graph.scan() + ".hdf5");
@@ -57,10 +81,8 @@ void write_by_scan(const graph::GraphSet& graphs, const fs::path& file, const st
       continue;
     }
     features::Hdf5Writer writer(part);
-    for (std::size_t v = 0; v < graph.size(); ++v) {
-      if (!graph.included(ViewpointIndex(v))) continue;
-      write(writer, ScanIndex(i), ViewpointIndex(v),
-            graph.scan() + "_" + graph.id(ViewpointIndex(v)));
+    for (const ViewpointIndex v : included(graph)) {
+      write(writer, ScanIndex(i), v, graph.scan() + "_" + graph.id(v));
       if (options.progress) options.progress(++done, total);
     }
     writer.finish();
@@ -79,6 +101,39 @@ std::string state_of(const fs::path& file) {
   if (error) throw FileError(fmt::format("{}: {}", file.string(), error.message()));
   const auto time = fs::last_write_time(file).time_since_epoch().count();
   return fmt::format("{} {} {}", fs::absolute(file).string(), size, time);
+}
+
+void pool_depth(std::span<const float> depths, std::size_t pictures, std::size_t cells,
+                std::size_t cell, float unit, std::span<float> out) {
+  const std::size_t edge = cells * cell;
+  EN_CHECK_EQ(depths.size(), pictures * edge * edge);
+  EN_CHECK_EQ(out.size(), pictures * cells * cells);
+  std::vector<double> sums(out.size());
+  std::vector<std::size_t> counts(out.size());
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    if (!(depths[i] > 0)) continue;
+    const std::size_t row = i / edge;  // of all pictures, one below the other
+    const std::size_t place = row / cell * cells + i % edge / cell;
+    sums[place] += std::min(depths[i] / unit, 1.0F);
+    ++counts[place];
+  }
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = counts[i] == 0 ? 0.0F : static_cast<float>(sums[i] / static_cast<double>(counts[i]));
+  }
+}
+
+std::vector<features::Hdf5Attribute> view_attributes(const std::string& scan,
+                                                     const std::string& viewpoint,
+                                                     const Camera& camera) {
+  // Without the rounding error of a conversion to radians and back.
+  const double vfov = std::round(to_degrees(camera.vertical_field_of_view) * 1e9) / 1e9;
+  features::Hdf5Value field = vfov;
+  if (vfov == std::floor(vfov)) field = static_cast<std::int64_t>(vfov);
+  return {{"scanId", scan},
+          {"viewpointId", viewpoint},
+          {"image_w", std::int64_t{camera.width}},
+          {"image_h", std::int64_t{camera.height}},
+          {"vfov", std::move(field)}};
 }
 
 }  // namespace enfilade::exports::detail

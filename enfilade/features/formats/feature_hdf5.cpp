@@ -3,22 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/mapped_file.h"
-#include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/feature_rows.h"
 #include "enfilade/features/formats/hdf5_datasets.h"
+#include "enfilade/features/hdf5_writer.h"
 
 namespace enfilade::features::formats {
 namespace {
 
-using Library = Hdf5Library;
 using Handle = Hdf5Handle;
 
-// In files and in memory, as this machine is little-endian, too (stored_arrays.cpp).
+// In files and in memory, as this machine is little-endian, too (safetensors.cpp).
 Handle type_of(DType type) {
   return type == DType::kFloat16 ? half_type() : Handle(H5Tcopy(H5T_IEEE_F32LE), H5Tclose);
 }
@@ -67,7 +67,7 @@ class Reader {
     }
     std::string value(size, '\0');
     if (H5Aread(attribute.id(), type.id(), value.data()) < 0) {
-      refuse(name_, name, "bad-hdf5", "cannot be read: " + Library::reason());
+      refuse(name_, name, "bad-hdf5", "cannot be read: " + Hdf5Library::reason());
     }
     value.resize(std::min(value.find('\0'), value.size()));
     return value;
@@ -79,7 +79,7 @@ class Reader {
     check_equal(name, info_of(name, dataset));
     if (H5Dread(dataset.id(), type_of(info_.type).id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, row.data()) <
         0) {
-      file_.fail_damaged(name);
+      file_.fail_unread(name, dataset);
     }
     std::vector<float> floats(row_elements(info_));
     if (!copy_numbers(row.data(), info_.type, floats)) {
@@ -137,96 +137,38 @@ class Reader {
 
 class Hdf5Rows final : public RowWriter {
  public:
-  Hdf5Rows(std::filesystem::path file, const FeatureInfo& info, const std::vector<FeatureKey>& keys)
-      : target_(std::move(file)), info_(info), keys_(keys) {
-    path_ = PartFile(target_).path();  // PartFile throws if it cannot be written
-    const Library library;
-    Handle made(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-    check(made.good());
-    write_text(made, "encoder", info.encoder, TextLength::kFixed);
-    write_text(made, "preprocessing", info.preprocessing, TextLength::kFixed);
-    write_text(made, "weights", info.weights, TextLength::kFixed);
-    file_ = std::move(made);
-  }
-  ~Hdf5Rows() override {
-    const Library library;
-    file_.close();
-  }
+  Hdf5Rows(const std::filesystem::path& file, const FeatureInfo& info,
+           const std::vector<FeatureKey>& keys)
+      : info_(info),
+        keys_(keys),
+        writer_(file, {.gzip = 0,
+                       .replaces = true,
+                       .texts = {{"encoder", info.encoder},
+                                 {"preprocessing", info.preprocessing},
+                                 {"weights", info.weights}}}) {}
 
   void write(std::size_t row, std::span<const float> views) override {
-    const void* const data = stored_bytes(views, info_.type, halves_).data();
-    const Library library;
-    const std::string name = name_of(keys_[row]);
-    if (H5Lexists(file_.id(), name.c_str(), H5P_DEFAULT) > 0) {
-      check(H5Ldelete(file_.id(), name.c_str(), H5P_DEFAULT) >= 0);
-    }
-    const std::array<hsize_t, 2> size{info_.views, info_.dimensions};
-    const Handle space(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
-    const Handle type = type_of(info_.type);
-    const Handle dataset(H5Dcreate2(file_.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT,
-                                    H5P_DEFAULT, H5P_DEFAULT),
-                         H5Dclose);
-    check(dataset.good());
-    check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
-    write_text(dataset, "scanId", keys_[row].scan, TextLength::kVariable);
-    write_text(dataset, "viewpointId", keys_[row].viewpoint, TextLength::kVariable);
-    write_number(dataset, "image_w", info_.camera.width);
-    write_number(dataset, "image_h", info_.camera.height);
-    write_number(dataset, "vfov", std::stod(degrees_text(info_.camera.vertical_field_of_view)));
+    const FeatureKey& key = keys_[row];
+    const double vfov = std::stod(degrees_text(info_.camera.vertical_field_of_view));
+    Hdf5Value field = vfov;  // whole numbers as integers, as h5py would
+    if (vfov == std::floor(vfov)) field = static_cast<std::int64_t>(vfov);
+    writer_.write({name_of(key),
+                   {info_.type == DType::kFloat16 ? Hdf5Type::kFloat16 : Hdf5Type::kFloat32,
+                    {info_.views, info_.dimensions},
+                    stored_bytes(views, info_.type, halves_)},
+                   {{"scanId", key.scan},
+                    {"viewpointId", key.viewpoint},
+                    {"image_w", std::int64_t{info_.camera.width}},
+                    {"image_h", std::int64_t{info_.camera.height}},
+                    {"vfov", std::move(field)}}});
   }
 
-  void finish() override {
-    {
-      const Library library;
-      check(H5Fflush(file_.id(), H5F_SCOPE_LOCAL) >= 0);
-      check(file_.close());
-    }
-    PartFile(target_).finish();
-  }
+  void finish() override { writer_.finish(); }
 
  private:
-  void check(bool done) const {
-    if (!done) {
-      throw FileError(fmt::format("{}: cannot be written: {}", path_.string(), Library::reason()));
-    }
-  }
-
-  /// h5py gives texts of variable length as Python's str. Those that we read again are fixed: a
-  /// damaged file with variable ones can crash the library.
-  enum class TextLength : std::uint8_t { kFixed, kVariable };
-
-  void write_text(const Handle& to, const char* name, const std::string& text, TextLength length) {
-    if (text.empty()) return;
-    const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    const bool fixed = length == TextLength::kFixed;
-    check(H5Tset_size(type.id(), fixed ? text.size() : H5T_VARIABLE) >= 0 &&
-          H5Tset_cset(type.id(), H5T_CSET_UTF8) >= 0 &&
-          H5Tset_strpad(type.id(), fixed ? H5T_STR_NULLPAD : H5T_STR_NULLTERM) >= 0);
-    const char* const start = text.c_str();
-    write_attribute(to, name, type, space, fixed ? static_cast<const void*>(start) : &start);
-  }
-
-  // Whole numbers as integers, as h5py would.
-  void write_number(const Handle& to, const char* name, double value) {
-    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    const bool whole = value == std::floor(value);
-    const Handle type(H5Tcopy(whole ? H5T_STD_I64LE : H5T_IEEE_F64LE), H5Tclose);
-    const auto integer = static_cast<std::int64_t>(value);
-    write_attribute(to, name, type, space, whole ? static_cast<const void*>(&integer) : &value);
-  }
-
-  void write_attribute(const Handle& to, const char* name, const Handle& type, const Handle& space,
-                       const void* value) {
-    const Handle attribute(
-        H5Acreate2(to.id(), name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    check(attribute.good() && H5Awrite(attribute.id(), type.id(), value) >= 0);
-  }
-
-  std::filesystem::path target_, path_;
   FeatureInfo info_;
   std::vector<FeatureKey> keys_;
-  Handle file_{-1, H5Fclose};
+  Hdf5Writer writer_;
   std::vector<std::uint16_t> halves_;
 };
 

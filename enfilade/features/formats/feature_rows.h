@@ -70,7 +70,8 @@ std::size_t row_bytes(const FeatureInfo& info) noexcept;
 
 /// "<scan>_<viewpoint>", the name of its array or dataset.
 std::string name_of(const FeatureKey& key);
-/// The reverse: viewpoints have no "_", scans may. \throws InvalidInput
+/// The reverse, cut at the last "_". Ids may have others, so rows are found by name_of(), not by
+/// the parts. \throws InvalidInput
 FeatureKey key_of(std::string_view name, const std::string& file);
 
 /// The start of a name in quotes, for messages.

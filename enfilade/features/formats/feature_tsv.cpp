@@ -184,7 +184,7 @@ std::unique_ptr<RowWriter> write_feature_tsv(const std::filesystem::path& file,
     throw ArgumentError(
         fmt::format("{}: {} views of type {}, but TSV holds {} of type F32; write safetensors or "
                     "HDF5",
-                    file.string(), info.views, to_string(info.type), kTsvViews));
+                    file.string(), info.views, enum_name(info.type), kTsvViews));
   }
   return std::make_unique<TsvRows>(file, info, keys);
 }

@@ -1,4 +1,4 @@
-#include "enfilade/features/formats/isolated.h"
+#include "enfilade/features/formats/hdf5_datasets.h"
 
 #include <gtest/gtest.h>
 #include <csignal>

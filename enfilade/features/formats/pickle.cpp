@@ -43,6 +43,18 @@ constexpr Global kStorageTypes[] = {
     {"ByteStorage", Callable::kStorageType, DType::kUint8},
     {"BoolStorage", Callable::kStorageType, DType::kBool},
 };
+// Those of numbers that are not read, of the same modules and torch.storage; with an element's
+// bytes.
+constexpr Global kOtherStorageTypes[] = {
+    {"CharStorage", Callable::kStorageType, DType::kUint8, 1},
+    {"ShortStorage", Callable::kStorageType, DType::kUint8, 2},
+    {"ComplexFloatStorage", Callable::kStorageType, DType::kUint8, 8},
+    {"ComplexDoubleStorage", Callable::kStorageType, DType::kUint8, 16},
+    {"QInt8Storage", Callable::kStorageType, DType::kUint8, 1},
+    {"QUInt8Storage", Callable::kStorageType, DType::kUint8, 1},
+    {"QInt32Storage", Callable::kStorageType, DType::kUint8, 4},
+    {"UntypedStorage", Callable::kStorageType, DType::kUint8, 1},
+};
 
 /// Pickle's stack machine. It builds values and calls nothing.
 class Machine {
@@ -84,7 +96,7 @@ class Machine {
     return taken;
   }
 
-  // Little-endian, as this machine (stored_arrays.cpp).
+  // Little-endian, as this machine (safetensors.cpp).
   std::uint64_t unsigned_of(std::size_t size) {
     std::uint64_t value = 0;
     std::memcpy(&value, take(size).data(), size);
@@ -173,7 +185,11 @@ class Machine {
     push(Other{});
   }
 
+  // What is put into an opaque object is dropped.
+  bool top_is_opaque() const { return std::holds_alternative<Opaque>(top()->is); }
+
   void append(const std::vector<Value*>& items) {
+    if (top_is_opaque()) return;
     auto& list = as<List>(top(), "a list").items;
     list.insert(list.end(), items.begin(), items.end());
   }
@@ -192,6 +208,7 @@ class Machine {
   }
 
   void set_items(std::span<Value* const> pairs) {
+    if (top_is_opaque()) return;
     add_pairs(pairs, as<Dictionary>(top(), "a dictionary"));
   }
 
@@ -200,11 +217,6 @@ class Machine {
       fail("bad-pickle", fmt::format("pickle protocol {}; protocols up to {} are read", protocol,
                                      kLatestProtocol));
     }
-  }
-
-  void push_set() {
-    pop_to_mark();
-    push(Other{});
   }
 
   void put(std::size_t key_bytes) {
@@ -233,10 +245,46 @@ class Machine {
 
   void call_function() {
     const auto called = pop_last(2);
-    call(as<Global>(called[0], "a function"), as<Tuple>(called[1], "arguments"));
+    if (const auto* const opaque = std::get_if<Opaque>(&called[0]->is)) {
+      push(Opaque{opaque->maker, opaque->holds_numbers || holds_numbers(*called[1])});
+      return;
+    }
+    const Global& function = as<Global>(called[0], "a function");
+    if (function.callable == Callable::kUnknown) {
+      push(Opaque{function.name, holds_numbers(*called[1])});
+      return;
+    }
+    call(function, as<Tuple>(called[1], "arguments"));
   }
 
-  Global global(const std::string& module, const std::string& name) const {
+  // A class, its arguments and named ones. No class that is known takes any.
+  void call_with_names() {
+    const auto called = pop_last(3);
+    const auto* const function = std::get_if<Global>(&called[0]->is);
+    push(Opaque{function != nullptr ? function->name : "a class",
+                holds_numbers(*called[1]) || holds_numbers(*called[2])});
+  }
+
+  static bool holds_numbers(const Value& value) {
+    std::size_t left = 1000;  // values to look at: a small file can nest them without end
+    return holds_numbers(value, left);
+  }
+  static bool holds_numbers(const Value& value, std::size_t& left) {
+    if (left == 0) return false;
+    --left;
+    if (std::holds_alternative<PickledStorage>(value.is) ||
+        std::holds_alternative<PickledTensor>(value.is)) {
+      return true;
+    }
+    if (const auto* const opaque = std::get_if<Opaque>(&value.is)) return opaque->holds_numbers;
+    const auto* const tuple = std::get_if<Tuple>(&value.is);
+    const auto* const list = std::get_if<List>(&value.is);
+    if (tuple == nullptr && list == nullptr) return false;
+    return std::ranges::any_of(tuple != nullptr ? tuple->items : list->items,
+                               [&](const Value* item) { return holds_numbers(*item, left); });
+  }
+
+  Global global(const std::string& module, const std::string& name) {
     const std::string full = module + "." + name;
     const auto found = std::ranges::find(kGlobals, full, &Global::name);
     if (found != std::end(kGlobals)) return *found;
@@ -246,17 +294,14 @@ class Machine {
         (module == "torch" || module == "torch.cuda") && name.ends_with("Storage");
     const auto type = std::ranges::find(kStorageTypes, name, &Global::name);
     if (is_storage && type != std::end(kStorageTypes)) return *type;
-    const std::string shown = fmt::format("{:?}", full.substr(0, 100));
-    if (is_storage) {
-      fail("unsupported-type",
-           fmt::format("tensors of {}; floats of 16, 32 or 64 bits, integers of 32 or 64 bits, "
-                       "bytes and booleans are read",
-                       shown));
+    const auto other = std::ranges::find(kOtherStorageTypes, name, &Global::name);
+    if ((is_storage || module == "torch.storage") && other != std::end(kOtherStorageTypes)) {
+      return *other;
     }
-    fail("foreign-code",
-         fmt::format("names {}, which is not called; only a dictionary of tensors is read. To save "
-                     "one, in Python: torch.save(model.state_dict(), file)",
-                     shown));
+    // The text is a value of its own, so that views of it stay valid.
+    constexpr std::size_t kLongestName = 100;
+    into_.values.push_back({full.substr(0, kLongestName)});
+    return {std::get<std::string>(into_.values.back().is), Callable::kUnknown};
   }
 
   void call(const Global& function, const Tuple& arguments) {
@@ -279,14 +324,22 @@ class Machine {
         return;
       case Callable::kParameter:
         // Very old files give a parameter its tensor only when they set its state.
-        push(arguments.items.empty() ? PickledTensor{}
-                                     : as<PickledTensor>(arguments.items[0], "a tensor"));
+        if (arguments.items.empty()) {
+          push(PickledTensor{});
+        } else if (const auto* made = std::get_if<Opaque>(&arguments.items[0]->is)) {
+          push(Opaque{*made});
+        } else {
+          push(PickledTensor{as<PickledTensor>(arguments.items[0], "a tensor")});
+        }
         return;
       case Callable::kModule:
         push(Module{});
         return;
       case Callable::kDropped:
         push(Other{});
+        return;
+      case Callable::kUnknown:
+        push(Opaque{function.name});
         return;
       case Callable::kStorageType:
         fail_bad("a storage's type is called like a function");
@@ -373,7 +426,8 @@ class Machine {
       fail_bad(fmt::format("a storage of type {}, which is not a type of storages", type.name));
     }
     PickledStorage storage{as<std::string>(items[2], "a storage's key"), type.type,
-                           count(items[4], "a storage's size"), std::nullopt};
+                           count(items[4], "a storage's size"),          std::nullopt,
+                           type.other_bytes > 0 ? type.name : "",        type.other_bytes};
     if (items.size() > 5 && std::holds_alternative<Tuple>(items[5]->is)) {
       const auto& view = std::get<Tuple>(items[5]->is).items;
       if (view.size() != 3) {
@@ -419,6 +473,7 @@ const Machine::Opcode Machine::kOpcodes[] = {
     {'C', [](Machine& m) { m.skip(m.unsigned_of(1)); }},              // SHORT_BINBYTES
     {'B', [](Machine& m) { m.skip(m.unsigned_of(4)); }},              // BINBYTES
     {0x8e, [](Machine& m) { m.skip(m.unsigned_of(8)); }},             // BINBYTES8
+    {0x96, [](Machine& m) { m.skip(m.unsigned_of(8)); }},             // BYTEARRAY8
     // Containers. The content of sets is dropped, as no tensor is in one.
     {'(', [](Machine& m) { m.marks_.push_back(m.stack_.size()); }},  // MARK
     {')', [](Machine& m) { m.push(Tuple{}); }},                      // EMPTY_TUPLE
@@ -436,7 +491,7 @@ const Machine::Opcode Machine::kOpcodes[] = {
     {'u', [](Machine& m) { m.set_items(m.pop_to_mark()); }},         // SETITEMS
     {0x8f, [](Machine& m) { m.push(Other{}); }},                     // EMPTY_SET
     {0x90, [](Machine& m) { m.pop_to_mark(); }},                     // ADDITEMS
-    {0x91, [](Machine& m) { m.push_set(); }},                        // FROZENSET
+    {0x91, [](Machine& m) { m.pop_to_mark(), m.push(Other{}); }},    // FROZENSET
     // Stack and memo. A frame's length only tells how much to read at once, so it is skipped.
     {0x80, [](Machine& m) { m.check_protocol(m.unsigned_of(1)); }},  // PROTO
     {0x95, [](Machine& m) { m.take(8); }},                           // FRAME
@@ -453,6 +508,7 @@ const Machine::Opcode Machine::kOpcodes[] = {
     {0x93, [](Machine& m) { m.push_stack_global(); }},  // STACK_GLOBAL
     {'R', [](Machine& m) { m.call_function(); }},       // REDUCE
     {0x81, [](Machine& m) { m.call_function(); }},      // NEWOBJ
+    {0x92, [](Machine& m) { m.call_with_names(); }},    // NEWOBJ_EX
     {'b', [](Machine& m) { m.build(); }},               // BUILD
     {'Q', [](Machine& m) { m.push_storage(); }},        // BINPERSID
 };

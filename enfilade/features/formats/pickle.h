@@ -1,5 +1,5 @@
 /// \file  Reads the pickles that torch.save() writes: the opcodes and classes that a dictionary of
-/// tensors needs. Other ones are refused; nothing that a pickle names is called.
+/// tensors needs. Objects of other classes are opaque; nothing that a pickle names is called.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace enfilade::features::formats {
 
 struct Value;
 
-/// The classes and functions that a pickle may name. Any other is an error that gives its name.
+/// The classes and functions that a pickle may name.
 enum class Callable : std::uint8_t {
   kOrderedDict,
   kSize,           ///< torch.Size(items), a tuple
@@ -27,12 +27,15 @@ enum class Callable : std::uint8_t {
   kStorageType,    ///< torch.FloatStorage and the like; may be named, not called
   kModule,         ///< a class of TorchScript's code, which is not run; its attributes are kept
   kDropped,        ///< makes something that no tensor is in
+  kUnknown,        ///< any other, which is not called: its result is Opaque
 };
 /// A class or function that a pickle names.
 struct Global {
   std::string_view name;  ///< with the module; for a storage type, without it
   Callable callable = Callable::kSize;
   DType type = DType::kFloat32;  ///< of the elements, if it is a storage type
+  /// Bytes of an element, if it is a storage type whose numbers DType lacks; else 0.
+  std::size_t other_bytes = 0;
 };
 
 /// A part of a storage that tensors use as a storage of its own. Only in old files.
@@ -46,6 +49,11 @@ struct PickledStorage {
   DType type = DType::kFloat32;
   std::int64_t elements = 0;
   std::optional<StorageView> view;
+  /// If DType lacks the type: its name and an element's bytes; `type` then means nothing.
+  std::string_view other_type = {};
+  std::size_t other_bytes = 0;
+
+  std::size_t element_bytes() const { return other_bytes > 0 ? other_bytes : size_of(type); }
 };
 
 struct PickledTensor {
@@ -67,11 +75,16 @@ struct Dictionary {
 struct Module {
   Dictionary attributes;
 };
+/// An object of a class that is not known, or what an unknown function would give.
+struct Opaque {
+  std::string_view maker;      ///< the class or function, with its module
+  bool holds_numbers = false;  ///< a storage or tensor is among the arguments
+};
 struct Other {};  ///< None, a float, bytes, a set, an integer of more than 64 bits
 
 struct Value {
   std::variant<Other, bool, std::int64_t, std::string, Tuple, List, Dictionary, Module, Global,
-               PickledStorage, PickledTensor>
+               PickledStorage, PickledTensor, Opaque>
       is;
 };
 

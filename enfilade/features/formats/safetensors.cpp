@@ -1,6 +1,10 @@
+#include "enfilade/features/formats/stored_arrays.h"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -11,7 +15,9 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/features/formats/stored_arrays.h"
+
+// Files of weights are little-endian, and so is every machine that this is built for.
+static_assert(std::endian::native == std::endian::little);
 
 namespace enfilade::features::formats {
 namespace {
@@ -21,16 +27,11 @@ constexpr std::size_t kLengthBytes = 8;
 constexpr std::size_t kAlignment = 64;  // of a cache line, and of any vector instruction's memory
 constexpr std::string_view kMetadata = "__metadata__";
 
-std::optional<DType> dtype_of(std::string_view name) {
-  for (int i = 0; i <= static_cast<int>(DType::kBool); ++i) {
-    if (to_string(static_cast<DType>(i)) == name) return static_cast<DType>(i);
-  }
-  return std::nullopt;
-}
-
 /// The bytes of an array, counted from the end of the header.
 struct Range {
   std::uint64_t begin = 0, end = 0;
+  std::string name;
+  bool read = true;  ///< else of a type that is left out
 };
 
 /// Reads what the header says. Faults are collected.
@@ -70,46 +71,36 @@ class HeaderReader {
     static constexpr std::array<json::Field, 3> kFields{{{"dtype"}, {"shape"}, {"data_offsets"}}};
     std::array<std::optional<json::Element>, 3> found;
     if (!json::fields(element, kFields, found, path, faults_)) return;
-    const auto type = read_type(*found[0], json::Path(path, "dtype"));
+    const auto word = json::string(*found[0], json::Path(path, "dtype"), faults_);
     auto shape = read_numbers(*found[1], json::Path(path, "shape"));
     const json::Path offsets_path(path, "data_offsets");
     const auto offsets = read_numbers(*found[2], offsets_path);
-    if (!type || !shape || !offsets) return;
+    if (!word || !shape || !offsets) return;
     if (offsets->size() != 2 || (*offsets)[0] > (*offsets)[1]) {
       faults_.error(offsets_path, "bad-offsets", "not [begin, end] with begin at or before end");
       return;
     }
-    const Range range{static_cast<std::uint64_t>((*offsets)[0]),
-                      static_cast<std::uint64_t>((*offsets)[1])};
+    const auto type = find_enum<DType>(*word);
+    Range range{static_cast<std::uint64_t>((*offsets)[0]),
+                static_cast<std::uint64_t>((*offsets)[1]), std::string(name), type.has_value()};
+    if (!type) {
+      into_.left_out[range.name] = fmt::format(
+          "{}, not F16, BF16, F32, F64, I32, I64, U8, U64 or BOOL", json::describe(*found[0]));
+      ranges_.push_back(std::move(range));
+      return;
+    }
     const auto bytes = bytes_of_shape(*shape, *type);
     if (!bytes || *bytes != range.end - range.begin) {
       faults_.error(
           offsets_path, "bad-size",
           fmt::format("{} bytes, not the {} of {} numbers of type {}", range.end - range.begin,
-                      bytes ? fmt::to_string(*bytes) : "too many", shape_text(*shape),
-                      to_string(*type)));
+                      bytes ? fmt::to_string(*bytes) : "too many",
+                      shape->empty() ? "1" : fmt::to_string(fmt::join(*shape, " x ")),
+                      enum_name(*type)));
       return;
     }
     into_.arrays.push_back({std::string(name), *type, *std::move(shape), {}});
-    ranges_.push_back(range);
-  }
-
-  static std::string shape_text(std::span<const std::int64_t> shape) {
-    std::string text = "1";
-    for (const std::int64_t side : shape) text += fmt::format(" x {}", side);
-    return shape.empty() ? text : text.substr(4);
-  }
-
-  std::optional<DType> read_type(json::Element element, const json::Path& path) {
-    const auto name = json::string(element, path, faults_);
-    if (!name) return std::nullopt;
-    const auto type = dtype_of(*name);
-    if (!type) {
-      faults_.error(path, "unsupported-type",
-                    fmt::format("{}, not F16, BF16, F32, F64, I32, I64, U8, U64 or BOOL",
-                                json::describe(element)));
-    }
-    return type;
+    ranges_.push_back(std::move(range));
   }
 
   std::optional<std::vector<std::int64_t>> read_numbers(json::Element element,
@@ -140,7 +131,7 @@ std::span<const std::byte> header_of(std::span<const std::byte> file, const std:
     refuse(name, "byte 0", "truncated",
            fmt::format("{} bytes, not the 8 and more of a safetensors file", file.size()));
   }
-  std::uint64_t bytes = 0;  // little-endian, as this machine (stored_arrays.cpp)
+  std::uint64_t bytes = 0;  // little-endian, as this machine (safetensors.cpp)
   std::memcpy(&bytes, file.data(), kLengthBytes);
   if (bytes > kLongestHeader) {
     refuse(name, "byte 0", "bad-header",
@@ -159,8 +150,7 @@ std::span<const std::byte> header_of(std::span<const std::byte> file, const std:
 }
 
 // The format allows no holes, no overlaps, and no bytes after the last array.
-void check_ranges(const std::vector<NamedArray>& arrays, const std::vector<Range>& ranges,
-                  std::uint64_t bytes, json::Faults& faults) {
+void check_ranges(const std::vector<Range>& ranges, std::uint64_t bytes, json::Faults& faults) {
   std::vector<std::size_t> order(ranges.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {},
@@ -168,7 +158,7 @@ void check_ranges(const std::vector<NamedArray>& arrays, const std::vector<Range
   std::uint64_t end = 0;
   const json::Path root;
   for (const std::size_t i : order) {
-    const json::Path array(root, arrays[i].name);
+    const json::Path array(root, ranges[i].name);
     const json::Path path(array, "data_offsets");
     if (ranges[i].end > bytes) {
       faults.error(
@@ -199,7 +189,7 @@ nlohmann::ordered_json header_of(std::span<const NamedArray> arrays,
     const NamedArray& array = arrays[i];
     const std::uint64_t bytes = *bytes_of_shape(array.shape, array.type);
     nlohmann::ordered_json entry;
-    entry["dtype"] = to_string(array.type);
+    entry["dtype"] = enum_name(array.type);
     entry["shape"] = array.shape;
     entry["data_offsets"] = {begins[i], begins[i] + bytes};
     header.emplace_back(array.name, std::move(entry));
@@ -238,6 +228,31 @@ std::vector<std::size_t> order_of_data(std::span<const NamedArray> arrays) {
 
 }  // namespace
 
+std::span<const std::byte> StoredArrays::aligned(std::span<const std::byte> bytes, DType type) {
+  if (std::bit_cast<std::uintptr_t>(bytes.data()) % size_of(type) == 0) return bytes;
+  const auto copy = allocate(bytes.size());
+  std::ranges::copy(bytes, copy.begin());
+  return copy;
+}
+
+std::span<std::byte> StoredArrays::allocate(std::size_t bytes) {
+  // new[], and not std::make_shared: its memory is aligned for any type.
+  const std::shared_ptr<std::byte[]> room(new std::byte[bytes]);
+  memory.push_back(room);
+  return {room.get(), bytes};
+}
+
+std::optional<std::size_t> bytes_of_shape(std::span<const std::int64_t> shape,
+                                          DType type) noexcept {
+  // An empty array is empty whatever its other sides are.
+  if (std::ranges::find(shape, 0) != shape.end()) return 0;
+  std::size_t bytes = size_of(type);
+  for (const std::int64_t side : shape) {
+    if (__builtin_mul_overflow(bytes, static_cast<std::size_t>(side), &bytes)) return std::nullopt;
+  }
+  return bytes;
+}
+
 StoredArrays read_safetensors(std::span<const std::byte> file, const std::string& name) {
   const auto header = header_of(file, name);
   const auto document =
@@ -248,11 +263,20 @@ StoredArrays read_safetensors(std::span<const std::byte> file, const std::string
   json::Faults faults(name);
   HeaderReader(faults, read, ranges).read(document.root());
   faults.throw_if_errors();
-  check_ranges(read.arrays, ranges, data.size(), faults);
+  check_ranges(ranges, data.size(), faults);
+  const json::Path root;
+  if (read.arrays.empty()) {
+    for (const auto& [array, reason] : read.left_out) {
+      const json::Path entry(root, array);
+      faults.error(json::Path(entry, "dtype"), "unsupported-type", reason);
+    }
+  }
   faults.throw_if_errors();
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const auto bytes = data.subspan(ranges[i].begin, ranges[i].end - ranges[i].begin);
-    read.arrays[i].bytes = read.aligned(bytes, read.arrays[i].type);
+  std::size_t next = 0;
+  for (const Range& range : ranges) {
+    if (!range.read) continue;
+    NamedArray& array = read.arrays[next++];
+    array.bytes = read.aligned(data.subspan(range.begin, range.end - range.begin), array.type);
   }
   return read;
 }

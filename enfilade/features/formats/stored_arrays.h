@@ -19,6 +19,7 @@ namespace enfilade::features::formats {
 struct StoredArrays {
   std::vector<NamedArray> arrays;
   std::map<std::string, std::string> metadata;
+  std::map<std::string, std::string> left_out;      ///< names of arrays that are not read, and why
   std::vector<std::shared_ptr<const void>> memory;  ///< of arrays that are not in the mapped file
 
   /// The bytes themselves if they are aligned for the type, else a copy.
@@ -27,7 +28,8 @@ struct StoredArrays {
   std::span<std::byte> allocate(std::size_t bytes);
 };
 
-/// Safetensors. Arrays point into `file` where they are aligned for their type.
+/// Safetensors. Arrays point into `file` where they are aligned for their type. Those of another
+/// type are left out, if there are others.
 /// \throws InvalidInput
 StoredArrays read_safetensors(std::span<const std::byte> file, const std::string& name);
 
@@ -47,14 +49,13 @@ SafetensorsLayout lay_out_safetensors(std::span<const NamedArray> arrays,
 bool looks_like_zip(std::span<const std::byte> file) noexcept;
 /// A pickle of any program.
 bool looks_like_pickle(std::span<const std::byte> file) noexcept;
+/// A tar archive of any program.
+bool looks_like_tar(std::span<const std::byte> file) noexcept;
+/// torch.save()'s first format, until PyTorch 0.1.8, is not read. \throws InvalidInput, with the
+/// line of Python that converts it
+[[noreturn]] void refuse_tar(std::span<const std::byte> file, const std::string& name);
 /// A zip archive, the format since PyTorch 1.6. \throws FileError, InvalidInput
 StoredArrays read_torch_zip(const std::filesystem::path& file);
-/// NumPy's `.npz`, a zip archive with a `.npy` per array; names are the paths in the archive
-/// without ".npy".
-/// \throws FileError; InvalidInput naming each array that cannot be read
-StoredArrays read_npz(const std::filesystem::path& file);
-/// Whether a zip archive has only `.npy` files, as `.npz` do. \throws FileError, InvalidInput
-bool is_npz(const std::filesystem::path& file);
 /// A pickle followed by storages, the format until PyTorch 1.5. Arrays that are contiguous and
 /// aligned point into `file`. \throws InvalidInput
 StoredArrays read_torch_pickle(std::span<const std::byte> file, const std::string& name);

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -34,14 +35,20 @@ const Value* find(const Dictionary& dictionary, std::string_view key) {
   return found;
 }
 
-using Tensors = std::map<std::string, const PickledTensor*>;
+/// PickledTensor, or Opaque that holds numbers.
+using Tensors = std::map<std::string, const Value*>;
+
+bool is_tensor(const Value& value) {
+  if (std::holds_alternative<PickledTensor>(value.is)) return true;
+  const auto* opaque = std::get_if<Opaque>(&value.is);
+  return opaque != nullptr && opaque->holds_numbers;
+}
 
 Tensors tensors_in(const Dictionary& dictionary) {
   Tensors tensors;
   for (const auto& [name, value] : dictionary.items) {
     const auto* text = std::get_if<std::string>(&name->is);
-    const auto* tensor = std::get_if<PickledTensor>(&value->is);
-    if (text != nullptr && tensor != nullptr) tensors.insert_or_assign(*text, tensor);
+    if (text != nullptr && is_tensor(*value)) tensors.insert_or_assign(*text, value);
   }
   return tensors;
 }
@@ -63,34 +70,27 @@ void add_tensors(const Module& module, const std::string& prefix, std::set<const
   }
 }
 
+constexpr std::array<std::string_view, 4> kInner{"state_dict", "model_state_dict", "model",
+                                                 "module"};
+
 // Training programs put the dictionary of tensors into another one, beside the epoch, the optimiser
-// and so on.
-Tensors find_tensors_below(const Value* root) {
-  constexpr std::array<std::string_view, 4> kInner{"state_dict", "model_state_dict", "model",
-                                                   "module"};
+// and so on; some of these are tensors too.
+Tensors find_tensors_below(const Value* root, int depth = 0) {
   constexpr int kDeepest = 4;
+  if (root == nullptr || depth == kDeepest) return {};
   if (const auto* module = std::get_if<Module>(&root->is)) {
     std::set<const Module*> seen;
     Tensors tensors;
     add_tensors(*module, "", seen, tensors);
+    return tensors;
+  }
+  const auto* dictionary = std::get_if<Dictionary>(&root->is);
+  if (dictionary == nullptr) return {};
+  for (const std::string_view key : kInner) {
+    Tensors tensors = find_tensors_below(find(*dictionary, key), depth + 1);
     if (!tensors.empty()) return tensors;
   }
-  for (int depth = 0; depth < kDeepest && root != nullptr; ++depth) {
-    const auto* dictionary = std::get_if<Dictionary>(&root->is);
-    if (dictionary == nullptr) break;
-    Tensors tensors = tensors_in(*dictionary);
-    if (!tensors.empty()) return tensors;
-    root = nullptr;
-    for (std::size_t i = 0; i < kInner.size() && root == nullptr; ++i) {
-      root = find(*dictionary, kInner[i]);
-    }
-  }
-  return {};
-}
-
-std::string_view without_wrapper(std::string_view name) {
-  constexpr std::string_view kWrapper = "module.";
-  return name.starts_with(kWrapper) ? name.substr(kWrapper.size()) : name;
+  return tensors_in(*dictionary);
 }
 
 // Agents of several networks save a dictionary of them, each with a "state_dict" of its own. Names
@@ -105,21 +105,19 @@ Tensors find_parts(const Value* root) {
     if (part == nullptr || inner == nullptr || find(*inner, "state_dict") == nullptr) continue;
     const std::string prefix = *part + ".";
     for (const auto& [name, tensor] : find_tensors_below(find(*inner, "state_dict"))) {
-      const std::string_view bare = without_wrapper(name);
-      all.insert_or_assign(
-          bare.starts_with(prefix) ? std::string(bare) : prefix + std::string(bare), tensor);
+      const std::string bare = bare_name(name);
+      all.insert_or_assign(bare.starts_with(prefix) ? bare : prefix + bare, tensor);
     }
   }
   return all;
 }
 
 // What stands beside the tensors: whole numbers as digits, all else empty.
-void add_beside(const Dictionary& dictionary, const std::string& prefix,
+void add_beside(const Dictionary& dictionary, std::string_view tensors, const std::string& prefix,
                 std::map<std::string, std::string>& into) {
   for (const auto& [key, value] : dictionary.items) {
     const auto* name = std::get_if<std::string>(&key->is);
-    if (name == nullptr || *name == "state_dict" || std::get_if<PickledTensor>(&value->is))
-      continue;
+    if (name == nullptr || *name == tensors) continue;
     const auto* number = std::get_if<std::int64_t>(&value->is);
     into[prefix + *name] = number == nullptr ? "" : std::to_string(*number);
   }
@@ -129,20 +127,55 @@ std::map<std::string, std::string> beside_tensors(const Value* root) {
   std::map<std::string, std::string> found;
   const auto* dictionary = root == nullptr ? nullptr : std::get_if<Dictionary>(&root->is);
   if (dictionary == nullptr) return found;
-  if (find(*dictionary, "state_dict") != nullptr) add_beside(*dictionary, "", found);
+  const auto tensors = std::ranges::find_if(kInner, [&](std::string_view key) {
+    return !find_tensors_below(find(*dictionary, key)).empty();
+  });
+  if (tensors != kInner.end()) {
+    add_beside(*dictionary, *tensors, "", found);
+    return found;
+  }
   for (const auto& [key, value] : dictionary->items) {
     const auto* part = std::get_if<std::string>(&key->is);
     const auto* inner = std::get_if<Dictionary>(&value->is);
     if (part == nullptr || inner == nullptr || find(*inner, "state_dict") == nullptr) continue;
-    add_beside(*inner, *part + ".", found);
+    add_beside(*inner, "state_dict", *part + ".", found);
   }
   return found;
 }
 
-Tensors find_tensors(const Value* root, const std::string& name) {
-  Tensors tensors = find_tensors_below(root);
-  if (tensors.empty()) tensors = find_parts(root);
+// The first classes and functions that are not known, for a message.
+std::string unknown_names(const Pickle& pickle) {
+  constexpr std::size_t kNamed = 3;
+  std::vector<std::string> names;
+  for (const Value& value : pickle.values) {
+    const auto* global = std::get_if<Global>(&value.is);
+    if (global == nullptr || global->callable != Callable::kUnknown) continue;
+    std::string name = fmt::format("{:?}", global->name);
+    if (names.size() < kNamed && std::ranges::find(names, name) == names.end()) {
+      names.push_back(std::move(name));
+    }
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+Tensors find_tensors(const Pickle& pickle, const std::string& name) {
+  const Value* const root = pickle.root;
+  // Several networks first: beside them a lone tensor, such as the best accuracy, is none of them.
+  const auto* dictionary = root == nullptr ? nullptr : std::get_if<Dictionary>(&root->is);
+  const bool inner = dictionary != nullptr && std::ranges::any_of(kInner, [&](auto key) {
+                       return !find_tensors_below(find(*dictionary, key)).empty();
+                     });
+  Tensors tensors = inner ? Tensors{} : find_parts(root);
+  if (tensors.empty()) tensors = find_tensors_below(root);
   if (!tensors.empty()) return tensors;
+  const std::string unknown = unknown_names(pickle);
+  if (!unknown.empty()) {
+    refuse(name, "", "foreign-code",
+           fmt::format("holds no dictionary of tensors, but objects of code that is not run: {}. "
+                       "Where that code is installed, in Python: torch.save(model.state_dict(), "
+                       "file)",
+                       unknown));
+  }
   refuse(name, "", "no-tensors",
          "holds no dictionary of tensors, neither as the outermost value nor below \"state_dict\", "
          "\"model_state_dict\", \"model\" or \"module\", nor several networks that each have a "
@@ -253,10 +286,37 @@ void build_array(const std::string& file, const std::string& name, const Pickled
   array.bytes = to;
 }
 
+// Why a tensor cannot be read: the code of an error, and its message. No value if it can.
+std::optional<std::pair<const char*, std::string>> unreadable(const Value& tensor) {
+  if (const auto* opaque = std::get_if<Opaque>(&tensor.is)) {
+    return std::pair("foreign-code",
+                     fmt::format("made by {:?}, which is not called", opaque->maker));
+  }
+  const Value* const storage = std::get<PickledTensor>(tensor.is).storage;
+  const std::string_view other =
+      storage == nullptr ? "" : std::get<PickledStorage>(storage->is).other_type;
+  if (other.empty()) return std::nullopt;
+  return std::pair("unsupported-type",
+                   fmt::format("numbers of \"torch.{}\"; floats of 16, 32 or 64 bits, integers of "
+                               "32 or 64 bits, bytes and booleans are read",
+                               other));
+}
+
+// Tensors that cannot be read are left out, if there are others: perhaps no network needs them.
 void build_arrays(const Pickle& pickle, const std::string& file, const FindStorage& find_storage,
                   StoredArrays& into) {
-  for (const auto& [name, tensor] : find_tensors(pickle.root, file)) {
-    build_array(file, name, *tensor, find_storage, into);
+  const Tensors tensors = find_tensors(pickle, file);
+  for (const auto& [name, tensor] : tensors) {
+    if (const auto why = unreadable(*tensor)) {
+      into.left_out[name] = why->second;
+    } else {
+      build_array(file, name, std::get<PickledTensor>(tensor->is), find_storage, into);
+    }
+  }
+  if (into.arrays.empty() && !tensors.empty()) {
+    const auto& [name, tensor] = *tensors.begin();
+    const auto why = unreadable(*tensor);
+    refuse_tensor(file, name, why->first, why->second);
   }
   into.metadata = beside_tensors(pickle.root);
 }
@@ -295,8 +355,8 @@ class PickleSequence {
              fmt::format("storage {:?} has {} elements, not the {} that its tensors name", key,
                          elements, storage.elements));
     }
-    if (elements > (file_.size() - at_) / size_of(storage.type)) truncated(key);
-    const Bytes bytes = file_.subspan(at_, elements * size_of(storage.type));
+    if (elements > (file_.size() - at_) / storage.element_bytes()) truncated(key);
+    const Bytes bytes = file_.subspan(at_, elements * storage.element_bytes());
     at_ += bytes.size();
     return bytes;
   }
@@ -379,6 +439,30 @@ bool looks_like_pickle(Bytes file) noexcept {
   // of the file is a "{".
   return file.size() >= 2 && file[0] == std::byte{0x80} && file[1] >= std::byte{2} &&
          file[1] <= std::byte{5} && (file.size() < 9 || file[8] != std::byte{'{'});
+}
+
+// POSIX's header of a file: its name, and the magic word at byte 257.
+bool looks_like_tar(Bytes file) noexcept {
+  constexpr std::string_view kMagic = "ustar";
+  constexpr std::size_t kAt = 257;
+  return file.size() >= kAt + kMagic.size() &&
+         std::ranges::equal(file.subspan(kAt, kMagic.size()), bytes_of(kMagic));
+}
+
+void refuse_tar(Bytes file, const std::string& name) {
+  constexpr std::size_t kNameBytes = 100;
+  std::string first(reinterpret_cast<const char*>(file.data()), kNameBytes);
+  first.resize(std::min(first.find('\0'), first.size()));
+  for (const std::string_view part : {"sys_info", "pickle", "storages", "tensors"}) {
+    if (first != part) continue;
+    refuse(name, "", "old-torch",
+           "torch.save()'s tar form of 2016 and 2017, which is not read. To convert it, in Python: "
+           "torch.save(torch.load(file, weights_only=False), new_file)");
+  }
+  refuse(name, "", "no-tensors",
+         fmt::format("a tar archive, which begins with {:?}; unpack it, and name the file of "
+                     "weights in it",
+                     first));
 }
 
 StoredArrays read_torch_zip(const std::filesystem::path& file) {

@@ -1,6 +1,4 @@
 // A set of homes with all benchmarks, read back as anybody reads them.
-#include "enfilade/homes/benchmarks/benchmarks.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,6 +19,7 @@
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/metrics.h"
+#include "enfilade/tasks/objects.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"

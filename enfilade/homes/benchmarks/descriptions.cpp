@@ -1,13 +1,12 @@
-#include "enfilade/homes/benchmarks/descriptions.h"
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
+#include "enfilade/homes/benchmarks/described_home.h"
 #include "enfilade/homes/instructions/phrases.h"
+#include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::homes::benchmarks {
 namespace {
@@ -18,7 +17,7 @@ constexpr double kFarStart = 5.0;       // metres along the graph
 constexpr Radians kStartHeading(1.52);  // with which SOON is evaluated
 
 // Between two boxes.
-double gap_between(const Thing& a, const Thing& b) {
+double gap_between(const HomeThing& a, const HomeThing& b) {
   const auto gap = [](double low0, double high0, double low1, double high1) {
     return std::max({low1 - high0, low0 - high1, 0.0});
   };
@@ -29,7 +28,7 @@ double gap_between(const Thing& a, const Thing& b) {
 
 class Describer {
  public:
-  Describer(const Site& site, const tasks::PathAnnotation& path, std::uint64_t seed)
+  Describer(const DescribedHome& site, const tasks::PathAnnotation& path, std::uint64_t seed)
       : site_(site), path_(path), rng_(rng_for(seed, path, "descriptions")) {}
 
   std::vector<tasks::PathAnnotation> entry() {
@@ -103,7 +102,7 @@ class Describer {
   }
 
   std::string look_of(std::size_t thing) {
-    const Thing& t = site_.home().things[thing];
+    const HomeThing& t = site_.home().things[thing];
     const Vec3d size = t.high - t.low;
     const auto centimetres = static_cast<int>(10 * std::lround(size.z * 10));
     if (!t.colour.empty() && !t.material.empty() && rng_.below(2) == 0) {
@@ -118,7 +117,7 @@ class Describer {
 
   // The nearest thing in the room that has words of its own.
   std::string relation_of(std::size_t thing) {
-    const std::vector<Thing>& things = site_.home().things;
+    const std::vector<HomeThing>& things = site_.home().things;
     const std::vector<std::size_t> room = site_.things_in(std::vector{things[thing].room});
     double least = kNear;
     std::optional<std::string> name;
@@ -149,7 +148,7 @@ class Describer {
   std::optional<std::size_t> neighbour_of(std::size_t room) {
     std::vector<std::size_t> found;
     for (const Opening& o : site_.home().plan.openings) {
-      if (o.kind != Opening::Kind::kDoor || !o.room1) continue;
+      if (o.kind != OpeningKind::kDoor || !o.room1) continue;
       if (o.room0 == room) found.push_back(*o.room1);
       if (*o.room1 == room) found.push_back(o.room0);
     }
@@ -193,17 +192,95 @@ class Describer {
     return starts;
   }
 
-  const Site& site_;
+  const DescribedHome& site_;
   const tasks::PathAnnotation& path_;
   Rng rng_;
 };
 
 }  // namespace
 
-std::vector<tasks::PathAnnotation> write_descriptions(const Site& site,
+std::vector<tasks::PathAnnotation> write_descriptions(const DescribedHome& site,
                                                       const tasks::PathAnnotation& path,
                                                       std::uint64_t seed) {
   return Describer(site, path, seed).entry();
+}
+
+namespace {
+
+constexpr std::size_t kObjects = 2, kRequests = 3;
+
+// What is done with things of a category.
+std::string_view verbs_for(std::uint16_t category) {
+  using enum mesh::Mpcat40::Category;
+  static const std::vector<std::pair<std::vector<std::uint16_t>, std::string_view>> kVerbs{
+      {{kPicture, kMirror}, "straighten|dust|look at|take a look at"},
+      {{kCushion}, "fluff up|pick up|bring me"},
+      {{kPlant}, "water|look after"},
+      {{kSofa, kChair, kStool, kSeating}, "sit down on|clean|wipe down"},
+      {{kBed}, "make|tidy up"},
+      {{kTable, kCounter, kCabinet, kChestOfDrawers, kShelving, kFurniture},
+       "wipe|dust|clean|tidy up"},
+      {{kSink, kToilet, kBathtub, kShower}, "scrub|clean|rinse"},
+      {{kTvMonitor, kLighting, kAppliances}, "turn on|switch off|check"},
+      {{kCurtain, kBlinds}, "open|close"},
+      {{kTowel, kClothes}, "fold|bring me|pick up"}};
+  for (const auto& [categories, verbs] : kVerbs) {
+    if (std::ranges::count(categories, category) > 0) return verbs;
+  }
+  return "find|look for|inspect|dust";
+}
+
+constexpr std::string_view kPattern =
+    "[go|walk|head|make your way|proceed] to $room and $verb the $thing|"
+    "2*$verb the $thing in $room|"
+    "in $room, $verb the $thing|"
+    "[enter|find] $room, [then|and] $verb the $thing|"
+    "please $verb the $thing that is in $room";
+
+// Requests for a thing; empty if it has no words of its own.
+std::vector<std::string> requests_for(const DescribedHome& site, std::size_t thing, Rng& rng) {
+  const std::uint16_t category =
+      site.home().mesh.objects[site.home().things[thing].object].category;
+  std::vector<std::string> requests;
+  for (std::size_t tries = 0; tries < 12 && requests.size() < kRequests; ++tries) {
+    const RoomWords room = site.room_words(site.home().things[thing].room, rng);
+    const auto words = site.thing_words(thing, room.fits, rng);
+    if (!words) continue;
+    const std::string verb = instructions::expand(verbs_for(category), {}, rng);
+    const std::string text = instructions::sentence(instructions::expand(
+        kPattern, {{"room", room.text}, {"verb", verb}, {"thing", *words}}, rng));
+    if (std::ranges::count(requests, text) == 0) requests.push_back(text);
+  }
+  if (requests.size() < kRequests) requests.clear();
+  return requests;
+}
+
+}  // namespace
+
+std::vector<tasks::PathAnnotation> write_requests(const DescribedHome& site,
+                                                  const tasks::PathAnnotation& path,
+                                                  std::uint64_t seed) {
+  Rng rng = rng_for(seed, path, "requests");
+  const ViewpointIndex end = site.graph().find(path.path.back()).value();
+  std::vector<std::size_t> things = site.things_at(end);
+  rng.shuffle(std::span(things));
+  std::vector<tasks::PathAnnotation> entries;
+  for (const std::size_t thing : things) {
+    if (entries.size() == kObjects) break;
+    std::vector<std::string> requests = requests_for(site, thing, rng);
+    if (requests.empty()) continue;
+    tasks::PathAnnotation& entry = entries.emplace_back();
+    const std::int64_t object = site.home().things[thing].object;
+    entry.path_id = path.path_id;
+    entry.id = fmt::format("{}_{}", path.path_id, object);
+    entry.scan = path.scan;
+    entry.heading = path.heading;
+    entry.path = path.path;
+    entry.instructions = std::move(requests);
+    entry.goal = tasks::NamedObject{object};
+    entry.group = path.path_id;
+  }
+  return entries;
 }
 
 }  // namespace enfilade::homes::benchmarks

@@ -1,4 +1,4 @@
-#include "enfilade/homes/benchmarks/dialogues.h"
+#include "enfilade/homes/benchmarks/described_home.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -15,10 +15,19 @@ namespace {
 constexpr std::size_t kShown = 5;  // steps that the oracle sees, as in CVDN
 constexpr std::size_t kMostTurns = 6;
 
+// The text of an instance, as the reader of CVDN's files makes it from the turns and the target.
+std::string text_of(const std::vector<tasks::DialogueTurn>& turns, const std::string& target) {
+  std::string text;
+  for (const tasks::DialogueTurn& turn : turns) {
+    text += fmt::format("{} {} ", turn.role == "navigator" ? "<NAV>" : "<ORA>", turn.message);
+  }
+  return text + "<TAR> " + target;
+}
+
 // One game of one navigator and one oracle.
 class Game {
  public:
-  Game(const Site& site, const tasks::PathAnnotation& path, std::uint64_t seed)
+  Game(const DescribedHome& site, const tasks::PathAnnotation& path, std::uint64_t seed)
       : site_(site),
         path_(path),
         rng_(rng_for(seed, path, "dialogue")),
@@ -114,10 +123,10 @@ class Game {
     } else {
       question = say("[where do I go|which way|where to now]?", {});
     }
-    const auto speaker =
-        rng_.below(2) == 0 ? instructions::Speaker::kTerse : instructions::Speaker::kLandmarks;
+    const auto speaker = rng_.below(2) == 0 ? instructions::SpeakerKind::kTerse
+                                            : instructions::SpeakerKind::kLandmarks;
     std::string answer =
-        before + instructions::describe(site_.spoken(), shown, heading_, speaker, rng_.next());
+        before + instructions::describe(site_.spoken(), shown, heading_, speaker, rng_.next()).text;
     if (in_goal_room(shown.back())) answer += " " + say("the $thing is in there.", thing());
     turns_.push_back({"navigator", std::move(question), steps_});
     turns_.push_back({"oracle", std::move(answer), steps_});
@@ -149,7 +158,7 @@ class Game {
     entry.group = path_.path_id;
   }
 
-  const Site& site_;
+  const DescribedHome& site_;
   const tasks::PathAnnotation& path_;
   Rng rng_;
   ViewpointIndex at_;
@@ -163,18 +172,10 @@ class Game {
 
 }  // namespace
 
-std::vector<tasks::PathAnnotation> write_dialogue(const Site& site,
+std::vector<tasks::PathAnnotation> write_dialogue(const DescribedHome& site,
                                                   const tasks::PathAnnotation& path,
                                                   std::uint64_t seed) {
   return Game(site, path, seed).play();
-}
-
-std::string text_of(const std::vector<tasks::DialogueTurn>& turns, const std::string& target) {
-  std::string text;
-  for (const tasks::DialogueTurn& turn : turns) {
-    text += fmt::format("{} {} ", turn.role == "navigator" ? "<NAV>" : "<ORA>", turn.message);
-  }
-  return text + "<TAR> " + target;
 }
 
 }  // namespace enfilade::homes::benchmarks

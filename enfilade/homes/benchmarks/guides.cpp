@@ -1,4 +1,4 @@
-#include "enfilade/homes/benchmarks/guides.h"
+#include "enfilade/homes/benchmarks/described_home.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -44,7 +44,7 @@ class Clock {
 // Where a guide stands and looks: always where the path goes on.
 class Camera {
  public:
-  Camera(const Site& site, std::span<const ViewpointIndex> path, double heading)
+  Camera(const DescribedHome& site, std::span<const ViewpointIndex> path, double heading)
       : site_(site), path_(path) {
     add(0, 0, heading);
   }
@@ -63,12 +63,12 @@ class Camera {
     trace_.snapshots.push_back(tasks::snapshot_of(site_.graph().id(v), time, look));
   }
 
-  const Site& site_;
+  const DescribedHome& site_;
   std::span<const ViewpointIndex> path_;
   tasks::PoseTrace trace_;
 };
 
-tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& path,
+tasks::PathAnnotation guide_of(const DescribedHome& site, const tasks::PathAnnotation& path,
                                std::span<const ViewpointIndex> viewpoints, std::size_t k, Rng& rng,
                                tasks::PoseTrace& trace) {
   tasks::PathAnnotation guide;
@@ -81,8 +81,8 @@ tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& pa
   tasks::InstructionDetails& details = guide.details.emplace_back();
   details.id = fmt::format("{}_{}", path.path_id, 10 * path.path_id + static_cast<long>(k) + 1);
   details.language = kLanguages.at(k);
-  const instructions::Spoken spoken = instructions::describe_in_parts(
-      site.spoken(), viewpoints, path.heading.value, instructions::Speaker::kGuide, rng.next());
+  const instructions::Spoken spoken = instructions::describe(
+      site.spoken(), viewpoints, path.heading.value, instructions::SpeakerKind::kGuide, rng.next());
   Clock clock(rng);
   std::string text;
   const auto room = site.room(viewpoints.front());
@@ -108,7 +108,8 @@ tasks::PathAnnotation guide_of(const Site& site, const tasks::PathAnnotation& pa
 }
 
 // What a follower walks.
-std::vector<ViewpointIndex> walk_of(const Site& site, std::vector<ViewpointIndex> path, Rng& rng) {
+std::vector<ViewpointIndex> walk_of(const DescribedHome& site, std::vector<ViewpointIndex> path,
+                                    Rng& rng) {
   const std::uint64_t kind = rng.below(8);
   if (kind == 0 && path.size() > 2) path.pop_back();
   if (kind == 1) {  // into a wrong way, and back
@@ -120,7 +121,7 @@ std::vector<ViewpointIndex> walk_of(const Site& site, std::vector<ViewpointIndex
   return path;
 }
 
-tasks::Demonstration follow(const Site& site, const tasks::PathAnnotation& guide,
+tasks::Demonstration follow(const DescribedHome& site, const tasks::PathAnnotation& guide,
                             const std::vector<ViewpointIndex>& viewpoints, std::size_t k,
                             Rng& rng) {
   const std::vector<ViewpointIndex> walked = walk_of(site, viewpoints, rng);
@@ -141,7 +142,8 @@ tasks::Demonstration follow(const Site& site, const tasks::PathAnnotation& guide
 
 }  // namespace
 
-GuidedPath write_guides(const Site& site, const tasks::PathAnnotation& path, std::uint64_t seed) {
+GuidedPath write_guides(const DescribedHome& site, const tasks::PathAnnotation& path,
+                        std::uint64_t seed) {
   Rng rng = rng_for(seed, path, "guides");
   GuidedPath result;
   const std::vector<ViewpointIndex> viewpoints = site.look_up(path.path);

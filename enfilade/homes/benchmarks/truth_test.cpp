@@ -2,7 +2,6 @@
 // that shares nothing with the writers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,12 +14,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/homes/benchmarks/derived.h"
-#include "enfilade/homes/benchmarks/descriptions.h"
-#include "enfilade/homes/benchmarks/dialogues.h"
-#include "enfilade/homes/benchmarks/guides.h"
-#include "enfilade/homes/benchmarks/requests.h"
-#include "enfilade/homes/benchmarks/site.h"
+#include "enfilade/homes/benchmarks/described_home.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/tasks/tokenizer.h"
 #include "tests/support/instructions/instruction_checker.h"
@@ -49,7 +43,7 @@ PlanOptions options_for(std::uint64_t seed, std::optional<unsigned> storeys) {
 // A home with paths, and everything that is needed to check what is said of it.
 struct Place {
   explicit Place(std::uint64_t seed, std::optional<unsigned> storeys)
-      : built(build_home(options_for(seed, storeys), Surfaces::kPlain)),
+      : built(build_home(options_for(seed, storeys), HomeSurfaces::kPlain)),
         graph(build_graph(built, "home", 0)),
         sights(built.home, *built.tracer, graph),
         site(built, graph, sights, 0),
@@ -76,14 +70,14 @@ struct Place {
   }
   std::size_t thing_of(std::int64_t object) const {
     const auto found =
-        std::ranges::find(home().things, static_cast<std::uint32_t>(object), &Thing::object);
+        std::ranges::find(home().things, static_cast<std::uint32_t>(object), &HomeThing::object);
     return static_cast<std::size_t>(found - home().things.begin());
   }
 
   BuiltHome built;
   graph::NavGraph graph;
-  instructions::Sights sights;
-  Site site;
+  instructions::ThingsInView sights;
+  DescribedHome site;
   instructions::testing::InstructionChecker checker;
   instructions::testing::Surfaces surfaces;
   std::vector<tasks::PathAnnotation> paths;
@@ -192,7 +186,7 @@ TEST(Descriptions, FitOneThingAndTheirPolygonsHoldIt) {
         const std::vector<Named> names = read_names(home, text);
         const auto things = things_meant(home, names, rooms_of(home, text, names));
         ASSERT_EQ(things.size(), 1U) << text;
-        const Thing& thing = home.things[things[0]];
+        const HomeThing& thing = home.things[things[0]];
         meant.insert(things[0]);
         const std::string look = fields[1].second, near = fields[2].second;
         if (look.find("high") != std::string::npos) {
@@ -207,7 +201,7 @@ TEST(Descriptions, FitOneThingAndTheirPolygonsHoldIt) {
         if (near.find("there is nothing") == std::string::npos && !others.empty()) {
           ASSERT_EQ(others.size(), 1U) << near;
           const auto gap = [&](std::size_t o) {
-            const Thing& other = home.things[o];
+            const HomeThing& other = home.things[o];
             const auto apart = [](double a0, double a1, double b0, double b1) {
               return std::max({b0 - a1, a0 - b1, 0.0});
             };
@@ -336,7 +330,7 @@ TEST(Dialogues, LeadAlongShortestPathsAndAreTrue) {
                     metres + distance_to_region(*place, shown.back(), region.viewpoints), 1e-6)
             << "the oracle shows a shortest path to the region";
         const auto room = place->sights.room(place->site.look_up(region.viewpoints)[0]).value();
-        EXPECT_TRUE(std::ranges::any_of(place->home().things, [&](const Thing& t) {
+        EXPECT_TRUE(std::ranges::any_of(place->home().things, [&](const HomeThing& t) {
           return t.room == room && t.noun == region.target;
         })) << region.target;
         const auto& turns = one.details.at(0).turns;
@@ -440,11 +434,11 @@ TEST(Pieces, CoverThePathAndTheText) {
   for (const auto& place : places()) {
     for (const tasks::PathAnnotation& path : place->paths) {
       const auto steps = place->site.look_up(path.path);
-      for (const instructions::Speaker speaker : instructions::kSpeakers) {
+      for (const instructions::SpeakerKind speaker : instructions::kSpeakers) {
         const instructions::Spoken spoken =
-            describe_in_parts(place->site.spoken(), steps, path.heading.value, speaker, kSeed);
+            describe(place->site.spoken(), steps, path.heading.value, speaker, kSeed);
         EXPECT_EQ(spoken.text,
-                  describe(place->site.spoken(), steps, path.heading.value, speaker, kSeed));
+                  describe(place->site.spoken(), steps, path.heading.value, speaker, kSeed).text);
         ++instructions;
         tasks::PathAnnotation one = path;
         one.instructions = {spoken.text};

@@ -2,16 +2,16 @@
 #include <array>
 
 #include "enfilade/geometry/angle.h"
-#include "enfilade/homes/furniture/furnish_recipes.h"
+#include "enfilade/homes/furniture/furnish_room.h"
 
 namespace enfilade::homes::furniture {
 namespace {
 
 /// A bed with 0 to 2 nightstands.
-Group bed_group(const Shape& bed, const Shape& night, int nights) {
-  const Size b = bed.size;
+FurnitureGroup bed_group(const FurnitureShape& bed, const FurnitureShape& night, int nights) {
+  const FurnitureSize b = bed.size;
   const double side = night.size.w + 0.06, shift = nights == 1 ? side / 2 : 0;
-  Group group{b.w + side * nights, b.d + 0.02, 0.45, {{bed, shift, b.d / 2 + 0.015}}};
+  FurnitureGroup group{b.w + side * nights, b.d + 0.02, 0.45, {{bed, shift, b.d / 2 + 0.015}}};
   const double y = night.size.d / 2 + 0.03, x = b.w / 2 + side / 2 + 0.01;
   if (nights > 0) group.items.emplace_back(night, shift - x, y);
   if (nights > 1) group.items.emplace_back(night, shift + x, y);
@@ -19,8 +19,9 @@ Group bed_group(const Shape& bed, const Shape& night, int nights) {
 }
 
 /// The bed's place, if one was found; with fewer nightstands where the room is small.
-std::optional<Spot> place_bed(FurnishedRoom& room, const Shape& bed, Group& group) {
-  const Shape& night = room.pick("nightstand");
+std::optional<Spot> place_bed(FurnishedRoom& room, const FurnitureShape& bed,
+                              FurnitureGroup& group) {
+  const FurnitureShape& night = room.pick("nightstand");
   const Score score = [&](const Spot& s) {
     return 0.35 * std::min(s.door, 4.0) - 0.7 * s.off_centre - (s.window ? 0.5 : 0);
   };
@@ -32,23 +33,23 @@ std::optional<Spot> place_bed(FurnishedRoom& room, const Shape& bed, Group& grou
   return std::nullopt;
 }
 
-void dress_bed(FurnishedRoom& room, const Spot& spot, const Group& group) {
-  const Item& bed = group.items[0];
-  const Shape& lamp = room.pick("table lamp");
+void dress_bed(FurnishedRoom& room, const Spot& spot, const FurnitureGroup& group) {
+  const GroupItem& bed = group.items[0];
+  const FurnitureShape& lamp = room.pick("table lamp");
   for (std::size_t i = 1; i < group.items.size(); ++i) {
-    const Item& night = group.items[i];
+    const GroupItem& night = group.items[i];
     room.put({lamp, night.x, night.y, night.size.h}, spot.frame);
   }
   if (room.chance(0.8)) {
-    const Shape& rug = shape_of("rug", room.chance(0.75) ? 0 : 1);
+    const FurnitureShape& rug = shape_of("rug", room.chance(0.75) ? 0 : 1);
     room.lay(rug, {bed.size.w + 1.1, 1.5, rug.size.h}, spot.frame, bed.x,
              bed.y + bed.size.d / 2 - 0.3);
   }
   if (bed.size.h < 1.5) {
-    const Shape& picture = room.pick(room.chance(0.5) ? "painting" : "picture");
+    const FurnitureShape& picture = room.pick(room.chance(0.5) ? "painting" : "picture");
     room.hang(picture, spot, std::max(1.25, bed.size.h + 0.2), 0.4);
   }
-  const Shape& cushion = shape_of("cushion");
+  const FurnitureShape& cushion = shape_of("cushion");
   for (const double side : {-0.22, 0.22}) {
     if (bed.size.w < 1.2 && side > 0) break;
     const double x = bed.x + (bed.size.w < 1.2 ? 0 : side * 1.2);
@@ -86,15 +87,16 @@ void furnish_bedroom(FurnishedRoom& room) {
   if (curtains) dress_windows(room, true);  // first, while nothing stands below the window
   const bool small = room.area() < 8.5 || room.narrow() < 2.6;
   const bool kids = small || (room.area() < 13 && room.chance(0.3));
-  const Shape& bed = kids ? (room.height() > 2.4 && room.chance(0.25) ? room.pick("bunk bed")
-                                                                      : room.pick("single bed"))
-                          : room.pick("bed");
-  Group group;
+  const FurnitureShape& bed =
+      kids ? (room.height() > 2.4 && room.chance(0.25) ? room.pick("bunk bed")
+                                                       : room.pick("single bed"))
+           : room.pick("bed");
+  FurnitureGroup group;
   auto spot = place_bed(room, bed, group);
   if (!spot) spot = place_bed(room, shape_of("single bed"), group);
   if (spot) dress_bed(room, *spot, group);
   if (spot && kids && room.area() > 11) {  // a second one
-    Group second;
+    FurnitureGroup second;
     const auto other = place_bed(room, bed, second);
     if (other) dress_bed(room, *other, second);
   }
@@ -109,14 +111,14 @@ namespace {
 
 /// Seats around a table before something to look at, in the frame of the wall that it stands at.
 struct Seating {
-  const Shape *focal, *sofa, *table, *chair;
+  const FurnitureShape *focal, *sofa, *table, *chair;
   int chairs = 0;
   double table_y = 0;  ///< of its middle, metres from the wall
-  Group group;
+  FurnitureGroup group;
 };
 
 void arrange(Seating& s, double depth) {
-  const Size f = s.focal->size, sofa = s.sofa->size, t = s.table->size;
+  const FurnitureSize f = s.focal->size, sofa = s.sofa->size, t = s.table->size;
   const double least = f.d + 0.8 + t.d + 0.4 + sofa.d;
   // Against the opposite wall if too little room is left behind the sofa to walk.
   const double back = depth - least < 1.05 ? depth - 0.02 : std::min(least + 0.6, depth - 1.0);
@@ -137,8 +139,8 @@ void arrange(Seating& s, double depth) {
 }
 
 /// The same with a corner sofa, whose long end points towards the focal point.
-void arrange_corner(Seating& s, const Shape& corner, double depth) {
-  const Size f = s.focal->size, sofa = corner.size, t = s.table->size;
+void arrange_corner(Seating& s, const FurnitureShape& corner, double depth) {
+  const FurnitureSize f = s.focal->size, sofa = corner.size, t = s.table->size;
   const double least = f.d + 0.8 + sofa.d;
   const double back = depth - least < 1.05 ? depth - 0.02 : std::min(least + 0.5, depth - 1.0);
   const double sofa_y = back - sofa.d / 2;
@@ -152,31 +154,31 @@ void arrange_corner(Seating& s, const Shape& corner, double depth) {
 /// The rug and the things on the table, which is the third item where there was room for one.
 void dress_middle(FurnishedRoom& room, const Spot& spot, const Seating& s) {
   const bool round = !room.chance(0.7);
-  const Shape& rug = shape_of("rug", round ? 1 : 0);
+  const FurnitureShape& rug = shape_of("rug", round ? 1 : 0);
   const double wide = room.between(2.2, 2.8);
   const bool has_table = s.group.items.size() > 2;
   room.lay(rug, {round ? 2.0 : wide, round ? 2.0 : 1.8, rug.size.h}, spot.frame,
            has_table ? s.group.items[2].x : 0, s.table_y + 0.1);
   if (!has_table) return;
-  Item table = s.group.items[2];
+  GroupItem table = s.group.items[2];
   table.size.w *= 0.8;
   clutter(room, spot.frame, table, "table");
 }
 
 void dress_seating(FurnishedRoom& room, const Spot& spot, const Seating& s, bool television) {
-  const Item& focal = s.group.items[0];
-  const Item& sofa = s.group.items[1];
+  const GroupItem& focal = s.group.items[0];
+  const GroupItem& sofa = s.group.items[1];
   if (television) {
     if (s.focal->noun == "tv stand") {
       room.put({shape_of("tv"), 0, focal.y, focal.size.h}, spot.frame);
     }
   } else if (s.focal->noun == "fireplace") {
-    Item mantel = focal;
+    GroupItem mantel = focal;
     mantel.size.w *= 0.8;
     mantel.size.d = 0.2;
     mantel.y = 0.16;
     clutter(room, spot.frame, mantel, "living");
-    const Shape& above = room.pick(room.chance(0.5) ? "mirror" : "painting");
+    const FurnitureShape& above = room.pick(room.chance(0.5) ? "mirror" : "painting");
     room.hang(above, spot, focal.size.h + 0.4, 0.2);
   }
   const bool corner = sofa.shape->noun == "corner sofa";
@@ -192,8 +194,8 @@ void dress_seating(FurnishedRoom& room, const Spot& spot, const Seating& s, bool
 
 std::optional<Spot> place_seating(FurnishedRoom& room, Seating& s) {
   const bool corner = room.area() > 20 && room.chance(0.3);
-  const Shape& loveseat = room.pick("loveseat");
-  const Shape& big = *s.sofa;
+  const FurnitureShape& loveseat = room.pick("loveseat");
+  const FurnitureShape& big = *s.sofa;
   for (int attempt = corner ? 0 : 1; attempt < 5; ++attempt) {
     s.sofa = attempt < 3 ? &big : &loveseat;
     s.chairs = std::array{0, 2, 1, 1, 0}[static_cast<std::size_t>(attempt)];
@@ -221,7 +223,7 @@ void living_extras(FurnishedRoom& room) {
   if (area > 24 && room.chance(0.35)) room.place_at_wall(shape_of("piano"), near_middle, 0.7);
   if (area > 30 && room.chance(0.5)) dressed_console(room, room.pick("display cabinet"), false);
   if (area > 36) {
-    const Shape& table = room.pick("round table");
+    const FurnitureShape& table = room.pick("round table");
     table_with_chairs(room, table, table.size, "chair", 0.3 * room.width());
   }
   if (area > 40) {
@@ -260,11 +262,11 @@ void furnish_living(FurnishedRoom& room, bool television) {
 
 void furnish_dining(FurnishedRoom& room) {
   const bool round = room.narrow() < 2.9 || room.chance(0.2);
-  const Shape& table = room.pick(round ? "round table" : "dining table");
-  Size size = table.size;
+  const FurnitureShape& table = room.pick(round ? "round table" : "dining table");
+  FurnitureSize size = table.size;
   if (!round && room.area() > 22) size.w += 0.6;
   auto frame = table_with_chairs(room, table, size);
-  const Shape& small = shape_of("kitchen table");
+  const FurnitureShape& small = shape_of("kitchen table");
   if (!frame) frame = table_with_chairs(room, small, small.size);
   if (frame) {
     const double half = size.d / 2 + 0.5;
@@ -281,11 +283,12 @@ void furnish_dining(FurnishedRoom& room) {
 }
 
 void furnish_booth(FurnishedRoom& room) {
-  const Shape& bench = shape_of("bench", 2);
-  const Shape& table = shape_of("kitchen table");
+  const FurnitureShape& bench = shape_of("bench", 2);
+  const FurnitureShape& table = shape_of("kitchen table");
   const double deep = bench.size.d, gap = 0.08, half = table.size.d / 2 + gap + deep / 2;
   const double d = table.size.d + 2 * (deep + gap), y = d / 2;
-  const Group group{1.3, d, 0, {{table, 0, y}, {bench, 0, y - half}, {bench, 0, y + half, 0, kPi}}};
+  const FurnitureGroup group{
+      1.3, d, 0, {{table, 0, y}, {bench, 0, y - half}, {bench, 0, y + half, 0, kPi}}};
   const unsigned most = std::max(1U, static_cast<unsigned>(room.area() / 9));
   for (unsigned i = 0; i < most; ++i) {
     const Rect& f = room.space().floor;

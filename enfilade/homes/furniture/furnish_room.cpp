@@ -1,7 +1,9 @@
 #include "enfilade/homes/furniture/furnish_room.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 namespace enfilade::homes::furniture {
@@ -30,9 +32,9 @@ Rect around(Vec3d a, Vec3d b) {
 
 }  // namespace
 
-double Frame::angle() const { return quarters % 4 * (std::numbers::pi / 2); }
+double GroupFrame::angle() const { return quarters % 4 * (std::numbers::pi / 2); }
 
-Vec3d Frame::to_world(double x, double y, double z) const {
+Vec3d GroupFrame::to_world(double x, double y, double z) const {
   constexpr std::array<std::array<double, 2>, 4> kCosSin{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
   const auto [c, s] = kCosSin[quarters % 4];
   return {origin.x + c * x - s * y, origin.y + s * x + c * y, origin.z + z};
@@ -43,7 +45,7 @@ FurnishedRoom::FurnishedRoom(const looks::RoomSpace& space, const looks::RoomSty
     : space_(space), style_(style), rng_(rng), parts_(parts), clear_(space.keep_clear) {
   for (const auto& hole : space.holes) {
     if (!hole.is_door()) continue;
-    const Frame frame = wall_frame(hole.wall, hole.middle());
+    const GroupFrame frame = wall_frame(hole.wall, hole.middle());
     const double half = (hole.to - hole.from) / 2 + 0.05;
     clear_.push_back(around(frame.to_world(-half, 0), frame.to_world(half, kBeforeDoors)));
   }
@@ -53,30 +55,30 @@ std::pair<double, double> FurnishedRoom::wall_ends(Side wall) const {
   return space_.floor.range(runs_along_x(wall));
 }
 
-Frame FurnishedRoom::wall_frame(Side wall, double along) const {
+GroupFrame FurnishedRoom::wall_frame(Side wall, double along) const {
   const double n = space_.floor.at(wall), z = space_.floor_z;
   const Vec3d origin = runs_along_x(wall) ? Vec3d{along, n, z} : Vec3d{n, along, z};
   return {origin, static_cast<unsigned>(index(wall) + 1) % 4};
 }
 
-Frame FurnishedRoom::middle() const {
+GroupFrame FurnishedRoom::middle() const {
   const Rect& f = space_.floor;
   return {{(f.x0 + f.x1) / 2, (f.y0 + f.y1) / 2, space_.floor_z}, 0};
 }
 
-const Shape& FurnishedRoom::pick(std::string_view noun) {
+const FurnitureShape& FurnishedRoom::pick(std::string_view noun) {
   const auto shapes = shapes_of(noun);
   return *shapes[rng_.below(shapes.size())];
 }
 
-Rect FurnishedRoom::footprint(const Item& item, const Frame& frame) const {
+Rect FurnishedRoom::footprint(const GroupItem& item, const GroupFrame& frame) const {
   const double c = std::abs(std::cos(item.turned)), s = std::abs(std::sin(item.turned));
   const double hx = (c * item.size.w + s * item.size.d) / 2;
   const double hy = (s * item.size.w + c * item.size.d) / 2;
   return around(frame.to_world(item.x - hx, item.y - hy), frame.to_world(item.x + hx, item.y + hy));
 }
 
-FurnishedRoom::Solid FurnishedRoom::solid(const Item& item, const Frame& frame) const {
+FurnishedRoom::Solid FurnishedRoom::solid(const GroupItem& item, const GroupFrame& frame) const {
   return {footprint(item, frame), item.z, item.z + item.size.h};
 }
 
@@ -95,21 +97,22 @@ bool FurnishedRoom::fits(const std::vector<Rect>& rects) const {
   });
 }
 
-void FurnishedRoom::put(const Item& item, const Frame& frame) {
+void FurnishedRoom::put(const GroupItem& item, const GroupFrame& frame) {
   built_.push_back(solid(item, frame));
   const mesh::Placement at{frame.to_world(item.x, item.y, item.z), frame.angle() + item.turned};
   build_shape(*item.shape, item.size, at, space_.room, style_, rng_, parts_, item.power);
 }
 
-bool FurnishedRoom::put_if_clear(const Item& item, const Frame& frame) {
+bool FurnishedRoom::put_if_clear(const GroupItem& item, const GroupFrame& frame) {
   if (meets_any(solid(item, frame), built_)) return false;
   put(item, frame);
   return true;
 }
 
-bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional<Side> wall) {
+bool FurnishedRoom::commit(const FurnitureGroup& group, const GroupFrame& frame,
+                           std::optional<Side> wall) {
   std::vector<Rect> rects;
-  for (const Item& item : group.items) {
+  for (const GroupItem& item : group.items) {
     if (item.z < 1.9 && item.size.h > kFlat && item.z < kFlat) {
       rects.push_back(footprint(item, frame));
     }
@@ -125,7 +128,7 @@ bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional
     return false;
   }
   if (group.front > 0) used_.push_back(front);
-  for (const Item& item : group.items) {
+  for (const GroupItem& item : group.items) {
     put(item, frame);
     if (!wall) continue;
     const Rect r = footprint(item, frame);
@@ -137,7 +140,7 @@ bool FurnishedRoom::commit(const Group& group, const Frame& frame, std::optional
   return true;
 }
 
-bool FurnishedRoom::place(const Group& group, const Frame& frame) {
+bool FurnishedRoom::place(const FurnitureGroup& group, const GroupFrame& frame) {
   return commit(group, frame, std::nullopt);
 }
 
@@ -154,7 +157,7 @@ bool FurnishedRoom::wall_is_free(const WallItem& item, double margin) const {
   });
 }
 
-Spot FurnishedRoom::describe(const Frame& frame, Side wall, double along, double w) const {
+Spot FurnishedRoom::describe(const GroupFrame& frame, Side wall, double along, double w) const {
   const auto [from, to] = wall_ends(wall);
   Spot spot{frame, wall, along, 0, 0, 9, false};
   spot.off_centre = std::abs(along - (from + to) / 2) / std::max(0.01, (to - from) / 2);
@@ -171,11 +174,11 @@ Spot FurnishedRoom::describe(const Frame& frame, Side wall, double along, double
   return spot;
 }
 
-std::vector<Spot> FurnishedRoom::spots(const Group& group) const {
+std::vector<Spot> FurnishedRoom::spots(const FurnitureGroup& group) const {
   constexpr double kStep = 0.1;
   std::vector<Spot> found;
   double tallest = 0;
-  for (const Item& item : group.items) {
+  for (const GroupItem& item : group.items) {
     if (item.y - item.size.d / 2 < 0.3) tallest = std::max(tallest, item.z + item.size.h);
   }
   for (const Side wall : kSides) {
@@ -187,7 +190,7 @@ std::vector<Spot> FurnishedRoom::spots(const Group& group) const {
       const double along = i == n ? last : first + i * kStep;
       if (!wall_is_free({wall, along - group.w / 2, along + group.w / 2, 0, tallest}, 0.0))
         continue;
-      const Frame frame = wall_frame(wall, along);
+      const GroupFrame frame = wall_frame(wall, along);
       const Rect whole =
           around(frame.to_world(-group.w / 2, 0.005), frame.to_world(group.w / 2, group.d));
       if (!fits({whole})) continue;
@@ -197,7 +200,7 @@ std::vector<Spot> FurnishedRoom::spots(const Group& group) const {
   return found;
 }
 
-std::optional<Spot> FurnishedRoom::place_at_wall(const Group& group, const Score& score) {
+std::optional<Spot> FurnishedRoom::place_at_wall(const FurnitureGroup& group, const Score& score) {
   constexpr std::size_t kTries = 10;
   struct Scored {
     double value;
@@ -223,18 +226,18 @@ std::optional<Spot> FurnishedRoom::place_at_wall(const Group& group, const Score
   return std::nullopt;
 }
 
-std::optional<Spot> FurnishedRoom::place_at_wall(const Shape& shape, const Score& score,
+std::optional<Spot> FurnishedRoom::place_at_wall(const FurnitureShape& shape, const Score& score,
                                                  double front) {
   const auto [w, d, h] = shape.size;
   return place_at_wall({w, d + 0.02, front, {{shape, 0, d / 2 + 0.015}}}, score);
 }
 
-std::optional<Frame> FurnishedRoom::place_free(const Group& group, Vec3d towards) {
+std::optional<GroupFrame> FurnishedRoom::place_free(const FurnitureGroup& group, Vec3d towards) {
   constexpr double kStep = 0.2;
   constexpr std::size_t kTries = 16;
   struct Scored {
     double value;
-    Frame frame;
+    GroupFrame frame;
   };
   std::vector<Scored> all;
   const Rect& f = space_.floor;
@@ -243,7 +246,7 @@ std::optional<Frame> FurnishedRoom::place_free(const Group& group, Vec3d towards
     const unsigned q = (first + turn) % 4;
     for (double cx = f.x0 + 0.3; cx < f.x1 - 0.3; cx += kStep) {
       for (double cy = f.y0 + 0.3; cy < f.y1 - 0.3; cy += kStep) {
-        Frame frame{{cx, cy, space_.floor_z}, q};
+        GroupFrame frame{{cx, cy, space_.floor_z}, q};
         frame.origin = frame.to_world(0, -group.d / 2);
         const Rect whole =
             around(frame.to_world(-group.w / 2, 0), frame.to_world(group.w / 2, group.d));
@@ -262,8 +265,8 @@ std::optional<Frame> FurnishedRoom::place_free(const Group& group, Vec3d towards
   return std::nullopt;
 }
 
-bool FurnishedRoom::hang(const Shape& shape, Size size, Side wall, double along, double low,
-                         double slide, double apart) {
+bool FurnishedRoom::hang(const FurnitureShape& shape, FurnitureSize size, Side wall, double along,
+                         double low, double slide, double apart) {
   if (low + size.h > height() - 0.08) return false;
   const auto [from, to] = wall_ends(wall);
   for (double off = 0; off <= slide + 1e-9; off += 0.15) {
@@ -271,8 +274,8 @@ bool FurnishedRoom::hang(const Shape& shape, Size size, Side wall, double along,
       const double at = along + side * off;
       const WallItem item{wall, at - size.w / 2, at + size.w / 2, low, low + size.h};
       if (item.from < from + 0.05 || item.to > to - 0.05 || !wall_is_free(item, apart)) continue;
-      const Frame frame = wall_frame(wall, at);
-      const Item hung{shape, size, 0, size.d / 2 + 0.002, low};
+      const GroupFrame frame = wall_frame(wall, at);
+      const GroupItem hung{shape, size, 0, size.d / 2 + 0.002, low};
       if (meets_any(solid(hung, frame), built_)) continue;
       const Rect below =
           around(frame.to_world(-size.w / 2, 0.01), frame.to_world(size.w / 2, size.d));
@@ -286,7 +289,7 @@ bool FurnishedRoom::hang(const Shape& shape, Size size, Side wall, double along,
   return false;
 }
 
-bool FurnishedRoom::hang_anywhere(const Shape& shape, double low) {
+bool FurnishedRoom::hang_anywhere(const FurnitureShape& shape, double low) {
   constexpr double kApart = 0.25;  // nearer frames seem to overlap when seen along the wall
   const auto first = rng_.below(4);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -298,19 +301,179 @@ bool FurnishedRoom::hang_anywhere(const Shape& shape, double low) {
   return false;
 }
 
-bool FurnishedRoom::lay(const Shape& shape, Size size, const Frame& frame, double x, double y) {
+bool FurnishedRoom::lay(const FurnitureShape& shape, FurnitureSize size, const GroupFrame& frame,
+                        double x, double y) {
   const Rect r = footprint({shape, size, x, y}, frame);
   const Rect& f = space_.floor;
   const Rect in{std::max(r.x0, f.x0 + 0.06), std::max(r.y0, f.y0 + 0.06),
                 std::min(r.x1, f.x1 - 0.06), std::min(r.y1, f.y1 - 0.06)};
   if (in.width() < 0.35 || in.depth() < 0.35 || overlaps_any(in, rugs_)) return false;
   const bool across = frame.quarters % 2 == 1;
-  const Size cut{across ? in.depth() : in.width(), across ? in.width() : in.depth(), size.h};
+  const FurnitureSize cut{across ? in.depth() : in.width(), across ? in.width() : in.depth(),
+                          size.h};
   const Vec3d middle{(in.x0 + in.x1) / 2, (in.y0 + in.y1) / 2, space_.floor_z};
   // A little above the floor, so that the two surfaces do not lie in one plane.
   put({shape, cut, 0, 0, 0.002}, {middle, frame.quarters});
   rugs_.push_back(in);
   return true;
+}
+
+namespace {
+
+constexpr double kCell = 0.08;
+
+/// The floor as a grid of cells: those where the middle of a body with some radius can be.
+class FloorGrid {
+ public:
+  FloorGrid(const Rect& floor, double radius)
+      : floor_(floor),
+        radius_(radius),
+        nx_(std::max<std::size_t>(1, static_cast<std::size_t>(floor.width() / kCell))),
+        ny_(std::max<std::size_t>(1, static_cast<std::size_t>(floor.depth() / kCell))),
+        free_(nx_ * ny_, 1) {
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+      const double x = x_of(i), y = y_of(i);
+      const double edge = std::min({x - floor.x0, floor.x1 - x, y - floor.y0, floor.y1 - y});
+      if (edge < radius_) free_[i] = 0;
+    }
+  }
+
+  void block(const Rect& r) {
+    const auto from = [](double v) { return static_cast<std::size_t>(std::max(0.0, v)); };
+    const std::size_t i0 = from((r.x0 - radius_ - floor_.x0) / kCell - 1);
+    const std::size_t i1 = std::min(nx_, from((r.x1 + radius_ - floor_.x0) / kCell + 1));
+    const std::size_t k0 = from((r.y0 - radius_ - floor_.y0) / kCell - 1);
+    const std::size_t k1 = std::min(ny_, from((r.y1 + radius_ - floor_.y0) / kCell + 1));
+    for (std::size_t k = k0; k < k1; ++k) {
+      for (std::size_t i = i0; i < i1; ++i) {
+        const std::size_t cell = k * nx_ + i;
+        const double dx = std::max({r.x0 - x_of(cell), x_of(cell) - r.x1, 0.0});
+        const double dy = std::max({r.y0 - y_of(cell), y_of(cell) - r.y1, 0.0});
+        if (dx * dx + dy * dy < radius_ * radius_) free_[cell] = 0;
+      }
+    }
+  }
+
+  /// The free cell nearest to a point, at most `reach` away.
+  std::optional<std::size_t> nearest(double x, double y, double reach) const {
+    std::optional<std::size_t> best;
+    double nearest = reach * reach;
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+      if (free_[i] == 0) continue;
+      const double dx = x_of(i) - x, dy = y_of(i) - y;
+      if (dx * dx + dy * dy > nearest) continue;
+      nearest = dx * dx + dy * dy;
+      best = i;
+    }
+    return best;
+  }
+
+  std::vector<std::uint8_t> reached_from(std::size_t start) const {
+    std::vector<std::uint8_t> seen(free_.size(), 0);
+    std::vector<std::size_t> open{start};
+    seen[start] = 1;
+    while (!open.empty()) {
+      const std::size_t cell = open.back();
+      open.pop_back();
+      const std::size_t i = cell % nx_, k = cell / nx_;
+      const auto visit = [&](std::size_t next) {
+        if (free_[next] == 0 || seen[next] != 0) return;
+        seen[next] = 1;
+        open.push_back(next);
+      };
+      if (i > 0) visit(cell - 1);
+      if (i + 1 < nx_) visit(cell + 1);
+      if (k > 0) visit(cell - nx_);
+      if (k + 1 < ny_) visit(cell + nx_);
+    }
+    return seen;
+  }
+
+  double distance(std::size_t cell, double x, double y) const {
+    const double dx = x_of(cell) - x, dy = y_of(cell) - y;
+    return std::sqrt(dx * dx + dy * dy);
+  }
+  const std::vector<std::uint8_t>& free() const { return free_; }
+
+ private:
+  double x_of(std::size_t cell) const {
+    return floor_.x0 + (double(cell % nx_) + 0.5) * floor_.width() / double(nx_);
+  }
+  double y_of(std::size_t cell) const {
+    return floor_.y0 + (double(cell / nx_) + 0.5) * floor_.depth() / double(ny_);
+  }
+
+  Rect floor_;
+  double radius_;
+  std::size_t nx_, ny_;
+  std::vector<std::uint8_t> free_;
+};
+
+/// The free cell nearest to the point `deep` metres inside a door, at most `reach` from it.
+std::optional<std::size_t> cell_inside(const looks::RoomSpace& space, const FloorGrid& grid,
+                                       const looks::RoomSpace::WallHole& door, double deep,
+                                       double reach) {
+  const double n = space.floor.at(door.wall) + (is_high(door.wall) ? -deep : deep);
+  return runs_along_x(door.wall) ? grid.nearest(door.middle(), n, reach)
+                                 : grid.nearest(n, door.middle(), reach);
+}
+
+bool connected(const looks::RoomSpace& space, const FloorGrid& grid, double radius) {
+  const Rect& f = space.floor;
+  const double mx = (f.x0 + f.x1) / 2, my = (f.y0 + f.y1) / 2;
+  std::optional<std::size_t> first;
+  std::vector<std::uint8_t> reached;
+  for (const auto& hole : space.holes) {
+    if (!hole.is_door()) continue;
+    const auto cell = cell_inside(space, grid, hole, radius + kCell, 2.5 * kCell);
+    if (!cell) return false;
+    if (!first) {
+      first = cell;
+      reached = grid.reached_from(*cell);
+    } else if (reached[*cell] == 0) {
+      return false;
+    }
+  }
+  if (!first) return true;
+  // A table may stand in the middle itself: a place beside it is enough.
+  const double near = std::max(0.9, 0.55 * std::min(f.width(), f.depth()));
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    if (reached[i] != 0 && grid.distance(i, mx, my) <= near) return true;
+  }
+  return false;
+}
+
+/// The area of free floor, m2, that cannot be reached from the first door.
+double cut_off(const looks::RoomSpace& space, const FloorGrid& grid, double radius) {
+  for (const auto& hole : space.holes) {
+    if (!hole.is_door()) continue;
+    const auto cell = cell_inside(space, grid, hole, radius + kCell, 3 * kCell);
+    if (!cell) continue;
+    const auto reached = grid.reached_from(*cell);
+    std::size_t lost = 0;
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      if (grid.free()[i] != 0 && reached[i] == 0) ++lost;
+    }
+    return double(lost) * kCell * kCell;
+  }
+  return 0;
+}
+
+}  // namespace
+
+bool ways_are_open(const looks::RoomSpace& space, const std::vector<Rect>& standing) {
+  constexpr double kHalfWay = 0.375, kBody = 0.25, kLeastPocket = 0.5;
+  const double half = std::min(space.floor.width(), space.floor.depth()) / 2;
+  const double way = std::min(kHalfWay, half - 0.8 * kCell), body = std::min(kBody, way);
+  if (way <= 0) return standing.empty();
+  FloorGrid wide(space.floor, way), narrow(space.floor, body);
+  for (const auto* blocked : {&standing, &space.no_way}) {
+    for (const Rect& r : *blocked) {
+      wide.block(r);
+      narrow.block(r);
+    }
+  }
+  return connected(space, wide, way) && cut_off(space, narrow, body) <= kLeastPocket;
 }
 
 }  // namespace enfilade::homes::furniture

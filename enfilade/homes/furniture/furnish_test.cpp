@@ -1,5 +1,3 @@
-#include "enfilade/homes/furniture/furnish.h"
-
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
@@ -18,7 +16,7 @@ struct Workshop {
   mesh::MeshBuilder builder{mesh};
   std::vector<looks::RoomStyle> styles;
   std::vector<Obstacle> obstacles;
-  std::vector<Thing> things;
+  std::vector<HomeThing> things;
   std::vector<mesh::Lamp> lamps;
   looks::HomeParts parts{builder, obstacles, things, lamps};
 
@@ -41,11 +39,11 @@ bool inside(const Obstacle& o, Vec3d p, double slack) {
 TEST(Catalogue, HasThirtyCategoriesOfThreeShapesEach) {
   std::map<unsigned, unsigned> shapes;
   std::set<std::string> nouns;
-  for (const CatalogueEntry& entry : catalogue()) {
-    shapes[entry.category] += entry.shapes;
-    EXPECT_TRUE(nouns.insert(entry.noun).second) << entry.noun;
-    EXPECT_GT(entry.category, 0U);
-    EXPECT_LE(entry.category, 41U);
+  for (const FurnitureShape& shape : all_shapes()) {
+    ++shapes[shape.category];
+    nouns.emplace(shape.noun);
+    EXPECT_GT(shape.category, 0U);
+    EXPECT_LE(shape.category, 41U);
   }
   const auto enough = std::count_if(shapes.begin(), shapes.end(),
                                     [](const auto& entry) { return entry.second >= 3; });
@@ -56,7 +54,7 @@ TEST(Catalogue, HasThirtyCategoriesOfThreeShapesEach) {
 TEST(Shapes, AreSoundAndKeepToTheirSize) {
   Workshop shop;
   Rng rng(1);
-  for (const Shape& shape : all_shapes()) {
+  for (const FurnitureShape& shape : all_shapes()) {
     SCOPED_TRACE(std::string(shape.noun) + " " + std::to_string(shape.variant));
     const std::size_t first = shop.mesh.triangles.size();
     build_shape(shape, shape.size, {}, 0, shop.styles[0], rng, shop.parts);
@@ -88,12 +86,12 @@ TEST(Shapes, AreSoundAndKeepToTheirSize) {
 TEST(Shapes, ObstaclesAndThingsHoldWhatTheyStandFor) {
   Workshop shop;
   Rng rng(2);
-  for (const Shape& shape : all_shapes()) {
+  for (const FurnitureShape& shape : all_shapes()) {
     SCOPED_TRACE(std::string(shape.noun) + " " + std::to_string(shape.variant));
     const std::size_t first = shop.mesh.positions.size();
     shop.obstacles.clear();
     build_shape(shape, shape.size, {{3, -2, 0}, 0.6}, 0, shop.styles[0], rng, shop.parts);
-    const Thing& thing = shop.things.back();
+    const HomeThing& thing = shop.things.back();
     EXPECT_EQ(thing.noun, shape.noun);
     const bool touchable = shape.size.h > 0.065 && shape.size.d > 0.065;
     EXPECT_EQ(shop.obstacles.empty(), !touchable);
@@ -146,9 +144,10 @@ struct Standing {
   std::string noun;
   Rect box;
 };
-std::vector<Standing> standing(const looks::RoomSpace& space, const std::vector<Thing>& things) {
+std::vector<Standing> standing(const looks::RoomSpace& space,
+                               const std::vector<HomeThing>& things) {
   std::vector<Standing> found;
-  for (const Thing& t : things) {
+  for (const HomeThing& t : things) {
     if (t.low.z > space.floor_z + 0.06 || t.high.z < space.floor_z + 0.07) continue;
     found.push_back({t.noun, {t.low.x, t.low.y, t.high.x, t.high.y}});
   }
@@ -174,7 +173,7 @@ void expect_well_placed(const looks::RoomSpace& space, const Workshop& shop) {
       EXPECT_LT(shared(boxes[i].box, boxes[k].box), 0.06) << boxes[i].noun << ", " << boxes[k].noun;
     }
   }
-  for (const Thing& t : shop.things) {
+  for (const HomeThing& t : shop.things) {
     EXPECT_GE(t.low.x, space.floor.x0 - 0.02) << t.noun;
     EXPECT_GE(t.low.y, space.floor.y0 - 0.02) << t.noun;
     EXPECT_LE(t.high.x, space.floor.x1 + 0.02) << t.noun;
@@ -302,7 +301,7 @@ TEST(Furnish, KeepsWaysOpenAndPiecesApartInFiveHundredRooms) {
     if (possible) {
       EXPECT_TRUE(doors_are_joined(space, rects));
     }
-    for (const Thing& t : shop.things) categories.insert(shop.mesh.objects[t.object].category);
+    for (const HomeThing& t : shop.things) categories.insert(shop.mesh.objects[t.object].category);
     triangles += shop.mesh.triangles.size();
     area += space.floor.area();
     ++rooms;
@@ -314,7 +313,7 @@ TEST(Furnish, KeepsWaysOpenAndPiecesApartInFiveHundredRooms) {
 }
 
 /// Does it hang on a wall, as pictures and curtains do?
-bool hangs(const Thing& thing) {
+bool hangs(const HomeThing& thing) {
   static const std::set<std::string> kNouns{
       "picture",      "painting", "mirror",  "wall tv", "whiteboard", "notice board", "clock",
       "wall cabinet", "shelf",    "curtain", "blinds",  "wall lamp",  "range hood"};
@@ -322,14 +321,14 @@ bool hangs(const Thing& thing) {
 }
 
 /// How far two boxes are in each other; negative: apart.
-double shared(const Thing& a, const Thing& b) {
+double shared(const HomeThing& a, const HomeThing& b) {
   return std::min({std::min(a.high.x, b.high.x) - std::max(a.low.x, b.low.x),
                    std::min(a.high.y, b.high.y) - std::max(a.low.y, b.low.y),
                    std::min(a.high.z, b.high.z) - std::max(a.low.z, b.low.z)});
 }
 
 /// A door or window as a thing as thick as a wall.
-Thing hole_of(const looks::RoomSpace& space, const looks::RoomSpace::WallHole& hole) {
+HomeThing hole_of(const looks::RoomSpace& space, const looks::RoomSpace::WallHole& hole) {
   const Rect& f = space.floor;
   const double deep = 0.1;
   const std::array<Rect, 4> boxes{{{f.x1 - deep, hole.from, f.x1 + deep, hole.to},
@@ -359,16 +358,16 @@ TEST(Furnish, WhatHangsOnWallsMeetsNothingElse) {
     shop.mesh.triangles.clear();
     shop.things.clear();
     furnish(space, shop.styles[seed % kTypes.size()], rng, shop.parts);
-    for (const Thing& thing : shop.things) {
+    for (const HomeThing& thing : shop.things) {
       if (!hangs(thing)) continue;
       ++hung;
-      for (const Thing& other : shop.things) {
+      for (const HomeThing& other : shop.things) {
         if (&other == &thing) continue;
         EXPECT_LT(shared(thing, other), kTrim) << thing.noun << ", " << other.noun;
       }
       if (thing.noun == "curtain" || thing.noun == "blinds") continue;
       for (const auto& hole : space.holes) {
-        const Thing opening = hole_of(space, hole);
+        const HomeThing opening = hole_of(space, hole);
         EXPECT_LT(shared(thing, opening), 0) << thing.noun << ", " << opening.noun;
       }
     }
@@ -411,9 +410,10 @@ TEST(Furnish, GivesRoomsWhatTheirTypeNeeds) {
       Rng rng(seed);
       furnish(space, shop.styles[0], rng, shop.parts);
       for (const std::string& noun : nouns) {
-        const bool has = std::any_of(shop.things.begin(), shop.things.end(), [&](const Thing& t) {
-          return t.noun == noun || (noun == "bed" && t.noun.ends_with("bed"));
-        });
+        const bool has =
+            std::any_of(shop.things.begin(), shop.things.end(), [&](const HomeThing& t) {
+              return t.noun == noun || (noun == "bed" && t.noun.ends_with("bed"));
+            });
         EXPECT_TRUE(has) << noun;
       }
     }

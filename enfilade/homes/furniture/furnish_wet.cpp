@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "enfilade/homes/furniture/furnish_recipes.h"
+#include "enfilade/homes/furniture/furnish_room.h"
 
 namespace enfilade::homes::furniture {
 namespace {
@@ -10,14 +10,14 @@ constexpr double kCounterDeep = 0.62, kCounterTop = 0.92, kUnit = 0.6;
 
 /// A run of kitchen units along a wall, from left to right as seen from the room.
 struct Run {
-  Group group;
+  FurnitureGroup group;
   double at = 0;      ///< where the next unit begins
   double sink = 0;    ///< middle of the sink's cabinet
   double stove = -9;  ///< middle of the stove; -9: none
   double fridge = 0;  ///< width of the tall unit at the left end
 };
 
-void add_unit(Run& run, const Shape& shape, Size size) {
+void add_unit(Run& run, const FurnitureShape& shape, FurnitureSize size) {
   run.group.items.emplace_back(shape, size, run.at + size.w / 2, size.d / 2 + 0.012);
   run.at += size.w;
 }
@@ -28,7 +28,7 @@ void add_tops(Run& run, double from, double to) {
   const bool sink = run.sink > from && run.sink < to;
   const auto add = [&](double a, double b, std::size_t variant) {
     if (b - a < 0.02) return;
-    const Size size{b - a, kCounterDeep, 0.14};
+    const FurnitureSize size{b - a, kCounterDeep, 0.14};
     run.group.items.emplace_back(shape_of("countertop", variant), size, (a + b) / 2,
                                  size.d / 2 + 0.012, kCounterTop - 0.04);
   };
@@ -39,14 +39,14 @@ void add_tops(Run& run, double from, double to) {
 }
 
 void add_units(FurnishedRoom& room, Run& run, int units, double each, int sink, int hot) {
-  const Size usual{each, 0.6, kCounterTop - 0.04};
+  const FurnitureSize usual{each, 0.6, kCounterTop - 0.04};
   for (int i = 0; i < units; ++i) {
     if (i == sink) {
       run.sink = run.at + each / 2;
       add_unit(run, shape_of("sink cabinet"), usual);
     } else if (i == hot) {
       run.stove = run.at + each / 2;
-      const Shape& shape = room.pick("stove");
+      const FurnitureShape& shape = room.pick("stove");
       add_unit(run, shape, {each, shape.size.d, shape.size.h});
     } else if (i == sink + 1 && units > 4) {
       add_unit(run, shape_of("dishwasher"), usual);
@@ -58,7 +58,7 @@ void add_units(FurnishedRoom& room, Run& run, int units, double each, int sink, 
 
 /// Moves the origin from the left end to the middle.
 void centre(Run& run, double deep, double front) {
-  for (Item& item : run.group.items) item.x -= run.at / 2;
+  for (GroupItem& item : run.group.items) item.x -= run.at / 2;
   run.sink -= run.at / 2;
   run.stove -= run.at / 2;
   run.group.w = run.at;
@@ -70,7 +70,8 @@ void centre(Run& run, double deep, double front) {
 Run make_run(FurnishedRoom& room, double length, bool fridge, bool stove, double sink_at) {
   Run run;
   if (fridge) {
-    const Shape& shape = length > 3.2 ? room.pick("refrigerator") : shape_of("refrigerator");
+    const FurnitureShape& shape =
+        length > 3.2 ? room.pick("refrigerator") : shape_of("refrigerator");
     add_unit(run, shape, shape.size);
     run.fridge = run.at;
   }
@@ -87,7 +88,7 @@ Run make_run(FurnishedRoom& room, double length, bool fridge, bool stove, double
   } else {
     add_tops(run, first, run.at);
   }
-  const Shape& basin = shape_of("kitchen sink");
+  const FurnitureShape& basin = shape_of("kitchen sink");
   const double low = kCounterTop - (basin.size.h - 0.3);
   run.group.items.emplace_back(basin, run.sink, kCounterDeep / 2 + 0.012, low);
   centre(run, 0.7, 0.75);
@@ -97,7 +98,7 @@ Run make_run(FurnishedRoom& room, double length, bool fridge, bool stove, double
 /// A hood above the stove, cabinets beside it.
 void hang_above_run(FurnishedRoom& room, const Run& run, const Spot& spot) {
   const double low = 1.45;
-  const Shape& hood = room.pick("range hood");
+  const FurnitureShape& hood = room.pick("range hood");
   const bool has_stove = run.stove > -run.at / 2;
   // Frames look into the room: the wall's own coordinate runs along or against x.
   const auto along = [&](double x) {
@@ -105,14 +106,14 @@ void hang_above_run(FurnishedRoom& room, const Run& run, const Spot& spot) {
     return faces_x(spot.wall) ? p.y : p.x;
   };
   if (has_stove) {
-    const Size size{0.6, 0.48, std::min(0.75, room.height() - 1.7)};
+    const FurnitureSize size{0.6, 0.48, std::min(0.75, room.height() - 1.7)};
     room.hang(hood, size, spot.wall, along(run.stove), 1.6);
   }
-  const Shape& cabinet = shape_of("wall cabinet");
-  const Shape& open = shape_of("wall cabinet", 1);
+  const FurnitureShape& cabinet = shape_of("wall cabinet");
+  const FurnitureShape& open = shape_of("wall cabinet", 1);
   for (double x = -run.at / 2 + run.fridge + kUnit / 2; x < run.at / 2 - 0.2; x += kUnit) {
     if (has_stove && std::abs(x - run.stove) < 0.3 + kUnit / 2 + 0.05) continue;
-    const Shape& shape = room.chance(0.25) ? open : cabinet;
+    const FurnitureShape& shape = room.chance(0.25) ? open : cabinet;
     const double h = std::min(0.72, room.height() - low - 0.12);
     // Wall items keep 6 cm apart: cabinets are a little less wide than their place.
     room.hang(shape, {kUnit - 0.062, shape.size.d, h}, spot.wall, along(x), low);
@@ -121,10 +122,10 @@ void hang_above_run(FurnishedRoom& room, const Run& run, const Spot& spot) {
 
 void dress_run(FurnishedRoom& room, const Run& run, const Spot& spot) {
   hang_above_run(room, run, spot);
-  for (const Item& item : run.group.items) {
+  for (const GroupItem& item : run.group.items) {
     if (item.shape->noun != "countertop" || item.size.w < 0.35) continue;
     if (std::abs(item.x - run.sink) < 0.2) continue;
-    Item top = item;
+    GroupItem top = item;
     top.size.h = 0.04;
     clutter(room, spot.frame, top, "kitchen");
   }
@@ -161,11 +162,11 @@ void second_run(FurnishedRoom& room, double length) {
 }
 
 bool place_island(FurnishedRoom& room) {
-  const Shape& island = room.pick("kitchen island");
-  const Shape& stool = room.pick("bar stool");
+  const FurnitureShape& island = room.pick("kitchen island");
+  const FurnitureShape& stool = room.pick("bar stool");
   const auto [w, d, h] = island.size;
-  const Item top(island, 0, stool.size.d + 0.05 + d / 2);
-  Group group{w, d + stool.size.d + 0.05, 0, {top}};
+  const GroupItem top(island, 0, stool.size.d + 0.05 + d / 2);
+  FurnitureGroup group{w, d + stool.size.d + 0.05, 0, {top}};
   for (const double x : {-0.28, 0.28}) group.items.emplace_back(stool, x * w, stool.size.d / 2);
   const auto frame = room.place_free(group, room.middle().origin);
   if (!frame) return false;
@@ -182,7 +183,7 @@ void furnish_kitchen(FurnishedRoom& room) {
   if (room.area() > 9) second_run(room, std::min(2.4, 0.12 * room.area()));
   const bool island = room.narrow() > 3.4 && room.chance(0.6) && place_island(room);
   if (!island || room.area() > 24) {
-    const Shape& table = room.pick("kitchen table");
+    const FurnitureShape& table = room.pick("kitchen table");
     table_with_chairs(room, table, table.size);
   }
   if (room.area() > 14) dressed_console(room, room.pick("cupboard"), false);
@@ -197,7 +198,8 @@ void furnish_kitchen(FurnishedRoom& room) {
 namespace {
 
 void hang_mirror(FurnishedRoom& room, const Spot& spot, double low) {
-  const Shape& mirror = room.chance(0.25) ? shape_of("medicine cabinet") : room.pick("mirror");
+  const FurnitureShape& mirror =
+      room.chance(0.25) ? shape_of("medicine cabinet") : room.pick("mirror");
   if (!room.hang(mirror, spot, low, 0.15)) return;
   const double high = low + mirror.size.h + 0.09;
   room.hang(room.pick("wall lamp"), spot, std::min(high, room.height() - 0.4), 0.1);
@@ -210,12 +212,12 @@ void wash_place(FurnishedRoom& room, bool large) {
   };
   std::optional<Spot> spot;
   double top = 0.85;
-  Group group;
+  FurnitureGroup group;
   if (large) {
-    const Shape& cabinet = room.pick("bathroom cabinet");
-    const Shape& bowl = shape_of("washbasin");
+    const FurnitureShape& cabinet = room.pick("bathroom cabinet");
+    const FurnitureShape& bowl = shape_of("washbasin");
     const bool two = room.area() > 9;
-    Size size = cabinet.size;
+    FurnitureSize size = cabinet.size;
     if (two) size.w = 1.4;
     const double y = size.d / 2 + 0.012;
     group = {size.w, size.d + 0.02, 0.5, {{cabinet, size, 0, y}}};
@@ -226,7 +228,7 @@ void wash_place(FurnishedRoom& room, bool large) {
     top = 1.0;
   }
   if (!spot) {
-    const Shape& sink = room.pick("sink");
+    const FurnitureShape& sink = room.pick("sink");
     const auto [w, d, h] = sink.size;
     group = {w, d + 0.02, 0.4, {{sink, 0, d / 2 + 0.012}}};
     spot = room.place_at_wall(group, score);
@@ -234,7 +236,7 @@ void wash_place(FurnishedRoom& room, bool large) {
   if (!spot) return;
   hang_mirror(room, *spot, top + 0.2);
   if (large && group.items.size() == 2) {
-    Item side = group.items[0];
+    GroupItem side = group.items[0];
     side.size.w = 0.2;
     side.x = 0.3;
     clutter(room, spot->frame, side, "bath");
@@ -242,28 +244,28 @@ void wash_place(FurnishedRoom& room, bool large) {
 }
 
 void place_toilet(FurnishedRoom& room) {
-  const Shape& toilet = room.pick("toilet");
+  const FurnitureShape& toilet = room.pick("toilet");
   const Score score = [](const Spot& s) { return -0.4 * std::min(s.corner, 1.5) + 0.15 * s.door; };
   const auto spot = room.place_at_wall(toilet, score, 0.4);
   if (!spot) {
     room.place_at_wall(shape_of("toilet", 1), away_from_doors, 0.2);
     return;
   }
-  const Shape& paper = shape_of("toilet paper");
+  const FurnitureShape& paper = shape_of("toilet paper");
   room.hang(paper, paper.size, spot->wall, spot->along + 0.36, 0.65, 0.1);
   put_in_corner(room, shape_of("toilet brush"));
 }
 
 /// A shower or a bathtub with a mat in front of it. False if it does not fit.
 bool place_bathing(FurnishedRoom& room, std::string_view noun) {
-  const Shape& shape = room.pick(noun);
+  const FurnitureShape& shape = room.pick(noun);
   if (shape.size.h > room.height()) return false;
   const Score score = [&](const Spot& s) {
     return in_corner(s) + 0.1 * s.door + (s.window && noun == "bathtub" ? 0.3 : 0);
   };
   const auto spot = room.place_at_wall(shape, score, 0.5);
   if (!spot) return false;
-  const Shape& mat = shape_of("bath mat");
+  const FurnitureShape& mat = shape_of("bath mat");
   room.lay(mat, mat.size, spot->frame, 0, shape.size.d + 0.32);
   return true;
 }
@@ -271,15 +273,15 @@ bool place_bathing(FurnishedRoom& room, std::string_view noun) {
 void bath_extras(FurnishedRoom& room) {
   const unsigned towels = room.area() > 6 ? 2 : 1;
   for (unsigned i = 0; i < towels; ++i) {
-    const Shape& towel = shape_of("towel", room.rng().below(3));
+    const FurnitureShape& towel = shape_of("towel", room.rng().below(3));
     const auto [w, d, h] = towel.size;
-    const Item item(towel, 0, d / 2 + 0.002, h > 1 ? 0.5 : 0.75);
+    const GroupItem item(towel, 0, d / 2 + 0.002, h > 1 ? 0.5 : 0.75);
     room.place_at_wall({w, d, 0, {item}}, near_middle);
   }
   if (room.chance(0.6)) put_in_corner(room, shape_of("trash can"));
   if (room.chance(0.5)) put_in_corner(room, room.pick("basket"));
   if (room.chance(0.4)) {
-    const Shape& robe = shape_of("bathrobe");
+    const FurnitureShape& robe = shape_of("bathrobe");
     const auto [w, d, h] = robe.size;
     room.place_at_wall({w, d, 0, {{robe, 0, d / 2 + 0.01, 0.7}}}, near_middle);
   }
@@ -306,7 +308,7 @@ void furnish_toilet(FurnishedRoom& room) {
   place_toilet(room);
   wash_place(room, false);
   if (room.area() > 2) put_in_corner(room, shape_of("trash can"));
-  const Shape& towel = shape_of("towel");
+  const FurnitureShape& towel = shape_of("towel");
   room.hang(towel, towel.size, kSides[room.rng().below(4)], room.middle().origin.x, 0.8, 0.6);
   finish(room, {.pictures = 1});
 }
@@ -321,11 +323,11 @@ void furnish_spa(FurnishedRoom& room) {
 }
 
 void furnish_laundry(FurnishedRoom& room) {
-  const Shape& washer = shape_of("washing machine");
-  const Shape& dryer = shape_of("clothes dryer");
-  const Group pair{1.24, 0.66, 0.5, {{washer, -0.31, 0.33}, {dryer, 0.31, 0.33}}};
+  const FurnitureShape& washer = shape_of("washing machine");
+  const FurnitureShape& dryer = shape_of("clothes dryer");
+  const FurnitureGroup pair{1.24, 0.66, 0.5, {{washer, -0.31, 0.33}, {dryer, 0.31, 0.33}}};
   if (const auto spot = room.place_at_wall(pair, near_middle)) {
-    Item top = pair.items[0];
+    GroupItem top = pair.items[0];
     top.x = 0;
     top.size.w = 1.2;
     clutter(room, spot->frame, top, "store");

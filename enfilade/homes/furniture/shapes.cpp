@@ -125,8 +125,8 @@ void add_obstacles(const Kit& kit, const mesh::Mesh& mesh, const mesh::Placement
 
 }  // namespace
 
-Kit::Kit(mesh::MeshBuilder& builder, const Style& room_style, Rng& random, const Shape& shape,
-         Size size)
+Kit::Kit(mesh::MeshBuilder& builder, const Style& room_style, Rng& random,
+         const FurnitureShape& shape, FurnitureSize size)
     : style(room_style),
       rng(random),
       w(size.w),
@@ -173,7 +173,7 @@ void Kit::legs(const NamedMaterial& m, double z, double half, double inset, bool
   }
 }
 
-void Kit::pairs(const NamedMaterial& m, std::initializer_list<Block> blocks, double round) {
+void Kit::pairs(const NamedMaterial& m, std::initializer_list<BlockCorners> blocks, double round) {
   const auto build = [&](Vec3d low, Vec3d high) {
     round > 0 ? soft(m, low, high, round) : box(m, low, high);
   };
@@ -231,11 +231,11 @@ void Kit::books(double x0, double x1, double y, double z, double tall, double de
   }
 }
 
-const std::vector<Shape>& all_shapes() {
-  static const std::vector<Shape> kShapes = [] {
-    std::vector<Shape> all;
-    for (const auto table : {seat_shapes(), table_shapes(), storage_shapes(), wet_shapes(),
-                             wall_shapes(), decor_shapes(), sport_shapes()}) {
+const std::vector<FurnitureShape>& all_shapes() {
+  static const std::vector<FurnitureShape> kShapes = [] {
+    std::vector<FurnitureShape> all;
+    for (const auto table :
+         {seat_shapes(), storage_shapes(), wet_shapes(), wall_shapes(), decor_shapes()}) {
       all.insert(all.end(), table.begin(), table.end());
     }
     return all;
@@ -243,21 +243,22 @@ const std::vector<Shape>& all_shapes() {
   return kShapes;
 }
 
-std::vector<const Shape*> shapes_of(std::string_view noun) {
-  std::vector<const Shape*> found;
-  for (const Shape& shape : all_shapes()) {
+std::vector<const FurnitureShape*> shapes_of(std::string_view noun) {
+  std::vector<const FurnitureShape*> found;
+  for (const FurnitureShape& shape : all_shapes()) {
     if (shape.noun == noun) found.push_back(&shape);
   }
   EN_CHECK(!found.empty());
   return found;
 }
 
-const Shape& shape_of(std::string_view noun, std::size_t which) {
+const FurnitureShape& shape_of(std::string_view noun, std::size_t which) {
   return *shapes_of(noun).at(which);
 }
 
-void build_shape(const Shape& shape, Size size, const mesh::Placement& at, std::size_t room,
-                 const Style& style, Rng& rng, looks::HomeParts& parts, double power) {
+void build_shape(const FurnitureShape& shape, FurnitureSize size, const mesh::Placement& at,
+                 std::size_t room, const Style& style, Rng& rng, looks::HomeParts& parts,
+                 double power) {
   // Thinner things on walls or on the floor are no obstacles.
   constexpr double kThin = 0.065;
   const auto object =

@@ -8,7 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/homes/furniture/furnish.h"
+#include "enfilade/core/rng.h"
+#include "enfilade/homes/looks/style.h"
 
 namespace enfilade::homes::furniture {
 
@@ -17,23 +18,23 @@ using Style = looks::RoomStyle;
 using Ring = std::array<double, 2>;  ///< of a lathe's profile: radius, height
 
 /// Metres: along the wall that it stands at, into the room, up.
-struct Size {
+struct FurnitureSize {
   double w = 1, d = 1, h = 1;
 };
 
 /// A box by its corners.
-struct Block {
+struct BlockCorners {
   Vec3d low, high;
 };
 
-struct Shape;
+struct FurnitureShape;
 
 /// Builder of a shape. Local frame: x from -w/2 to w/2, y from -d/2 (back) to d/2 (front), z from 0
 /// to h. The same for shapes that hang on walls or from ceilings.
 class Kit {
  public:
-  Kit(mesh::MeshBuilder& builder, const Style& room_style, Rng& random, const Shape& shape,
-      Size size);
+  Kit(mesh::MeshBuilder& builder, const Style& room_style, Rng& random, const FurnitureShape& shape,
+      FurnitureSize size);
 
   const Style& style;
   Rng& rng;
@@ -68,7 +69,7 @@ class Kit {
     builder_.triangle(m.id, p, q, r);
   }
   /// Blocks at +x and their mirror images at -x, which are built first; with `round`, soft.
-  void pairs(const NamedMaterial& m, std::initializer_list<Block> blocks, double round = 0);
+  void pairs(const NamedMaterial& m, std::initializer_list<BlockCorners> blocks, double round = 0);
   /// Legs that lean inwards: bars from a circle of radius r0 at height z0 to one of r1 at z1. The
   /// first stands at `first` of the way to the second.
   void splayed_legs(const NamedMaterial& m, int count, double first, std::array<Ring, 2> ends,
@@ -106,34 +107,33 @@ class Kit {
   mesh::MeshBuilder& builder_;
 };
 
-struct Shape {
+struct FurnitureShape {
   std::string_view noun;
   std::uint16_t category;
   void (*build)(Kit& kit, double x, double y);  ///< x, y: half of its width and depth
   int variant;                                  ///< number of the form that `build` makes
-  Size size;
+  FurnitureSize size;
   NamedMaterial Style::*main;  ///< its main material, which names it; null: none
   std::string_view raw{};      ///< label in category_mapping.tsv where it is not the noun
 };
 
 // The shapes of each file.
-std::span<const Shape> seat_shapes();  ///< and beds, with what stands beside them
-std::span<const Shape> table_shapes();
-std::span<const Shape> storage_shapes();
-std::span<const Shape> wet_shapes();   ///< of kitchens and bathrooms
-std::span<const Shape> wall_shapes();  ///< and lamps
-std::span<const Shape> decor_shapes();
-std::span<const Shape> sport_shapes();
+std::span<const FurnitureShape> seat_shapes();     ///< and beds, with what stands beside them
+std::span<const FurnitureShape> storage_shapes();  ///< and tables, and sports equipment
+std::span<const FurnitureShape> wet_shapes();      ///< of kitchens and bathrooms
+std::span<const FurnitureShape> wall_shapes();     ///< and lamps
+std::span<const FurnitureShape> decor_shapes();
 
 /// All tables, one after the other.
-const std::vector<Shape>& all_shapes();
+const std::vector<FurnitureShape>& all_shapes();
 /// Every shape of that name, in the table's order. \pre there is one
-std::vector<const Shape*> shapes_of(std::string_view noun);
+std::vector<const FurnitureShape*> shapes_of(std::string_view noun);
 /// The shape of that name at place `which` of shapes_of().
-const Shape& shape_of(std::string_view noun, std::size_t which = 0);
+const FurnitureShape& shape_of(std::string_view noun, std::size_t which = 0);
 
 /// Builds one and adds its obstacles (if a body could touch it), its object and its lamps.
-void build_shape(const Shape& shape, Size size, const mesh::Placement& at, std::size_t room,
-                 const Style& style, Rng& rng, looks::HomeParts& parts, double power = 1);
+void build_shape(const FurnitureShape& shape, FurnitureSize size, const mesh::Placement& at,
+                 std::size_t room, const Style& style, Rng& rng, looks::HomeParts& parts,
+                 double power = 1);
 
 }  // namespace enfilade::homes::furniture

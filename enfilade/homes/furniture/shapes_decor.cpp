@@ -419,7 +419,7 @@ void grill(Kit& k, double r, double) {
   k.box(k.style.wood, {-0.06, -0.012, k.h - 0.03}, {0.06, 0.012, k.h});
 }
 
-constexpr Shape kShapes[] = {
+constexpr FurnitureShape kDecor[] = {
     {"rug", kFloor, rug, 0, {2.0, 1.4, 0.012}, &Style::rug},
     {"rug", kFloor, round_rug, 0, {1.6, 1.6, 0.012}, &Style::rug},
     {"runner", kFloor, rug, 1, {2.2, 0.7, 0.010}, &Style::rug, "rug"},
@@ -478,6 +478,6 @@ constexpr Shape kShapes[] = {
 
 }  // namespace
 
-std::span<const Shape> decor_shapes() { return kShapes; }
+std::span<const FurnitureShape> decor_shapes() { return kDecor; }
 
 }  // namespace enfilade::homes::furniture

@@ -261,13 +261,13 @@ void metal_bed(Kit& k, double x, double y) {
 constexpr double kPost = 0.035;  // half the thickness of a bed's posts
 
 /// A post on the +x side: at the head (-1) or the foot (1).
-Block post(const Kit& k, double end) {
+BlockCorners post(const Kit& k, double end) {
   const double x = k.w / 2 - kPost, y = end * (k.d / 2 - kPost);
   return {{x - kPost, y - kPost, 0}, {x + kPost, y + kPost, k.h}};
 }
 
 /// A rail between the two posts of the +x side.
-Block rail(const Kit& k, double half, double z0, double z1) {
+BlockCorners rail(const Kit& k, double half, double z0, double z1) {
   const double x = k.w / 2 - kPost, y = k.d / 2;
   return {{x - half, -y, z0}, {x + half, y, z1}};
 }
@@ -363,7 +363,7 @@ void dresser(Kit& k, double x, double y) {
            {x - 0.02, 0, k.h - 0.04}, y - 0.02, columns, rows, k.variant == 2);
 }
 
-constexpr Shape kShapes[] = {
+constexpr FurnitureShape kSeats[] = {
     {"chair", kChair, chair, 0, {0.44, 0.46, 0.92}, &Style::wood},
     {"chair", kChair, chair, 1, {0.44, 0.46, 0.86}, &Style::wood},
     {"chair", kChair, chair, 2, {0.47, 0.52, 0.96}, &Style::fabric},
@@ -411,6 +411,6 @@ constexpr Shape kShapes[] = {
 
 }  // namespace
 
-std::span<const Shape> seat_shapes() { return kShapes; }
+std::span<const FurnitureShape> seat_shapes() { return kSeats; }
 
 }  // namespace enfilade::homes::furniture

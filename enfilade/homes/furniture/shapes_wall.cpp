@@ -322,7 +322,7 @@ void sconce(Kit& k, double, double y) {
   k.lamp({0, 0.02, k.h + 0.06}, 0.35);
 }
 
-constexpr Shape kShapes[] = {
+constexpr FurnitureShape kOnWalls[] = {
     {"picture", kPicture, picture, 0, {0.80, 0.03, 0.60}, nullptr},
     {"picture", kPicture, picture, 1, {0.62, 0.03, 0.50}, nullptr},
     {"picture", kPicture, picture, 3, {0.70, 0.015, 0.95}, nullptr, "poster"},
@@ -369,6 +369,6 @@ constexpr Shape kShapes[] = {
 
 }  // namespace
 
-std::span<const Shape> wall_shapes() { return kShapes; }
+std::span<const FurnitureShape> wall_shapes() { return kOnWalls; }
 
 }  // namespace enfilade::homes::furniture

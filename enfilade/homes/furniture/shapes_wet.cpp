@@ -392,7 +392,7 @@ void towel(Kit& k, double x, double y) {
   }
 }
 
-constexpr Shape kShapes[] = {
+constexpr FurnitureShape kWet[] = {
     {"kitchen cabinet", kCabinet, lower, 0, {0.6, 0.6, 0.88}, kFronts, "kitchen lower cabinet"},
     {"kitchen cabinet", kCabinet, lower, 1, {0.6, 0.6, 0.88}, kFronts, "kitchen lower cabinet"},
     {"kitchen cabinet", kCabinet, lower, 2, {0.6, 0.6, 0.88}, kFronts, "kitchen lower cabinet"},
@@ -447,6 +447,6 @@ constexpr Shape kShapes[] = {
 
 }  // namespace
 
-std::span<const Shape> wet_shapes() { return kShapes; }
+std::span<const FurnitureShape> wet_shapes() { return kWet; }
 
 }  // namespace enfilade::homes::furniture

@@ -195,7 +195,7 @@ bool is_open(const Plan& plan, unsigned storey, double x, double y) {
   return std::ranges::any_of(plan.rooms, in_room) ||
          std::ranges::any_of(plan.openings, [&](const Opening& o) {
            const double along = o.along_x ? x : y, across = o.along_x ? y : x;
-           return o.kind != Opening::Kind::kWindow && plan.rooms[o.room0].storey == storey &&
+           return o.kind != OpeningKind::kWindow && plan.rooms[o.room0].storey == storey &&
                   std::abs(across - o.wall) < kWall && along > o.from && along < o.to;
          });
 }
@@ -211,12 +211,12 @@ bool is_open_between(const Plan& plan, unsigned storey, double x0, double y0, do
   return true;
 }
 
-Vec3d middle_of(const Thing& t) { return 0.5 * (t.low + t.high); }
+Vec3d middle_of(const HomeThing& t) { return 0.5 * (t.low + t.high); }
 
 // Whether `word` can mean a thing of that name: "chair" can mean an armchair.
 bool fits(std::string_view word, std::string_view name) { return name.ends_with(word); }
 
-bool fits_any(std::string_view word, const Thing& other) {
+bool fits_any(std::string_view word, const HomeThing& other) {
   const Group names = words_for(thing_groups(), other.noun);
   return std::ranges::any_of(names, [&](std::string_view name) { return fits(word, name); });
 }
@@ -226,7 +226,7 @@ std::string spoken_material(const std::string& material, Rng& rng) {
 }
 
 // The material if people mention it. Nobody calls a window wooden.
-std::string material_of(const Thing& thing) {
+std::string material_of(const HomeThing& thing) {
   static const std::set<std::string_view> kSpoken{"wooden", "leather", "marble", "metal", "glass",
                                                   "brick",  "stone",   "clay",   "wicker"};
   const bool said = kSpoken.contains(thing.material) && !fits("window", thing.noun);
@@ -234,7 +234,7 @@ std::string material_of(const Thing& thing) {
 }
 
 // Whether the words describe the thing. A dark green plant is also a green one.
-bool looks(const Thing& thing, const std::string& said) {
+bool looks(const HomeThing& thing, const std::string& said) {
   const std::string all = " " + thing.colour + " " + thing.material + " ";
   std::istringstream words(said);
   for (std::string word; words >> word;) {
@@ -245,7 +245,7 @@ bool looks(const Thing& thing, const std::string& said) {
 
 // One of the words for a thing: the generator's own half of the time, so that common words stay
 // common.
-std::string spoken_noun(const Thing& thing, Rng& rng) {
+std::string spoken_noun(const HomeThing& thing, Rng& rng) {
   Group nouns = words_for(thing_groups(), thing.noun);
   std::erase_if(nouns, [](std::string_view w) { return !is_sayable(w); });
   if (rng.below(2) == 0 && is_sayable(thing.noun)) return thing.noun;
@@ -268,9 +268,9 @@ double category_weight(std::uint16_t category) {
 }  // namespace
 
 std::vector<std::size_t> Naming::others(std::size_t thing, ViewpointIndex from) const {
-  const std::vector<Thing>& things = home_.home.things;
+  const std::vector<HomeThing>& things = home_.home.things;
   std::set<std::size_t> found;
-  for (const Sight& sight : home_.sights.at(from)) found.insert(sight.thing);
+  for (const ThingInView& sight : home_.sights.at(from)) found.insert(sight.thing);
   // Things in the room or a few doors away may come into view with the next step.
   std::set<std::size_t> rooms{things[thing].room};
   const auto here = home_.sights.room(from);
@@ -278,7 +278,7 @@ std::vector<std::size_t> Naming::others(std::size_t thing, ViewpointIndex from) 
   for (int doors = 0; doors < 3; ++doors) {
     const std::set<std::size_t> near = rooms;
     for (const Opening& o : home_.home.plan.openings) {
-      if (!o.room1 || o.kind == Opening::Kind::kWindow) continue;
+      if (!o.room1 || o.kind == OpeningKind::kWindow) continue;
       if (near.contains(o.room0)) rooms.insert(*o.room1);
       if (near.contains(*o.room1)) rooms.insert(o.room0);
     }
@@ -303,10 +303,10 @@ std::vector<std::size_t> Naming::others(std::size_t thing, ViewpointIndex from) 
 // Walls of the plan only; furniture that hides the thing is not considered.
 bool Naming::is_behind_walls(std::size_t thing, ViewpointIndex from) const {
   const Plan& plan = home_.home.plan;
-  const Thing& t = home_.home.things[thing];
+  const HomeThing& t = home_.home.things[thing];
   const auto here = home_.sights.room(from);
   if (!here || t.room == *here) return false;
-  if (std::ranges::count(home_.sights.at(from), thing, &Sight::thing) > 0) return false;
+  if (std::ranges::count(home_.sights.at(from), thing, &ThingInView::thing) > 0) return false;
   const Vec3f eye = home_.graph.position(from);
   const Vec3d middle = middle_of(t);
   for (const double x : {t.low.x, middle.x, t.high.x}) {
@@ -356,12 +356,12 @@ std::optional<std::string> Naming::thing_among(std::size_t thing,
 std::optional<std::string> Naming::words_of(std::size_t thing, std::string_view noun,
                                             std::span<const std::size_t> rivals, Detail detail,
                                             Rng& rng) const {
-  const Thing& t = home_.home.things[thing];
+  const HomeThing& t = home_.home.things[thing];
   bool plain = true, colour = !t.colour.empty() && noun.find(t.colour) == std::string_view::npos,
        material = !material_of(t).empty();
   bool both = colour && material;
   for (const std::size_t other : rivals) {
-    const Thing& o = home_.home.things[other];
+    const HomeThing& o = home_.home.things[other];
     const bool colour_same = looks(o, t.colour), material_same = looks(o, t.material);
     plain = false;
     colour = colour && !colour_same;
@@ -402,14 +402,14 @@ std::string Naming::room(std::size_t room, Rng& rng) const {
 }
 
 std::optional<std::string> Naming::mark_of(std::size_t room, Rng& rng) const {
-  const std::vector<Thing>& things = home_.home.things;
+  const std::vector<HomeThing>& things = home_.home.things;
   if (rooms_of_name(room) == 1 || is_way(room)) return std::nullopt;
   std::vector<std::string> marks;
-  for (const Thing& t : things) {
+  for (const HomeThing& t : things) {
     const Vec3d size = t.high - t.low;
     if (t.room != room || t.colour.empty() || std::max(size.x, size.y) < kLargeThing) continue;
     const std::size_t place = static_cast<std::size_t>(&t - things.data());
-    const bool unique = std::ranges::none_of(things, [&](const Thing& o) {
+    const bool unique = std::ranges::none_of(things, [&](const HomeThing& o) {
       return &o != &t && looks(o, t.colour) && fits_any(t.noun, o) &&
              (o.room == room || same_room_name(o.room, room));
     });
@@ -452,7 +452,7 @@ bool is_plural(std::string_view name) {
          name.find(" of ") == std::string_view::npos;
 }
 
-bool is_rug(const Thing& thing) {
+bool is_rug(const HomeThing& thing) {
   const std::string_view noun = thing.noun;
   return fits("rug", noun) || fits("mat", noun) || fits("carpet", noun) || fits("runner", noun);
 }

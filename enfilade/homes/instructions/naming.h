@@ -66,6 +66,6 @@ double weight_of(const Home& home, std::size_t thing);
 /// Whether a name is plural: "books", but not "chest of drawers".
 bool is_plural(std::string_view name);
 /// Whether the object is a floor covering, which people step on.
-bool is_rug(const Thing& thing);
+bool is_rug(const HomeThing& thing);
 
 }  // namespace enfilade::homes::instructions

@@ -35,7 +35,7 @@ double gap(const Vec3d& low, const Vec3d& high, Flat p) {
                     std::max({low.y - p.y, 0.0, p.y - high.y}));
 }
 
-Flat middle(const Thing& t) { return {(t.low.x + t.high.x) / 2, (t.low.y + t.high.y) / 2}; }
+Flat middle(const HomeThing& t) { return {(t.low.x + t.high.x) / 2, (t.low.y + t.high.y) / 2}; }
 
 double bearing(Flat from, double facing, Flat to) {
   const Flat d = to - from;
@@ -54,7 +54,7 @@ Flat middle(const Opening& o) {
 }
 
 bool joins_rooms(const Opening& o) {
-  return o.room1 && (o.kind == Opening::Kind::kDoor || o.kind == Opening::Kind::kArch);
+  return o.room1 && (o.kind == OpeningKind::kDoor || o.kind == OpeningKind::kArch);
 }
 
 class Teller {
@@ -89,14 +89,15 @@ class Teller {
   }
   std::size_t room_at(std::size_t i) const { return home_.sights.room(path_[i]).value_or(0); }
   bool on_storey(std::size_t i) const {
-    return std::ranges::any_of(
-        plan_.storeys, [&](const Storey& s) { return std::abs(s.floor - floor_at(i)) < kOnFloor; });
+    return std::ranges::any_of(plan_.storeys, [&](const PlanStorey& s) {
+      return std::abs(s.floor - floor_at(i)) < kOnFloor;
+    });
   }
   double leg_heading(std::size_t i, double facing) const {
     const Flat d = at(i + 1) - at(i);
     return dot(d, d) > 1e-6 ? std::atan2(d.x, d.y) : facing;
   }
-  const Thing& thing(std::size_t i) const { return home_.home.things[i]; }
+  const HomeThing& thing(std::size_t i) const { return home_.home.things[i]; }
 
   // Adds leg i to the last stretch or begins a new one.
   void add_leg(std::size_t i, double heading, double turn) {
@@ -104,10 +105,10 @@ class Teller {
     const int climb = rise > kStep ? 1 : rise < -kStep ? -1 : 0;
     const double bend = to_degrees(wrap_difference(Radians(heading - stretch_heading_)));
     const bool goes_on = !story_.stretches.empty() && story_.stretches.back().climb == climb &&
-                         turn_of(turn) == Turn::kStraight && turn_of(bend) == Turn::kStraight &&
-                         (climb == 0 || !on_storey(i));
+                         turn_of(turn) == TurnKind::kStraight &&
+                         turn_of(bend) == TurnKind::kStraight && (climb == 0 || !on_storey(i));
     if (!goes_on) {
-      Stretch fresh;
+      PathStretch fresh;
       fresh.turn = turn;
       fresh.climb = climb;
       fresh.from_storey = on_storey(i);
@@ -116,7 +117,7 @@ class Teller {
       story_.stretches.push_back(fresh);
       stretch_heading_ = heading;
     }
-    Stretch& stretch = story_.stretches.back();
+    PathStretch& stretch = story_.stretches.back();
     const std::size_t before = stretch.happenings.size();
     add_crossings(i, stretch);
     add_things(i, heading, stretch);
@@ -134,7 +135,7 @@ class Teller {
     return plan_.rooms[room_at(i)].floor.contains(at(i).x, at(i).y);
   }
 
-  void add_crossings(std::size_t i, Stretch& stretch) {
+  void add_crossings(std::size_t i, PathStretch& stretch) {
     const Flat a = at(i), b = at(i + 1);
     const double length = std::hypot(b.x - a.x, b.y - a.y);
     std::vector<Happening> found;
@@ -175,9 +176,9 @@ class Teller {
   void drop_touches() {
     Happening* before = nullptr;
     double walked = 0, when = 0;  // metres; of the crossing before
-    for (Stretch& s : story_.stretches) {
+    for (PathStretch& s : story_.stretches) {
       for (Happening& h : s.happenings) {
-        if (h.kind != Happening::Kind::kCross) continue;
+        if (h.kind != HappeningKind::kCross) continue;
         const bool back = before != nullptr && before->from == h.to && before->to == h.from &&
                           walked + h.metres - when < kTouch;
         if (back) before->to = before->from, h.from = h.to;
@@ -186,9 +187,9 @@ class Teller {
       }
       walked += s.metres;
     }
-    for (Stretch& s : story_.stretches) {
+    for (PathStretch& s : story_.stretches) {
       std::erase_if(s.happenings, [](const Happening& h) {
-        return h.kind == Happening::Kind::kCross && h.from == h.to;
+        return h.kind == HappeningKind::kCross && h.from == h.to;
       });
     }
   }
@@ -197,7 +198,7 @@ class Teller {
   void stay_in_doorway(std::size_t opening) {
     std::vector<Happening>& all = story_.stretches.back().happenings;
     for (std::size_t k = all.size(); k-- > 0;) {
-      if (all[k].kind != Happening::Kind::kCross) continue;
+      if (all[k].kind != HappeningKind::kCross) continue;
       const bool here = all[k].opening == opening &&
                         story_.stretches.back().metres - all[k].metres < kInDoorway + 0.1;
       if (here) all.erase(all.begin() + static_cast<std::ptrdiff_t>(k));
@@ -208,8 +209,8 @@ class Teller {
   // Objects in view from a viewpoint, without rugs and objects that people do not mention.
   std::vector<Neighbour> neighbours(std::size_t i, double facing, double least_share) const {
     std::vector<Neighbour> found;
-    for (const Sight& sight : home_.sights.at(path_[i])) {
-      const Thing& t = thing(sight.thing);
+    for (const ThingInView& sight : home_.sights.at(path_[i])) {
+      const HomeThing& t = thing(sight.thing);
       const double weight = sight.share * weight_of(home_.home, sight.thing);
       if (sight.share < least_share || weight <= 0 || is_rug(t)) continue;
       found.push_back(
@@ -219,12 +220,12 @@ class Teller {
   }
 
   // Adds things beside and below leg i, seen from its start.
-  void add_things(std::size_t i, double heading, Stretch& stretch) const {
+  void add_things(std::size_t i, double heading, PathStretch& stretch) const {
     if (stretch.climb != 0) return;
     const Flat a = at(i), u{std::sin(heading), std::cos(heading)};
     const double length = std::hypot(at(i + 1).x - a.x, at(i + 1).y - a.y);
-    for (const Sight& sight : home_.sights.at(path_[i])) {
-      const Thing& t = thing(sight.thing);
+    for (const ThingInView& sight : home_.sights.at(path_[i])) {
+      const HomeThing& t = thing(sight.thing);
       Happening h;
       h.thing = sight.thing;
       h.seen_from = path_[i];
@@ -234,20 +235,20 @@ class Teller {
       const double along = dot(middle(t) - a, u);
       h.metres = stretch.metres + along;
       if (is_rug(t)) {
-        h.kind = Happening::Kind::kOver;
+        h.kind = HappeningKind::kOver;
         if (along > 0.2 && along < length &&
             gap(t.low, t.high, {a.x + along * u.x, a.y + along * u.y}) == 0) {
           stretch.happenings.push_back(h);
         }
       } else if (along > 0.25 && along < length) {
-        h.kind = Happening::Kind::kPass;
+        h.kind = HappeningKind::kPass;
         if (is_aside(t, i, u, h.on_right)) stretch.happenings.push_back(h);
       }
     }
   }
 
   // Whether the whole thing stands on one side of the line, near enough and not overhead.
-  bool is_aside(const Thing& t, std::size_t i, Flat u, bool& on_right) const {
+  bool is_aside(const HomeThing& t, std::size_t i, Flat u, bool& on_right) const {
     if (t.low.z > floor_at(i) + kOverhead) return false;
     double least = 1e9, most = -1e9;
     for (const double x : {t.low.x, t.high.x}) {
@@ -263,7 +264,7 @@ class Teller {
   }
 
   void finish(std::size_t k) {
-    Stretch& stretch = story_.stretches[k];
+    PathStretch& stretch = story_.stretches[k];
     const Flat a = at(stretch.first), b = at(stretch.last);
     const double heading = std::atan2(b.x - a.x, b.y - a.y);
     std::vector<Neighbour> ahead = neighbours(stretch.first, heading, kSeenShare);
@@ -292,13 +293,12 @@ class Teller {
   }
 
   // The doors of the room that `before` runs through, on the side to which `after` turns.
-  unsigned count_doors(const Stretch& before, const Stretch& after) const {
+  unsigned count_doors(const PathStretch& before, const PathStretch& after) const {
     if (before.climb != 0 || after.climb != 0 || after.happenings.empty()) return 0;
-    if (turn_of(after.turn) != Turn::kFull || before.room != after.room) return 0;
-    const auto first =
-        std::ranges::find(after.happenings, Happening::Kind::kCross, &Happening::kind);
+    if (turn_of(after.turn) != TurnKind::kFull || before.room != after.room) return 0;
+    const auto first = std::ranges::find(after.happenings, HappeningKind::kCross, &Happening::kind);
     if (first == after.happenings.end() || !first->opening || first->from != before.room) return 0;
-    if (plan_.openings[*first->opening].kind != Opening::Kind::kDoor) return 0;
+    if (plan_.openings[*first->opening].kind != OpeningKind::kDoor) return 0;
     // Counting must begin at an obvious place: at a turn, or where the room was entered.
     if (before.first > 0 && room_at(before.first - 1) == before.room &&
         std::abs(before.turn) < kPlainTurn) {
@@ -311,7 +311,7 @@ class Teller {
     unsigned count = 1;
     for (std::size_t k = 0; k < plan_.openings.size(); ++k) {
       const Opening& o = plan_.openings[k];
-      if (o.kind == Opening::Kind::kWindow || k == *first->opening) continue;
+      if (o.kind == OpeningKind::kWindow || k == *first->opening) continue;
       if (o.room0 != before.room && o.room1 != before.room) continue;
       const Flat m = middle(o) - a;
       const double along = dot(m, u), aside = right_of(u, m);
@@ -321,7 +321,7 @@ class Teller {
       if (std::abs(aside) < 0.4 && along > -0.8 && along < target) return 0;
       if (std::abs(along) < 0.8 || std::abs(along - target) < 0.8) return 0;
       if (along < 0 || along > target) continue;
-      if (o.kind != Opening::Kind::kDoor) return 0;  // is an arch a door?
+      if (o.kind != OpeningKind::kDoor) return 0;  // is an arch a door?
       ++count;
     }
     return target > 0.8 && count <= 4 ? count : 0;
@@ -340,7 +340,7 @@ class Teller {
     e.room = room_at(i);
     e.on_stairs = !on_storey(i);
     for (Neighbour n : neighbours(i, facing, kAroundShare)) {
-      const Thing& t = thing(n.thing);
+      const HomeThing& t = thing(n.thing);
       if (t.room != e.room || t.low.z > floor_at(i) + kOverhead || n.gap > kReach) continue;
       n.salience /= 0.3 + n.gap;  // of the things that stand out, people stop by the nearest
       e.near.push_back(n);
@@ -357,7 +357,7 @@ class Teller {
     std::size_t close = 0;
     for (std::size_t k = 0; k < plan_.openings.size(); ++k) {
       const Opening& o = plan_.openings[k];
-      if (o.kind == Opening::Kind::kWindow || (o.room0 != e.room && o.room1 != e.room)) continue;
+      if (o.kind == OpeningKind::kWindow || (o.room0 != e.room && o.room1 != e.room)) continue;
       const double distance = gap(o, at(i));
       if (joins_rooms(o) && distance < kInDoorway) e.in_opening = k;
       if (distance < kByDoor) e.near_opening = k;
@@ -389,9 +389,9 @@ class Teller {
   }
 
   void end_in_room(std::size_t i, double facing, PathEnd& e) const {
-    const Stretch& last = story_.stretches.back();
+    const PathStretch& last = story_.stretches.back();
     for (const Happening& h : last.happenings) {
-      if (h.kind != Happening::Kind::kCross) continue;
+      if (h.kind != HappeningKind::kCross) continue;
       e.just_inside = last.metres - h.metres < kJustInside && h.to == e.room;
     }
     const Rect& r = plan_.rooms[e.room].floor;
@@ -412,11 +412,11 @@ class Teller {
 
 }  // namespace
 
-Turn turn_of(double degrees) {
+TurnKind turn_of(double degrees) {
   const double size = std::abs(degrees);
-  if (size < kStraightBelow) return Turn::kStraight;
-  if (size < kSlightBelow) return Turn::kSlight;
-  return size < kFullBelow ? Turn::kFull : Turn::kAround;
+  if (size < kStraightBelow) return TurnKind::kStraight;
+  if (size < kSlightBelow) return TurnKind::kSlight;
+  return size < kFullBelow ? TurnKind::kFull : TurnKind::kAround;
 }
 
 PathStory tell_path(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,

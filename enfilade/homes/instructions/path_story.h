@@ -11,18 +11,19 @@ namespace enfilade::homes::instructions {
 
 /// How people name a change of direction: below 20 degrees straight on, 20 to 60 slight, 60 to 130
 /// a turn, beyond that around.
-enum class Turn : std::uint8_t { kStraight, kSlight, kFull, kAround };
+enum class TurnKind : std::uint8_t { kStraight, kSlight, kFull, kAround };
 inline constexpr double kStraightBelow = 20, kSlightBelow = 60, kFullBelow = 130;
-Turn turn_of(double degrees);
+TurnKind turn_of(double degrees);
 
+/// What happens on the way.
+enum class HappeningKind : std::uint8_t {
+  kCross,  ///< from one room into another
+  kPass,   ///< past an object at one side
+  kOver,   ///< over a rug
+};
 /// An event on the way: a room is entered, or an object is passed.
 struct Happening {
-  enum class Kind : std::uint8_t {
-    kCross,  ///< from one room into another
-    kPass,   ///< past an object at one side
-    kOver,   ///< over a rug
-  };
-  Kind kind = Kind::kCross;
+  HappeningKind kind = HappeningKind::kCross;
   double metres = 0;                   ///< from the beginning of the stretch
   std::optional<std::size_t> opening;  ///< kCross; no value where rooms meet without a wall
   std::size_t from = 0, to = 0;        ///< kCross: rooms
@@ -33,7 +34,7 @@ struct Happening {
 };
 
 /// Several legs in one direction, or one flight of stairs.
-struct Stretch {
+struct PathStretch {
   double turn = 0;  ///< degrees before it, against the direction faced; right is positive
   int climb = 0;    ///< 1: up the stairs, -1: down
   bool from_storey = false, to_storey = false;  ///< the flight begins (ends) at a storey's floor
@@ -72,7 +73,7 @@ struct PathEnd {
 };
 
 struct PathStory {
-  std::vector<Stretch> stretches;
+  std::vector<PathStretch> stretches;
   PathStart start;
   PathEnd end;
 };

@@ -20,7 +20,7 @@ struct Walked {
   Home home = homes::instructions::testing::small_home();
   std::shared_ptr<mesh::RayTracer> tracer = homes::instructions::testing::tracer_of(home);
   graph::NavGraph graph;
-  Sights sights;
+  ThingsInView sights;
   PathStory story;
 
   Walked(const std::vector<Vec3d>& eyes, double heading)
@@ -32,10 +32,10 @@ struct Walked {
 };
 
 TEST(TurnOf, HasItsBorders) {
-  EXPECT_EQ(turn_of(19.9), Turn::kStraight);
-  EXPECT_EQ(turn_of(-20.1), Turn::kSlight);
-  EXPECT_EQ(turn_of(60.1), Turn::kFull);
-  EXPECT_EQ(turn_of(-131), Turn::kAround);
+  EXPECT_EQ(turn_of(19.9), TurnKind::kStraight);
+  EXPECT_EQ(turn_of(-20.1), TurnKind::kSlight);
+  EXPECT_EQ(turn_of(60.1), TurnKind::kFull);
+  EXPECT_EQ(turn_of(-131), TurnKind::kAround);
 }
 
 // Out of the bedroom by its door, right along the hallway past the painting, left into the living
@@ -43,12 +43,12 @@ TEST(TurnOf, HasItsBorders) {
 TEST(TellPath, TellsTurnsDoorsAndThingsInOrder) {
   const Walked w({{4, -3, 1.5}, {4, 1, 1.5}, {7.5, 1, 1.5}, {7.5, 3.4, 1.5}}, kPi / 2);
   ASSERT_EQ(w.story.stretches.size(), 3U);
-  const Stretch &out = w.story.stretches[0], &hall = w.story.stretches[1],
-                &in = w.story.stretches[2];
+  const PathStretch &out = w.story.stretches[0], &hall = w.story.stretches[1],
+                    &in = w.story.stretches[2];
   EXPECT_NEAR(out.turn, -90, 1e-4);  // faces east, goes north
   EXPECT_NEAR(hall.turn, 90, 1e-4);
   EXPECT_NEAR(in.turn, -90, 1e-4);
-  const auto cross = std::ranges::find(out.happenings, Happening::Kind::kCross, &Happening::kind);
+  const auto cross = std::ranges::find(out.happenings, HappeningKind::kCross, &Happening::kind);
   ASSERT_NE(cross, out.happenings.end());
   EXPECT_EQ(cross->from, 3U);
   EXPECT_EQ(cross->to, 0U);
@@ -76,7 +76,7 @@ TEST(TellPath, CountsDoorsOnOneSideOnly) {
 TEST(TellPath, ClimbsFromStoreyToStorey) {
   const Walked w({{9, 1, 1.5}, {11, 1, 1.5}, {11, 3.6, 3}, {11, 6.2, 4.5}}, kPi / 2);
   ASSERT_EQ(w.story.stretches.size(), 2U);
-  const Stretch& flight = w.story.stretches[1];
+  const PathStretch& flight = w.story.stretches[1];
   EXPECT_EQ(flight.climb, 1);
   EXPECT_TRUE(flight.from_storey);
   EXPECT_TRUE(flight.to_storey);
@@ -96,8 +96,8 @@ TEST(TellPath, EndsBesideThingsAndInDoorways) {
 
 TEST(TellPath, DoesNotEnterWhatItsFootOnlyTouches) {
   const Walked w({{4, -2, 1.5}, {4, 0.1, 1.5}, {3, -2, 1.5}}, 0);
-  for (const Stretch& s : w.story.stretches) {
-    for (const Happening& h : s.happenings) EXPECT_NE(h.kind, Happening::Kind::kCross);
+  for (const PathStretch& s : w.story.stretches) {
+    for (const Happening& h : s.happenings) EXPECT_NE(h.kind, HappeningKind::kCross);
   }
 }
 
@@ -140,9 +140,9 @@ TEST(Phrases, JoinClausesWithoutTwoAnds) {
   Rng rng(1);
   const std::vector<std::string> parts{"turn left and go in", "stop"};
   for (int i = 0; i < 20; ++i) {
-    EXPECT_EQ(join_clauses({"turn left"}, Links::kAny, rng), "turn left");
-    EXPECT_EQ(join_clauses(parts, Links::kAny, rng), "turn left and go in, then stop");
-    EXPECT_THAT(join_clauses(parts, Links::kShort, rng),
+    EXPECT_EQ(join_clauses({"turn left"}, ClauseLinks::kAny, rng), "turn left");
+    EXPECT_EQ(join_clauses(parts, ClauseLinks::kAny, rng), "turn left and go in, then stop");
+    EXPECT_THAT(join_clauses(parts, ClauseLinks::kShort, rng),
                 ::testing::AnyOf("turn left and go in, stop", "turn left and go in, then stop"));
   }
 }

@@ -99,7 +99,7 @@ std::string sentence(std::string text) {
   return text + ".";
 }
 
-std::string join_clauses(const std::vector<std::string>& clauses, Links links, Rng& rng) {
+std::string join_clauses(const std::vector<std::string>& clauses, ClauseLinks links, Rng& rng) {
   const bool apart = std::ranges::any_of(clauses, [](const std::string& clause) {
     return clause.find(" and ") != std::string::npos || clause.find(',') != std::string::npos;
   });
@@ -108,7 +108,7 @@ std::string join_clauses(const std::vector<std::string>& clauses, Links links, R
     const bool last = i + 1 == clauses.size();
     if (!last) {
       text += ", ";
-    } else if (links == Links::kShort && rng.below(4) != 0) {
+    } else if (links == ClauseLinks::kShort && rng.below(4) != 0) {
       text += apart ? ", " : " and ";
     } else if (apart) {
       text += ", then ";

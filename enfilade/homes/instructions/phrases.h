@@ -26,12 +26,12 @@ std::string with_article(const std::string& name);
 std::string sentence(std::string text);
 
 /// How clauses are joined.
-enum class Links : std::uint8_t {
+enum class ClauseLinks : std::uint8_t {
   kAny,    ///< in one of several ways
   kShort,  ///< in the fewest words
 };
 /// Joins clauses: "a", "a and b", "a, b and c", "a, then b". Clauses that contain "and" or a comma
 /// themselves are separated by a comma or "then". \pre not empty
-std::string join_clauses(const std::vector<std::string>& clauses, Links links, Rng& rng);
+std::string join_clauses(const std::vector<std::string>& clauses, ClauseLinks links, Rng& rng);
 
 }  // namespace enfilade::homes::instructions

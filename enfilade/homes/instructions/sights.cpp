@@ -1,4 +1,4 @@
-#include "enfilade/homes/instructions/sights.h"
+#include "enfilade/homes/instructions/speaker.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,8 +59,8 @@ struct Sum {
   double distance = 0;
 };
 
-std::vector<Sight> sights_of(const std::vector<Sum>& sums, std::size_t rays) {
-  std::vector<Sight> found;
+std::vector<ThingInView> sights_of(const std::vector<Sum>& sums, std::size_t rays) {
+  std::vector<ThingInView> found;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const Sum& sum = sums[i];
     if (sum.rays < kFewestRays) continue;
@@ -69,7 +69,7 @@ std::vector<Sight> sights_of(const std::vector<Sum>& sums, std::size_t rays) {
                      std::atan2(sum.direction.z, level), sum.distance / sum.rays,
                      static_cast<double>(sum.rays) / static_cast<double>(rays)});
   }
-  std::ranges::stable_sort(found, std::ranges::greater(), &Sight::share);
+  std::ranges::stable_sort(found, std::ranges::greater(), &ThingInView::share);
   return found;
 }
 
@@ -82,7 +82,7 @@ class Looker {
         count_(home.things.size()),
         directions_(directions(rays)) {}
 
-  std::vector<Sight> from(Vec3f eye) const {
+  std::vector<ThingInView> from(Vec3f eye) const {
     std::vector<mesh::Ray> rays;
     rays.reserve(directions_.size());
     for (const Vec3f direction : directions_) rays.push_back({eye, direction});
@@ -115,8 +115,8 @@ class Looker {
 
 }  // namespace
 
-Sights::Sights(const Home& home, const mesh::RayTracer& tracer, const graph::NavGraph& graph,
-               std::size_t rays, int threads)
+ThingsInView::ThingsInView(const Home& home, const mesh::RayTracer& tracer,
+                           const graph::NavGraph& graph, std::size_t rays, int threads)
     : sights_(graph.size()), rooms_(graph.size()) {
   const Looker looker(home, tracer, rays);
   parallel_for(graph.size(), 1, threads, [&](std::size_t begin, std::size_t end) {

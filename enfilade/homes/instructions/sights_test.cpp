@@ -1,4 +1,4 @@
-#include "enfilade/homes/instructions/sights.h"
+#include "enfilade/homes/instructions/speaker.h"
 
 #include <gtest/gtest.h>
 
@@ -37,12 +37,12 @@ graph::NavGraph graph_at(const std::vector<Vec3d>& points) {
   return graph::NavGraph(graph::testing::connectivity("scan", points, {}));
 }
 
-TEST(Sights, MeasureHowMuchIsSeenAndWhere) {
+TEST(ThingsInView, MeasureHowMuchIsSeenAndWhere) {
   const Home home = two_cubes();
   const auto tracer = testing::tracer_of(home);
-  const Sights sights(home, *tracer, graph_at({{0, 0, 1.5}}), 100000);
+  const ThingsInView sights(home, *tracer, graph_at({{0, 0, 1.5}}), 100000);
   ASSERT_EQ(sights.at(ViewpointIndex(0)).size(), 1U);  // the other is hidden
-  const Sight& sight = sights.at(ViewpointIndex(0))[0];
+  const ThingInView& sight = sights.at(ViewpointIndex(0))[0];
   EXPECT_EQ(sight.thing, 0U);
   // A heading of east; of 100,000 directions some 160 meet the cube, which is 8 degrees wide.
   EXPECT_NEAR(sight.heading, kPi / 2, 0.01);
@@ -53,17 +53,17 @@ TEST(Sights, MeasureHowMuchIsSeenAndWhere) {
   EXPECT_NEAR(sight.share, solid / (4 * kPi), 0.05 * solid / (4 * kPi));
 }
 
-TEST(Sights, PutLargestFirstAndDoNotDependOnThreads) {
+TEST(ThingsInView, PutLargestFirstAndDoNotDependOnThreads) {
   const Home home = testing::small_home();
   const auto tracer = testing::tracer_of(home);
   const graph::NavGraph graph = testing::small_graph(*tracer);
-  const Sights one(home, *tracer, graph, 4096, 1), two(home, *tracer, graph, 4096, 2);
+  const ThingsInView one(home, *tracer, graph, 4096, 1), two(home, *tracer, graph, 4096, 2);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const auto a = one.at(ViewpointIndex(i)), b = two.at(ViewpointIndex(i));
     ASSERT_EQ(a.size(), b.size());
     seen += a.size();
-    EXPECT_TRUE(std::ranges::is_sorted(a, std::ranges::greater(), &Sight::share));
+    EXPECT_TRUE(std::ranges::is_sorted(a, std::ranges::greater(), &ThingInView::share));
     for (std::size_t k = 0; k < a.size(); ++k) {
       EXPECT_EQ(a[k].thing, b[k].thing);
       EXPECT_EQ(a[k].heading, b[k].heading);
@@ -73,10 +73,10 @@ TEST(Sights, PutLargestFirstAndDoNotDependOnThreads) {
   EXPECT_GT(seen, graph.size());
 }
 
-TEST(Sights, KnowTheRoom) {
+TEST(ThingsInView, KnowTheRoom) {
   const Home home = two_cubes();
   const auto tracer = testing::tracer_of(home);
-  const Sights sights(
+  const ThingsInView sights(
       home, *tracer,
       graph_at({{0, 0, 1.5}, {2, 0, 1.5}, {1.05, 0, 1.5}, {1.15, 0, 1.5}, {0, 4, 1.5}}));
   EXPECT_EQ(sights.room(ViewpointIndex(0)), 0U);
@@ -86,11 +86,11 @@ TEST(Sights, KnowTheRoom) {
   EXPECT_EQ(sights.room(ViewpointIndex(4)), std::nullopt);
 }
 
-TEST(Sights, KnowTheStorey) {
+TEST(ThingsInView, KnowTheStorey) {
   const Home home = testing::small_home();
   const auto tracer = testing::tracer_of(home);
-  const Sights sights(home, *tracer,
-                      graph_at({{6, 5, 1.5}, {6, 5, 4.5}, {11, 3.6, 3}, {11, 6.5, 4.5}}));
+  const ThingsInView sights(home, *tracer,
+                            graph_at({{6, 5, 1.5}, {6, 5, 4.5}, {11, 3.6, 3}, {11, 6.5, 4.5}}));
   EXPECT_EQ(sights.room(ViewpointIndex(0)), 2U);  // living room
   EXPECT_EQ(sights.room(ViewpointIndex(1)), 7U);  // the landing above it
   EXPECT_EQ(sights.room(ViewpointIndex(2)), 5U);  // half-way up: the lower stairs

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "enfilade/core/check.h"
-#include "enfilade/homes/instructions/habits.h"
+#include "enfilade/homes/instructions/path_story.h"
 #include "enfilade/homes/instructions/wording.h"
 
 namespace enfilade::homes::instructions {
@@ -57,7 +57,7 @@ std::size_t cost_of(const std::string& text) {
 class Describer {
  public:
   Describer(const SpokenHome& home, const PathStory& story, std::span<const ViewpointIndex> path,
-            Speaker speaker, const Habits& habits, std::uint64_t seed)
+            SpeakerKind speaker, const Habits& habits, std::uint64_t seed)
       : story_(story),
         path_(path),
         speaker_(speaker),
@@ -75,7 +75,7 @@ class Describer {
     for (std::size_t i = 0; i < story_.stretches.size(); ++i) {
       story_.stretches[i].climb != 0 ? climb(i) : walk(i);
       for (const Happening& h : story_.stretches[i].happenings) {
-        if (h.kind == Happening::Kind::kCross) words_.been_in(h.to);
+        if (h.kind == HappeningKind::kCross) words_.been_in(h.to);
       }
     }
     reached_ = path_.size() - 1;
@@ -90,15 +90,15 @@ class Describer {
   // or if it cannot be mistaken for the next turn; other small bends are left out until they add
   // up.
   bool says_turn(std::size_t i, bool enters) {
-    const Stretch& s = story_.stretches[i];
-    if (turn_of(s.turn) == Turn::kSlight && (enters || !is_mistakable(i)) &&
+    const PathStretch& s = story_.stretches[i];
+    if (turn_of(s.turn) == TurnKind::kSlight && (enters || !is_mistakable(i)) &&
         words_.chance(habits_.bend)) {
       unsaid_ = 0;
       return false;
     }
     unsaid_ += s.turn;
     const bool large = std::abs(s.turn) >= kMustBeSaid || std::abs(unsaid_) >= kMostUnsaid;
-    if (turn_of(s.turn) == Turn::kStraight || !large) return false;
+    if (turn_of(s.turn) == TurnKind::kStraight || !large) return false;
     unsaid_ = 0;
     return true;
   }
@@ -106,7 +106,7 @@ class Describer {
   bool is_mistakable(std::size_t i) const {
     for (std::size_t k = i + 1; k < story_.stretches.size(); ++k) {
       const double next = story_.stretches[k].turn;
-      if (turn_of(next) == Turn::kFull) return next * story_.stretches[i].turn > 0;
+      if (turn_of(next) == TurnKind::kFull) return next * story_.stretches[i].turn > 0;
     }
     return false;
   }
@@ -116,7 +116,7 @@ class Describer {
   }
 
   // The first viewpoint of a stretch that is `metres` along it.
-  std::size_t place_at(const Stretch& s, double metres) const {
+  std::size_t place_at(const PathStretch& s, double metres) const {
     std::size_t place = s.first;
     for (double walked = 0; place < s.last && walked < metres - 0.05; ++place) {
       walked +=
@@ -172,26 +172,26 @@ class Describer {
   }
 
   void climb(std::size_t i) {
-    const Stretch& s = story_.stretches[i];
+    const PathStretch& s = story_.stretches[i];
     const bool turns = says_turn(i, false);
     const std::string stairs = words_.stairs(s);  // drawn before the words of the turn
     reached_ = s.last;
     add(turns ? words_.turn(s.turn) + " and " + stairs : stairs, stairs_after(s));
     for (const Happening& h : s.happenings) {
-      if (h.kind == Happening::Kind::kCross && !words_.naming().is_stairs(h.to)) {
+      if (h.kind == HappeningKind::kCross && !words_.naming().is_stairs(h.to)) {
         add(words_.into(h), After::kRoom, h.to);
       }
     }
   }
 
-  static After stairs_after(const Stretch& s) {
+  static After stairs_after(const PathStretch& s) {
     if (!s.to_storey) return After::kAnything;
     return s.climb > 0 ? After::kStairsTop : After::kStairsBottom;
   }
 
   // Entering a stairwell is not mentioned where the path goes on by the stairs.
   bool is_spoken(const Happening& h, std::size_t stretch) const {
-    if (h.kind != Happening::Kind::kCross) return false;
+    if (h.kind != HappeningKind::kCross) return false;
     const bool last = stretch + 1 == story_.stretches.size();
     if (words_.naming().is_stairs(h.to)) {
       return last ? story_.end.stairs == 0 && !story_.end.on_stairs
@@ -203,7 +203,7 @@ class Describer {
   // A crossing from one hall into another may be left out, unless it is the last one or the last
   // one enters another room of that name.
   bool may_skip(const Happening& h) const {
-    if (h.kind != Happening::Kind::kCross) return false;
+    if (h.kind != HappeningKind::kCross) return false;
     const Naming& names = words_.naming();
     const bool halls = names.is_way(h.to) && (names.is_way(h.from) || !clauses_.empty());
     const Happening* last = last_crossing();
@@ -222,12 +222,12 @@ class Describer {
 
   // The crossings and things of a stretch that are mentioned, in order.
   std::vector<Happening> chosen(std::size_t i) {
-    const Stretch& s = story_.stretches[i];
+    const PathStretch& s = story_.stretches[i];
     std::vector<Happening> things, found;
     for (const Happening& h : s.happenings) {
       const bool skips = may_skip(h) && words_.chance(habits_.skip);
       if (is_spoken(h, i) && !skips) found.push_back(h);
-      if (h.kind != Happening::Kind::kCross && !mentioned_.contains(h.thing)) things.push_back(h);
+      if (h.kind != HappeningKind::kCross && !mentioned_.contains(h.thing)) things.push_back(h);
     }
     std::ranges::stable_sort(things, std::ranges::greater(), &Happening::salience);
     if (things.size() > 1 && words_.chance(0.3)) std::swap(things[0], things[1]);
@@ -247,10 +247,10 @@ class Describer {
   }
 
   void walk(std::size_t i) {
-    const Stretch& s = story_.stretches[i];
+    const PathStretch& s = story_.stretches[i];
     const std::vector<Happening> all = chosen(i);
     const bool enters =
-        !all.empty() && all[0].kind == Happening::Kind::kCross && in_first_leg(s, all[0]);
+        !all.empty() && all[0].kind == HappeningKind::kCross && in_first_leg(s, all[0]);
     const bool turns = says_turn(i, enters);
     std::size_t next = 0;
     reached_ = s.first;
@@ -259,7 +259,7 @@ class Describer {
       add(words_.turn_and_cross(s, all[0]), After::kRoom, all[0].to);
       join_turns(s);
       next = 1;
-    } else if (turns && all.empty() && is_hall(s) && turn_of(s.turn) == Turn::kFull &&
+    } else if (turns && all.empty() && is_hall(s) && turn_of(s.turn) == TurnKind::kFull &&
                words_.chance(habits_.distance)) {
       reached_ = s.last;
       add(words_.along(s, true));
@@ -273,7 +273,7 @@ class Describer {
       reached_ = all.empty() ? s.last : std::max(s.first, place_at(s, all[0].metres - 1));
       go_on(i, all, turns);
     }
-    const bool straight = turn_of(s.turn) == Turn::kStraight;
+    const bool straight = turn_of(s.turn) == TurnKind::kStraight;
     for (; next < all.size(); ++next) {
       reached_ = place_at(s, all[next].metres);
       if (add_pair(all, next, straight)) {
@@ -286,8 +286,8 @@ class Describer {
   }
 
   // "Turn left, then right into the kitchen": two turns in a row need one verb.
-  void join_turns(const Stretch& s) {
-    if (clauses_.size() < 2 || turn_of(s.turn) != Turn::kFull) return;
+  void join_turns(const PathStretch& s) {
+    if (clauses_.size() < 2 || turn_of(s.turn) != TurnKind::kFull) return;
     const Clause& last = clauses_.back();
     Clause& before = clauses_[clauses_.size() - 2];
     const std::string side = s.turn > 0 ? "right" : "left";
@@ -309,14 +309,14 @@ class Describer {
     }
   }
 
-  bool is_hall(const Stretch& s) const {
+  bool is_hall(const PathStretch& s) const {
     return s.room == s.room_after && words_.naming().is_way(s.room) &&
            !words_.naming().is_stairs(s.room) && s.metres > 2.2;
   }
 
   // Adds a clause for the way ahead, before anything happens on it.
   void go_on(std::size_t i, const std::vector<Happening>& all, bool turns) {
-    const Stretch& s = story_.stretches[i];
+    const PathStretch& s = story_.stretches[i];
     if (s.metres >= 1.5 && things_said_ < habits_.all_things && words_.chance(habits_.towards)) {
       for (const std::size_t thing : s.ahead) {
         if (mentioned_.contains(thing)) continue;
@@ -331,15 +331,15 @@ class Describer {
     if (!all.empty()) return;
     if (is_hall(s) && words_.chance(habits_.distance)) {
       add(words_.along(s, false));
-    } else if ((turns || (i == 0 && turn_of(s.turn) == Turn::kStraight)) && s.metres > 1 &&
+    } else if ((turns || (i == 0 && turn_of(s.turn) == TurnKind::kStraight)) && s.metres > 1 &&
                words_.chance(habits_.distance / 2)) {
       add(words_.walk(s.metres));
-    } else if (turn_of(s.turn) == Turn::kStraight && i == 0) {
+    } else if (turn_of(s.turn) == TurnKind::kStraight && i == 0) {
       add(words_.straight());
     }
   }
 
-  static bool in_first_leg(const Stretch& s, const Happening& crossing) {
+  static bool in_first_leg(const PathStretch& s, const Happening& crossing) {
     return crossing.metres < std::min(kSameBreath, s.first_leg);
   }
 
@@ -348,18 +348,18 @@ class Describer {
   bool add_pair(const std::vector<Happening>& all, std::size_t k, bool straight) {
     if (k + 1 >= all.size()) return false;
     const Happening &a = all[k], &b = all[k + 1];
-    if (a.kind == Happening::Kind::kPass && b.kind == Happening::Kind::kPass &&
+    if (a.kind == HappeningKind::kPass && b.kind == HappeningKind::kPass &&
         a.on_right != b.on_right && a.seen_from == b.seen_from &&
         std::abs(a.metres - b.metres) < 0.6) {
       add(words_.between(names_[a.thing], names_[b.thing]));
       return true;
     }
-    const bool rooms = a.kind == Happening::Kind::kCross && b.kind == Happening::Kind::kCross;
+    const bool rooms = a.kind == HappeningKind::kCross && b.kind == HappeningKind::kCross;
     if (!rooms || words_.naming().same_room_name(a.to, b.to) ||
         words_.naming().same_room_name(a.from, a.to) || !words_.chance(habits_.merge)) {
       return false;
     }
-    if (speaker_ == Speaker::kTerse && words_.chance(0.5)) {
+    if (speaker_ == SpeakerKind::kTerse && words_.chance(0.5)) {
       add(words_.into(b), After::kRoom, b.to);
     } else {
       add(words_.through(a, b, straight), After::kRoom, b.to);
@@ -368,9 +368,9 @@ class Describer {
   }
 
   void add_one(const Happening& h, bool straight) {
-    if (h.kind == Happening::Kind::kCross) {
+    if (h.kind == HappeningKind::kCross) {
       add(words_.cross(h, straight), After::kRoom, h.to);
-    } else if (h.kind == Happening::Kind::kPass) {
+    } else if (h.kind == HappeningKind::kPass) {
       add(words_.pass(names_[h.thing], h.on_right));
     } else {
       add(words_.over(names_[h.thing]));
@@ -474,7 +474,7 @@ class Describer {
 
   const PathStory& story_;
   std::span<const ViewpointIndex> path_;
-  Speaker speaker_;
+  SpeakerKind speaker_;
   Habits habits_;
   Wording words_;
   std::size_t end_room_;
@@ -490,13 +490,8 @@ class Describer {
 
 }  // namespace
 
-std::string describe(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
-                     double heading, Speaker speaker, std::uint64_t seed) {
-  return describe_in_parts(home, viewpoints, heading, speaker, seed).text;
-}
-
-Spoken describe_in_parts(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints,
-                         double heading, Speaker speaker, std::uint64_t seed) {
+Spoken describe(const SpokenHome& home, std::span<const ViewpointIndex> viewpoints, double heading,
+                SpeakerKind speaker, std::uint64_t seed) {
   constexpr int kTries = 10;
   const PathStory story = tell_path(home, viewpoints, heading);
   const Habits habits = habits_of(speaker);

@@ -23,7 +23,7 @@ struct Totals {
   std::size_t instructions = 0, wrong = 0, alike = 0;
   std::size_t longest = 0;  // words
   std::set<std::string> vocabulary;
-  std::map<Speaker, std::size_t> words, count;
+  std::map<SpeakerKind, std::size_t> words, count;
 };
 
 bool is_word(const std::string& w) { return w != "," && w != "."; }
@@ -33,11 +33,11 @@ std::string explain(const SpokenHome& home, const std::vector<ViewpointIndex>& p
                     double heading) {
   std::string text;
   const PathStory story = tell_path(home, path, heading);
-  for (const Stretch& s : story.stretches) {
+  for (const PathStretch& s : story.stretches) {
     text += fmt::format("[{} to {}: turn {:.0f}, {:.1f} m, climb {}", s.first, s.last, s.turn,
                         s.metres, s.climb);
     for (const Happening& h : s.happenings) {
-      if (h.kind == Happening::Kind::kCross) {
+      if (h.kind == HappeningKind::kCross) {
         text += fmt::format(", {} at {:.1f}", home.home.plan.rooms[h.to].name, h.metres);
       }
     }
@@ -51,7 +51,7 @@ void speak_in(std::uint64_t seed, Totals& totals) {
   options.seed = seed;
   const BuiltHome built = build_home(options);
   const graph::NavGraph graph(build_graph(built, "home", 0));
-  const Sights sights(built.home, *built.tracer, graph);
+  const ThingsInView sights(built.home, *built.tracer, graph);
   const SpokenHome home{built.home, graph, sights};
   const testing::InstructionChecker checker(built.home, *built.tracer, graph);
   Rng rng(seed);
@@ -63,8 +63,8 @@ void speak_in(std::uint64_t seed, Totals& totals) {
     ++paths;
     const double heading = 6.283 * rng.uniform();
     std::set<std::string> texts;
-    for (const Speaker speaker : kSpeakers) {
-      const std::string text = describe(home, *path, heading, speaker, rng.next());
+    for (const SpeakerKind speaker : kSpeakers) {
+      const std::string text = describe(home, *path, heading, speaker, rng.next()).text;
       texts.insert(text);
       ++totals.instructions;
       ++totals.count[speaker];
@@ -101,7 +101,7 @@ TEST(DescribeHomes, AThousandInstructionsAreTrueAndRichInWords) {
   const double mean = static_cast<double>(words) / static_cast<double>(totals.instructions);
   EXPECT_GT(mean, 20);
   EXPECT_LT(mean, 32);
-  EXPECT_LT(totals.words[Speaker::kTerse], 8 * totals.words[Speaker::kLandmarks] / 10);
+  EXPECT_LT(totals.words[SpeakerKind::kTerse], 8 * totals.words[SpeakerKind::kLandmarks] / 10);
   EXPECT_LT(totals.longest, 60U);
   RecordProperty("vocabulary", static_cast<int>(totals.vocabulary.size()));
   for (const auto& [speaker, said] : totals.words) {

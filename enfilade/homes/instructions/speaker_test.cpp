@@ -25,8 +25,8 @@ struct Path {
 };
 
 // Shortest paths of 3 to 6 edges from room to room, looking anywhere.
-std::vector<Path> paths_in(const graph::NavGraph& graph, const Sights& sights, std::size_t most,
-                           std::uint64_t seed) {
+std::vector<Path> paths_in(const graph::NavGraph& graph, const ThingsInView& sights,
+                           std::size_t most, std::uint64_t seed) {
   Rng rng(seed);
   std::vector<Path> found;
   for (std::size_t tries = 0; tries < 200 * most && found.size() < most; ++tries) {
@@ -42,7 +42,7 @@ struct Stage {
   Home home;
   std::shared_ptr<mesh::RayTracer> tracer = testing::tracer_of(home);
   graph::NavGraph graph;
-  Sights sights{home, *tracer, graph};
+  ThingsInView sights{home, *tracer, graph};
   SpokenHome spoken{home, graph, sights};
   testing::InstructionChecker checker{home, *tracer, graph};
 };
@@ -131,9 +131,9 @@ TEST(InstructionChecker, FindsWhatWasDamaged) {
     Rng rng(3);
     std::size_t made = 0, found = 0;
     for (const Path& path : paths_in(stage.graph, stage.sights, 200, 5)) {
-      for (const Speaker speaker : kSpeakers) {
+      for (const SpeakerKind speaker : kSpeakers) {
         const std::string text =
-            describe(stage.spoken, path.viewpoints, path.heading, speaker, rng.next());
+            describe(stage.spoken, path.viewpoints, path.heading, speaker, rng.next()).text;
         const auto damaged = damage.make(text, damage.words, rng);
         if (!damaged) continue;
         ++made;
@@ -156,7 +156,7 @@ TEST(InstructionChecker, FindsSharpTurnsThatAreNone) {
     const double turn = story.stretches.front().turn;
     if (std::abs(turn) < 65 || std::abs(turn) > 125) continue;
     const std::string text =
-        describe(stage.spoken, path.viewpoints, path.heading, Speaker::kTerse, rng.next());
+        describe(stage.spoken, path.viewpoints, path.heading, SpeakerKind::kTerse, rng.next()).text;
     const std::string plain = turn > 0 ? "Turn right" : "Turn left";
     if (!text.starts_with(plain)) continue;
     const std::string sharp = "Turn sharp" + text.substr(std::string("Turn").size());
@@ -172,9 +172,9 @@ TEST(Describe, SaysOnlyWhatIsTrueInASmallHome) {
   const Stage& stage = small_stage();
   Rng rng(2);
   for (const Path& path : paths_in(stage.graph, stage.sights, 300, 1)) {
-    for (const Speaker speaker : kSpeakers) {
+    for (const SpeakerKind speaker : kSpeakers) {
       const std::string text =
-          describe(stage.spoken, path.viewpoints, path.heading, speaker, rng.next());
+          describe(stage.spoken, path.viewpoints, path.heading, speaker, rng.next()).text;
       EXPECT_THAT(stage.checker.check(text, path.viewpoints, path.heading), ::testing::IsEmpty())
           << text;
     }
@@ -185,10 +185,11 @@ TEST(Describe, IsWellWrittenAndTheSameForTheSameSeed) {
   const Stage& stage = small_stage();
   for (const Path& path : paths_in(stage.graph, stage.sights, 100, 7)) {
     std::set<std::string> texts;
-    for (const Speaker speaker : kSpeakers) {
-      const std::string text = describe(stage.spoken, path.viewpoints, path.heading, speaker, 11);
-      EXPECT_EQ(text, describe(stage.spoken, path.viewpoints, path.heading, speaker, 11));
-      EXPECT_NE(text, describe(stage.spoken, path.viewpoints, path.heading, speaker, 12));
+    for (const SpeakerKind speaker : kSpeakers) {
+      const std::string text =
+          describe(stage.spoken, path.viewpoints, path.heading, speaker, 11).text;
+      EXPECT_EQ(text, describe(stage.spoken, path.viewpoints, path.heading, speaker, 11).text);
+      EXPECT_NE(text, describe(stage.spoken, path.viewpoints, path.heading, speaker, 12).text);
       EXPECT_TRUE(text.ends_with('.')) << text;
       EXPECT_FALSE(text.ends_with("..")) << text;
       for (const char* bad :

@@ -16,18 +16,95 @@ constexpr double kMetresPerFoot = 0.3048;
 constexpr double kSharp = 105;  // degrees
 constexpr std::array<std::string_view, 5> kOrdinals{"", "first", "second", "third", "fourth"};
 
+// By SpeakerKind.
+constexpr std::array<Habits, 4> kHabits{
+    // kTerse
+    Habits{.brevity = 1,
+           .bend = 0.85,
+           .towards = 0.02,
+           .things = 0.02,
+           .all_things = 1,
+           .merge = 0.7,
+           .skip = 0.9,
+           .goal = 0.8,
+           .elide = 0.8,
+           .clauses = 4,
+           .links = ClauseLinks::kShort,
+           .least_words = 8,
+           .most_words = 20},
+    // kLandmarks
+    Habits{.brevity = 0.6,
+           .bend = 0.6,
+           .start = 0.12,
+           .towards = 0.2,
+           .things = 0.7,
+           .all_things = 2,
+           .distance = 0.1,
+           .merge = 0.7,
+           .skip = 0.8,
+           .openings = 0.08,
+           .goal = 0.95,
+           .elide = 0.4,
+           .clauses = 3,
+           .least_words = 20,
+           .most_words = 40},
+    // kStepByStep
+    Habits{.brevity = 0.3,
+           .bend = 0.25,
+           .start = 0.06,
+           .towards = 0.1,
+           .things = 0.2,
+           .all_things = 1,
+           .distance = 0.4,
+           .merge = 0.4,
+           .skip = 0.6,
+           .openings = 0.2,
+           .goal = 0.9,
+           .elide = 0.2,
+           .clauses = 2,
+           .least_words = 20,
+           .most_words = 40},
+    // kGuide: as long as the path asks for
+    Habits{.brevity = 0.1,
+           .bend = 0,
+           .start = 0.9,
+           .towards = 0.6,
+           .things = 0.95,
+           .all_things = 8,
+           .distance = 0.8,
+           .merge = 0,
+           .skip = 0,
+           .openings = 0.5,
+           .goal = 1,
+           .elide = 0,
+           .clauses = 2,
+           .least_words = 300,
+           .most_words = 300},
+};
+
 }  // namespace
+
+Habits habits_of(SpeakerKind speaker) { return kHabits.at(static_cast<std::size_t>(speaker)); }
+
+Habits leaner_habits(Habits h, double leaner) {
+  for (double* share : {&h.brevity, &h.bend, &h.merge, &h.skip, &h.elide}) {
+    *share += (1 - *share) * leaner;
+  }
+  for (double* share : {&h.start, &h.towards, &h.distance, &h.openings}) *share *= 1 - leaner;
+  h.things *= 1 - leaner / 2;  // landmarks say the most in few words
+  return h;
+}
 
 std::string Wording::turn(double degrees) {
   const Slots slots{{"side", side_of(degrees > 0)}};
-  if (turn_of(degrees) == Turn::kSlight) {
+  if (turn_of(degrees) == TurnKind::kSlight) {
     return say(
         "[3*bear $side|2*veer $side|2*turn slightly $side|go slightly $side|take a slight $side|"
         "make a slight $side|angle $side|turn a bit $side|turn a little $side|curve $side|"
         "veer off to the $side|head slightly $side|turn slightly to the $side|turn gently $side]",
         slots);
   }
-  if (turn_of(degrees) == Turn::kAround) {
+  if (turn_of(degrees) == TurnKind::kAround) {
     return say(
         "[7*turn around|turn all the way around|turn completely around|make a U-turn|spin around|"
         "turn to face the other way|reverse direction|[2*turn|spin] yourself around]");
@@ -35,7 +112,7 @@ std::string Wording::turn(double degrees) {
   if (std::abs(degrees) > kSharp && chance(0.2)) {
     return say("[[take|make] a [2*sharp|hard] $side|turn sharply $side|turn sharp $side]", slots);
   }
-  if (speaker_ == Speaker::kTerse) {
+  if (speaker_ == SpeakerKind::kTerse) {
     return say("[4*turn $side|2*go $side|take a $side|[hang|hook] a $side]", slots);
   }
   if (brief()) {
@@ -74,7 +151,7 @@ std::string Wording::walk(double metres) {
              {{"far", how_far}});
 }
 
-std::string Wording::along(const Stretch& stretch, bool with_turn) {
+std::string Wording::along(const PathStretch& stretch, bool with_turn) {
   const Slots slots{{"room", room(stretch.room_after)}, {"side", side_of(stretch.turn > 0)}};
   if (with_turn) {
     return say("[2*turn|go|head] $side [down|along] the $room|take a $side down the $room", slots);
@@ -121,7 +198,7 @@ std::string Wording::left(std::size_t room) {
   return "the " + this->room(room);
 }
 
-std::string Wording::stairs(const Stretch& stretch) {
+std::string Wording::stairs(const PathStretch& stretch) {
   const bool up = stretch.climb > 0;
   const Slots slots{{"up", up ? "up" : "down"},
                     {"flight", say("[3*stairs|steps|staircase|flight of stairs]")},
@@ -151,7 +228,7 @@ bool Wording::leaves(const Happening& crossing) const {
 std::string Wording::door(const Happening& crossing) {
   if (!crossing.opening) return "";
   const Opening& opening = home_.home.plan.openings[*crossing.opening];
-  if (opening.kind == Opening::Kind::kArch) {
+  if (opening.kind == OpeningKind::kArch) {
     return say("[2*archway|arch|opening|wide opening|open archway]");
   }
   return opening.leaf > 20 ? say("[door|doorway|open door]") : say("[door|doorway]");
@@ -200,10 +277,9 @@ std::string Wording::into(const Happening& crossing) {
 }
 
 // Through a door at one side; empty if it shall not be mentioned.
-std::string Wording::door_aside(const Stretch& stretch, const Happening& crossing,
+std::string Wording::door_aside(const PathStretch& stretch, const Happening& crossing,
                                 const Slots& slots) {
-  const auto first =
-      std::ranges::find(stretch.happenings, Happening::Kind::kCross, &Happening::kind);
+  const auto first = std::ranges::find(stretch.happenings, HappeningKind::kCross, &Happening::kind);
   const bool counted = first != stretch.happenings.end() && first->opening == crossing.opening;
   const bool names = crossing.to == goal_room_ && !been_in_another(crossing.to);
   if (counted && stretch.door > 0 && chance(0.7)) {
@@ -220,20 +296,20 @@ std::string Wording::door_aside(const Stretch& stretch, const Happening& crossin
              slots);
 }
 
-std::string Wording::turn_and_cross(const Stretch& stretch, const Happening& crossing) {
+std::string Wording::turn_and_cross(const PathStretch& stretch, const Happening& crossing) {
   const Slots slots{{"side", side_of(stretch.turn > 0)},
                     {"from", left(crossing.from)},
                     {"to", entered(crossing.to)},
                     {"plain", entered(crossing.to, 0)},
                     {"nth", std::string(kOrdinals.at(stretch.door))},
                     {"door", door(crossing)}};
-  const Turn turned = turn_of(stretch.turn);
-  if (turned == Turn::kFull && crossing.opening) {
+  const TurnKind turned = turn_of(stretch.turn);
+  if (turned == TurnKind::kFull && crossing.opening) {
     std::string text = door_aside(stretch, crossing, slots);
     if (!text.empty()) return text;
   }
-  if (turned != Turn::kAround && !leaves(crossing) && chance(0.85)) {
-    return say(turned == Turn::kSlight
+  if (turned != TurnKind::kAround && !leaves(crossing) && chance(0.85)) {
+    return say(turned == TurnKind::kSlight
                    ? "[2*bear|2*veer|turn slightly|angle|go slightly|take a slight] $side into $to"
                    : "[4*turn|2*go|take a|make a|head] $side into $to|"
                      "enter $plain [on|to] your $side",
@@ -314,7 +390,8 @@ std::string Wording::beside(const std::string& thing, const Neighbour& n) {
   const Slots slots{
       {"thing", thing}, {"side", side_of(n.bearing > 0)}, {"is", is_plural(thing) ? "are" : "is"}};
   const double size = std::abs(n.bearing);
-  if (speaker_ == Speaker::kTerse) return say("[3*by|at|beside|near|next to] the $thing", slots);
+  if (speaker_ == SpeakerKind::kTerse)
+    return say("[3*by|at|beside|near|next to] the $thing", slots);
   if (size < 35 && chance(0.5)) {
     return say(
         "[2*in front of|directly in front of|facing|right before|opposite|across from|"
@@ -334,13 +411,11 @@ std::string Wording::beside(const std::string& thing, const Neighbour& n) {
 
 std::string Wording::in_doorway(std::size_t opening) {
   const Opening& o = home_.home.plan.openings[opening];
-  const Slots slots{
-      {"a", room(o.room0)},
-      {"b", room(*o.room1)},
-      {"door", o.kind == Opening::Kind::kArch ? say("[archway|opening]") : "doorway"}};
+  const Slots slots{{"a", room(o.room0)},
+                    {"b", room(*o.room1)},
+                    {"door", o.kind == OpeningKind::kArch ? say("[archway|opening]") : "doorway"}};
   if (naming_.same_room_name(o.room0, *o.room1)) return say("in the $door", slots);
-  if (o.kind == Opening::Kind::kDoor && chance(0.1))
-    return say("on the threshold of the $b", slots);
+  if (o.kind == OpeningKind::kDoor && chance(0.1)) return say("on the threshold of the $b", slots);
   if (naming_.is_way(*o.room1)) return say("in the $door [of|to] the $a", slots);
   if (naming_.is_way(o.room0)) return say("in the $door [of|to] the $b", slots);
   if (chance(0.7)) {  // coming from one room, the doorway leads to the other
@@ -352,11 +427,11 @@ std::string Wording::in_doorway(std::size_t opening) {
 
 std::string Wording::by_door(std::size_t opening, std::size_t here) {
   const Opening& o = home_.home.plan.openings[opening];
-  if (o.kind == Opening::Kind::kEntrance) {
+  if (o.kind == OpeningKind::kEntrance) {
     return say("[by|near|next to|in front of] the [front door|entrance door]");
   }
   const std::string name =
-      o.kind == Opening::Kind::kArch ? say("[archway|opening]") : say("[door|doorway]");
+      o.kind == OpeningKind::kArch ? say("[archway|opening]") : say("[door|doorway]");
   const Slots slots{{"door", name}, {"by", say("[by|near|next to|beside|close to]")}};
   if (!o.room1) return say("$by the $door", slots);
   const std::size_t other = o.room0 == here ? *o.room1 : o.room0;
@@ -366,9 +441,9 @@ std::string Wording::by_door(std::size_t opening, std::size_t here) {
 }
 
 std::optional<std::string> Wording::thing(std::size_t thing, ViewpointIndex from, Rivals rivals) {
-  const bool colourful = chance(speaker_ == Speaker::kLandmarks ? 0.6
-                                : speaker_ == Speaker::kTerse   ? 0.05
-                                                                : 0.2);
+  const bool colourful = chance(speaker_ == SpeakerKind::kLandmarks ? 0.6
+                                : speaker_ == SpeakerKind::kTerse   ? 0.05
+                                                                    : 0.2);
   return naming_.thing(thing, from, colourful ? Detail::kColour : Detail::kPlain, rivals, rng_);
 }
 

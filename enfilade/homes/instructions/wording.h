@@ -1,5 +1,6 @@
-/// \file  Clauses for the facts of a path, each with many variants. Internal.
+/// \file  Habits of the speakers, and clauses for the facts of a path. Internal.
 #pragma once
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,11 +12,37 @@
 
 namespace enfilade::homes::instructions {
 
-/// Draws clauses for one speaker: imperatives without capital letter and full stop.
+/// How a speaker chooses: probabilities, [0, 1], unless stated otherwise.
+struct Habits {
+  double brevity = 0;          ///< a clause gets the fewest words
+  double bend = 0;             ///< a slight bend that cannot mislead is left out
+  double start = 0;            ///< the start is described by an object nearby
+  double towards = 0;          ///< an object straight ahead is named
+  double things = 0;           ///< a passed object is named
+  std::size_t all_things = 0;  ///< most such objects in an instruction
+  double distance = 0;         ///< how far, or along what, is said
+  double merge = 0;            ///< two rooms in a row share a clause
+  double skip = 0;             ///< entering a hall is not mentioned
+  double openings = 0;         ///< a sentence begins with "then" and the like
+  double goal = 0;             ///< the place to stop is given by an object
+  double elide = 0;            ///< two turns in a row share a verb
+  std::size_t clauses = 1;     ///< most clauses in a sentence
+  ClauseLinks links = ClauseLinks::kAny;
+  /// Range of the wanted length. A longer instruction is written again with less; a path of many
+  /// turns and rooms may take more words all the same.
+  std::size_t least_words = 0, most_words = 0;
+};
+
+Habits habits_of(SpeakerKind speaker);
+/// The same habits for a shorter instruction. \param leaner 0: unchanged; 1: only necessary facts
+Habits leaner_habits(Habits habits, double leaner);
+
+/// Draws clauses for one speaker, each in one of many variants: imperatives without capital letter
+/// and full stop.
 class Wording {
  public:
   /// \param brevity  probability that a clause gets the fewest words, [0, 1]
-  Wording(const SpokenHome& home, Speaker speaker, double brevity, std::uint64_t seed)
+  Wording(const SpokenHome& home, SpeakerKind speaker, double brevity, std::uint64_t seed)
       : home_(home), naming_(home), speaker_(speaker), brevity_(brevity), rng_(seed) {}
 
   /// Sets the room where the path ends, which is always named.
@@ -35,12 +62,12 @@ class Wording {
   /// "walk about four metres"
   std::string walk(double metres);
   /// Along a hall, with or without the turn before it.
-  std::string along(const Stretch& stretch, bool with_turn);
-  std::string stairs(const Stretch& stretch);
+  std::string along(const PathStretch& stretch, bool with_turn);
+  std::string stairs(const PathStretch& stretch);
   /// Into another room. \param straight  the opening lies straight ahead
   std::string cross(const Happening& crossing, bool straight);
   /// The turn of a stretch and its first crossing, right after it.
-  std::string turn_and_cross(const Stretch& stretch, const Happening& crossing);
+  std::string turn_and_cross(const PathStretch& stretch, const Happening& crossing);
   /// Two crossings in one clause.
   std::string through(const Happening& first, const Happening& second, bool straight);
   std::string into(const Happening& crossing);
@@ -65,13 +92,13 @@ class Wording {
   std::string entered(std::size_t room, double mark = 0.5);
   std::string left(std::size_t room);
   bool been_in_another(std::size_t room) const;
-  std::string door_aside(const Stretch& stretch, const Happening& crossing, const Slots& slots);
+  std::string door_aside(const PathStretch& stretch, const Happening& crossing, const Slots& slots);
   std::string door(const Happening& crossing);
   bool leaves(const Happening& crossing) const;
 
   SpokenHome home_;
   Naming naming_;
-  Speaker speaker_;
+  SpeakerKind speaker_;
   double brevity_;
   Rng rng_;
   std::size_t goal_room_ = 0;

@@ -92,7 +92,7 @@ TEST(Architecture, RoomsAreClosedAndFacesLookInward) {
         const Vec3d at{eye.x + t * way.x, eye.y + t * way.y, eye.z + t * way.z};
         const bool window = std::any_of(
             home.plan.openings.begin(), home.plan.openings.end(), [&](const Opening& o) {
-              if (o.kind != Opening::Kind::kWindow) return false;
+              if (o.kind != OpeningKind::kWindow) return false;
               const double floor = home.plan.storeys[home.plan.rooms[o.room0].storey].floor;
               const double u = o.along_x ? at.x : at.y, n = o.along_x ? at.y : at.x;
               return std::abs(n - o.wall) < 0.2 && u > o.from && u < o.to &&
@@ -147,7 +147,7 @@ TEST(Architecture, EverythingSolidIsAnObstacle) {
 TEST(Architecture, ThingsAreOfTheirObjects) {
   const Home home = bare_home({3, HomeKind::kHouse, 2, 220});
   bool door = false, stairs = false, window = false;
-  for (const Thing& t : home.things) {
+  for (const HomeThing& t : home.things) {
     ASSERT_LT(t.object, home.mesh.objects.size());
     EXPECT_LE(t.low.x, t.high.x);
     EXPECT_LE(t.low.y, t.high.y);

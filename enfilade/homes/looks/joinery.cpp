@@ -2,9 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "enfilade/homes/looks/site.h"
-#include "enfilade/homes/plan/model.h"
-#include "enfilade/homes/plan/openings.h"
+#include "enfilade/homes/looks/architecture.h"
+#include "enfilade/homes/plan/draws.h"
 
 namespace enfilade::homes::looks {
 namespace {
@@ -15,7 +14,7 @@ constexpr double kEmbedded = 0.01;  // of what is fixed to a wall, into it
 constexpr double kLeafThick = 0.04;
 
 // The lining of a hole, and casings around it on both of the wall's faces.
-void build_frame(Site& site, const Opening& o, mesh::MaterialId trim, double z) {
+void build_frame(BuildingSite& site, const Opening& o, mesh::MaterialId trim, double z) {
   const double half = plan::wall_thickness(site.plan, o) / 2;
   const double n0 = o.wall - half - kProud, n1 = o.wall + half + kProud;
   const double top = z + o.head;
@@ -33,7 +32,7 @@ void build_frame(Site& site, const Opening& o, mesh::MaterialId trim, double z) 
 }
 
 // A leaf with two panels and handles; local x along it from its hinges, y through it.
-void build_leaf(Site& site, double width, double height, double y0, mesh::MaterialId wood,
+void build_leaf(BuildingSite& site, double width, double height, double y0, mesh::MaterialId wood,
                 mesh::MaterialId metal) {
   mesh::MeshBuilder& b = site.parts.builder;
   const double y1 = y0 + kLeafThick;
@@ -52,7 +51,7 @@ void build_leaf(Site& site, double width, double height, double y0, mesh::Materi
 }
 
 // Obstacles of a leaf as it stands, with its handles.
-void add_leaf_obstacles(Site& site, const mesh::Placement& at, double width, double height,
+void add_leaf_obstacles(BuildingSite& site, const mesh::Placement& at, double width, double height,
                         double y0) {
   const auto add = [&](double x0, double x1, double ya, double yb, double z0, double z1) {
     const Vec3d m = at.to_world({(x0 + x1) / 2, (ya + yb) / 2, 0});
@@ -63,7 +62,7 @@ void add_leaf_obstacles(Site& site, const mesh::Placement& at, double width, dou
   add(width - 0.19, width - 0.05, y0 - 0.06, y0 + kLeafThick + 0.06, 0.94, 0.96);
 }
 
-void build_open_leaf(Site& site, const Opening& o, double z) {
+void build_open_leaf(BuildingSite& site, const Opening& o, double z) {
   const std::size_t room = o.leaf_in_room1 ? *o.room1 : o.room0;
   const RoomStyle& style = site.style(room);
   const double half = plan::wall_thickness(site.plan, o) / 2;
@@ -85,8 +84,8 @@ void build_open_leaf(Site& site, const Opening& o, double z) {
   add_thing(site, leaf, "door", style.trim, room, at.position, end, kLeafThick);
 }
 
-void build_doorway(Site& site, const Opening& o) {
-  const bool arch = o.kind == Opening::Kind::kArch;
+void build_doorway(BuildingSite& site, const Opening& o) {
+  const bool arch = o.kind == OpeningKind::kArch;
   const RoomStyle& style = site.style(o.room0);
   const double z = site.floor_z(o.room0), half = plan::wall_thickness(site.plan, o) / 2;
   const char* name = arch ? "archway" : "door frame";
@@ -100,7 +99,7 @@ void build_doorway(Site& site, const Opening& o) {
   if (!arch && o.leaf > 0) build_open_leaf(site, o, z);
 }
 
-void build_entrance(Site& site, const Opening& o) {
+void build_entrance(BuildingSite& site, const Opening& o) {
   const bool garage = site.plan.rooms[o.room0].type == 'g';
   const RoomStyle& style = site.style(o.room0);
   const double z = site.floor_z(o.room0);
@@ -130,7 +129,7 @@ void build_entrance(Site& site, const Opening& o) {
 }
 
 // The sides of a hole through an outer wall.
-void build_reveals(Site& site, const Opening& o, mesh::MaterialId paint, double z) {
+void build_reveals(BuildingSite& site, const Opening& o, mesh::MaterialId paint, double z) {
   const double half = plan::wall_thickness(site.plan, o) / 2;
   const double n0 = o.wall - half, n1 = o.wall + half, z0 = z + o.sill, z1 = z + o.head;
   const Side along = o.along_x ? Side::kPlusX : Side::kPlusY;  // the direction that u grows in
@@ -142,7 +141,7 @@ void build_reveals(Site& site, const Opening& o, mesh::MaterialId paint, double 
 }
 
 // Frame, mullions and a transom, without panes: rays and light pass, bodies do not.
-void build_sashes(Site& site, const Opening& o, mesh::MaterialId trim, double z) {
+void build_sashes(BuildingSite& site, const Opening& o, mesh::MaterialId trim, double z) {
   constexpr double kBar = 0.05, kDeep = 0.035, kEach = 0.75;
   const double n0 = o.wall - kDeep, n1 = o.wall + kDeep, z0 = z + o.sill, z1 = z + o.head;
   const auto bar = [&](double u0, double u1, double a, double b, double depth) {
@@ -165,7 +164,7 @@ void build_sashes(Site& site, const Opening& o, mesh::MaterialId trim, double z)
 }
 
 // A parapet's handrail and posts, where a balcony or porch is open.
-void build_parapet(Site& site, const Opening& o, const NamedMaterial& metal, double z) {
+void build_parapet(BuildingSite& site, const Opening& o, const NamedMaterial& metal, double z) {
   const double at = z + o.sill;
   constexpr double kRail = 0.1, kRadius = 0.02;
   mesh::MeshBuilder& b = site.parts.builder;
@@ -179,7 +178,7 @@ void build_parapet(Site& site, const Opening& o, const NamedMaterial& metal, dou
   }
 }
 
-void build_window(Site& site, const Opening& o) {
+void build_window(BuildingSite& site, const Opening& o) {
   const RoomStyle& style = site.style(o.room0);
   const PlanRoom& room = site.plan.rooms[o.room0];
   const bool open = plan::is_one_of(room.type, "py");
@@ -212,16 +211,10 @@ void build_window(Site& site, const Opening& o) {
 
 }  // namespace
 
-void build_opening(Site& site, const Opening& o) {
-  switch (o.kind) {
-    case Opening::Kind::kDoor:
-    case Opening::Kind::kArch:
-      return build_doorway(site, o);
-    case Opening::Kind::kWindow:
-      return build_window(site, o);
-    case Opening::Kind::kEntrance:
-      return build_entrance(site, o);
-  }
+void build_opening(BuildingSite& site, const Opening& o) {
+  if (o.kind == OpeningKind::kWindow) return build_window(site, o);
+  if (o.kind == OpeningKind::kEntrance) return build_entrance(site, o);
+  build_doorway(site, o);
 }
 
 }  // namespace enfilade::homes::looks

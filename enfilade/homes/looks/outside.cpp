@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/homes/looks/site.h"
-#include "enfilade/homes/plan/model.h"
+#include "enfilade/homes/looks/architecture.h"
+#include "enfilade/homes/plan/draws.h"
 
 namespace enfilade::homes::looks {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr std::int32_t kOutside = -1;
 constexpr double kFar = 70;  // metres to the end of the lawn
 
-mesh::MaterialId plain(Site& site, const char* name, Vec3f colour) {
+mesh::MaterialId plain(BuildingSite& site, const char* name, Vec3f colour) {
   mesh::Material m;
   m.name = name;
   m.colour = colour;
@@ -31,7 +31,7 @@ double ground_height(const Plan& plan, Rng& rng) {
   return up ? -plan::snap(plan::draw(rng, 2.9, 8.7)) : -0.15;
 }
 
-void build_facade(Site& site, mesh::MaterialId material, double ground) {
+void build_facade(BuildingSite& site, mesh::MaterialId material, double ground) {
   const Plan& plan = site.plan;
   const Rect& out = plan.outline;
   site.parts.builder.begin_object("facade", Mpcat40::kWall, kOutside);
@@ -61,9 +61,9 @@ void build_facade(Site& site, mesh::MaterialId material, double ground) {
   }
 }
 
-void build_roof(Site& site, mesh::MaterialId material) {
+void build_roof(BuildingSite& site, mesh::MaterialId material) {
   const Rect& out = site.plan.outline;
-  const Storey& last = site.plan.storeys.back();
+  const PlanStorey& last = site.plan.storeys.back();
   const double z = last.floor + last.height;
   constexpr double kEaves = 0.3, kThick = 0.25;
   site.parts.builder.begin_object("roof", Mpcat40::kCeiling, kOutside);
@@ -71,7 +71,7 @@ void build_roof(Site& site, mesh::MaterialId material) {
                          {out.x1 + kEaves, out.y1 + kEaves, z + kThick});
 }
 
-void build_ground(Site& site, Rng& rng, double ground) {
+void build_ground(BuildingSite& site, Rng& rng, double ground) {
   mesh::MeshBuilder& b = site.parts.builder;
   const Rect& out = site.plan.outline;
   const mesh::MaterialId grass = plain(site, "grass", varied(rng, {0.11F, 0.22F, 0.06F}));
@@ -85,7 +85,7 @@ void build_ground(Site& site, Rng& rng, double ground) {
   for (const Rect& r : around(paved, &out)) level(site, paving, r, ground, true);
 }
 
-void build_hedge(Site& site, Rng& rng, double ground) {
+void build_hedge(BuildingSite& site, Rng& rng, double ground) {
   const mesh::MaterialId green = plain(site, "hedge", varied(rng, {0.06F, 0.15F, 0.04F}));
   const Rect& out = site.plan.outline;
   const double away = plan::draw(rng, 5, 9), height = plan::draw(rng, 1.0, 1.7);
@@ -109,7 +109,7 @@ Vec3d somewhere(const Plan& plan, Rng& rng, double angle, double least, double m
   return {mx + reach * std::cos(angle), my + reach * std::sin(angle), 0};
 }
 
-void build_trees(Site& site, Rng& rng, double ground) {
+void build_trees(BuildingSite& site, Rng& rng, double ground) {
   mesh::MeshBuilder& b = site.parts.builder;
   const mesh::MaterialId bark = plain(site, "bark", {0.10F, 0.07F, 0.05F});
   const std::array leaves{plain(site, "leaves", varied(rng, {0.09F, 0.20F, 0.05F})),
@@ -131,7 +131,7 @@ void build_trees(Site& site, Rng& rng, double ground) {
   }
 }
 
-void build_neighbours(Site& site, Rng& rng, double ground) {
+void build_neighbours(BuildingSite& site, Rng& rng, double ground) {
   mesh::MeshBuilder& b = site.parts.builder;
   constexpr std::array<Vec3f, 5> kWalls{{{0.62F, 0.55F, 0.45F},
                                          {0.55F, 0.28F, 0.20F},
@@ -169,7 +169,7 @@ void build_neighbours(Site& site, Rng& rng, double ground) {
 
 }  // namespace
 
-void build_outside(Site& site) {
+void build_outside(BuildingSite& site) {
   Rng rng(site.plan.seed, stream_of("outside", 7));
   const double ground = ground_height(site.plan, rng);
   constexpr std::array<Vec3f, 4> kFacades{

@@ -145,16 +145,8 @@ image::Image8 portrait(Rng& rng, std::uint32_t width, std::uint32_t height) {
 }  // namespace
 
 image::Image8 paint_picture(Rng& rng, std::uint32_t width, std::uint32_t height) {
-  switch (rng.below(6)) {
-    case 0:
-      return shapes(rng, width, height);
-    case 1:
-      return fields(rng, width, height);
-    case 2:
-      return portrait(rng, width, height);
-    default:
-      return landscape(rng, width, height);
-  }
+  constexpr std::array kPainters{shapes, fields, portrait, landscape, landscape, landscape};
+  return kPainters[rng.below(kPainters.size())](rng, width, height);
 }
 
 }  // namespace enfilade::homes::looks

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "enfilade/homes/plan/model.h"
+#include "enfilade/homes/plan/draws.h"
 #include "enfilade/image/textures.h"
 #include "enfilade/image/tone.h"
 
@@ -68,7 +68,7 @@ Vec3f linear(Rgb c) {
 struct Palette {
   mesh::MeshBuilder& builder;
   Rng rng;
-  Surfaces surfaces;
+  HomeSurfaces surfaces;
 
   NamedMaterial add(mesh::Material m, double size, std::string_view colour,
                     std::string_view material) {
@@ -79,7 +79,7 @@ struct Palette {
                          std::string_view material, float mirror = 0) {
     mesh::Material m;
     m.colour = {1, 1, 1};
-    if (surfaces == Surfaces::kTextured) m.texture = texture();
+    if (surfaces == HomeSurfaces::kTextured) m.texture = texture();
     m.mirror = mirror;
     return add(std::move(m), size, colour, material);
   }
@@ -276,7 +276,7 @@ RoomStyle room_style(const HomeMaterials& home, HomeKind kind, char type, std::s
 }  // namespace
 
 std::vector<RoomStyle> make_styles(const Plan& plan, mesh::MeshBuilder& builder,
-                                   Surfaces surfaces) {
+                                   HomeSurfaces surfaces) {
   constexpr std::uint64_t kStream = 0x5354594C45;  // "STYLE"
   Palette palette{builder, Rng(plan.seed, kStream), surfaces};
   HomeMaterials home;

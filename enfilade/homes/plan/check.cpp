@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "enfilade/homes/plan/openings.h"
-
 namespace enfilade::homes::plan {
 namespace {
 
@@ -70,10 +68,10 @@ void check_opening(const Plan& plan, std::size_t i, Faults& faults) {
                         ? fits_room(plan, o, o.room0, true) && fits_room(plan, o, *o.room1, false)
                         : fits_room(plan, o, o.room0, true) || fits_room(plan, o, o.room0, false);
   if (!fits) say("is not in its wall");
-  const bool window = o.kind == Opening::Kind::kWindow;
+  const bool window = o.kind == OpeningKind::kWindow;
   if (!window && (width < 0.88 || o.head < 1.95)) say("is too small for a door");
   if (window && (width < 0.4 || o.head - o.sill < 0.4 || o.sill < 0.3)) say("is no good window");
-  if (o.kind == Opening::Kind::kArch && (width < 1.0 || width > 3.0 + 1e-9)) say("is no arch");
+  if (o.kind == OpeningKind::kArch && (width < 1.0 || width > 3.0 + 1e-9)) say("is no arch");
   for (const Stairs& s : plan.stairs) {
     const unsigned storey = plan.rooms[o.room0].storey;
     if (window || (storey != s.storey && storey != s.storey + 1)) continue;
@@ -125,7 +123,7 @@ std::vector<bool> reached_from(const Plan& plan, std::size_t start, bool private
 void check_ways(const Plan& plan, Faults& faults) {
   std::optional<std::size_t> front;
   for (const Opening& o : plan.openings) {
-    if (o.kind == Opening::Kind::kEntrance && plan.rooms[o.room0].type == 'e') front = o.room0;
+    if (o.kind == OpeningKind::kEntrance && plan.rooms[o.room0].type == 'e') front = o.room0;
   }
   if (!front) {
     faults.emplace_back("there is no front door");
@@ -152,7 +150,7 @@ void check_windows(const Plan& plan, Faults& faults) {
       continue;
     }
     const bool any = std::any_of(plan.openings.begin(), plan.openings.end(), [&](const Opening& o) {
-      return o.kind == Opening::Kind::kWindow && o.room0 == r;
+      return o.kind == OpeningKind::kWindow && o.room0 == r;
     });
     if (!any) faults.push_back(name(plan, r) + " has no window");
   }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "enfilade/homes/plan/openings.h"
+#include "enfilade/core/enum_names.h"
 
 namespace enfilade::homes::plan {
 namespace {
@@ -20,11 +20,11 @@ struct Brief {
   unsigned storeys = 1;
   double area = 100;             // of all storeys
   std::vector<double> ceilings;  // usual height of each storey
-  std::vector<Storey> levels;
+  std::vector<PlanStorey> levels;
   unsigned most_steps = 16;
 };
 
-unsigned steps_of(const Storey& storey) {
+unsigned steps_of(const PlanStorey& storey) {
   return static_cast<unsigned>(std::ceil(storey.height / kHighestRise));
 }
 
@@ -83,7 +83,7 @@ void draw_heights(Brief& brief, Rng& rng) {
 // world.
 class Turning {
  public:
-  Turning(const Building& b, Rng& rng)
+  Turning(const BuildingFrame& b, Rng& rng)
       : width_(b.width),
         depth_(b.depth),
         mirrored_(chance(rng, 0.5)),
@@ -215,7 +215,7 @@ std::string no_plan(std::uint64_t seed, const Brief& brief, unsigned draws) {
   return fmt::format(
       "no plan of a {} of {:.6g} m2 on {} storey{} with seed {}: rooms, doors and stairs fitted in "
       "none of {} draws. Take another seed or more area, {} m2 at most",
-      to_string(brief.kind), brief.area, brief.storeys, brief.storeys == 1 ? "" : "s", seed, draws,
+      enum_name(brief.kind), brief.area, brief.storeys, brief.storeys == 1 ? "" : "s", seed, draws,
       kMostArea);
 }
 
@@ -246,3 +246,29 @@ Plan make_plan(const PlanOptions& options, unsigned most_draws) {
 }
 
 }  // namespace enfilade::homes::plan
+
+namespace enfilade::homes {
+
+void check_options(const PlanOptions& o) {
+  const auto check = [](bool good, const std::string& message) {
+    if (!good) throw ArgumentError(message);
+  };
+  check(o.area == 0 || (o.area >= kLeastArea && o.area <= kMostArea),
+        fmt::format("area: {} m2, not from {} to {}, or 0", o.area, kLeastArea, kMostArea));
+  if (!o.storeys) return;
+  check_range("storeys", *o.storeys, 1, 3);
+  const bool one = o.kind == HomeKind::kFlat || o.kind == HomeKind::kHotelFloor;
+  check(!one || *o.storeys == 1,
+        fmt::format("storeys: {}, but flats and hotel floors have 1", *o.storeys));
+  check(o.area == 0 || *o.storeys == 1 || o.area >= plan::kLeastWithStairs * *o.storeys,
+        fmt::format("area: {} m2 are too few for {} storeys of at least {} m2", o.area, *o.storeys,
+                    plan::kLeastWithStairs));
+}
+
+Plan make_plan(const PlanOptions& options) {
+  // Of 4,500 homes of all kinds and sizes, each had a plan within 1,000.
+  constexpr unsigned kMostDraws = 20000;
+  return plan::make_plan(options, kMostDraws);
+}
+
+}  // namespace enfilade::homes

@@ -30,19 +30,19 @@ Range pair_range(char near, char far, double area, double depth) {
   r.want = std::clamp(area / depth, r.low, std::max(r.low, r.high));
   return r;
 }
-Range item_range(const Item& item, double depth) {
+Range item_range(const ChainItem& item, double depth) {
   switch (item.shape) {
-    case Item::Shape::kRoom:
+    case ChainItem::Form::kRoom:
       return room_range(item.type, item.area, depth);
-    case Item::Shape::kPair:
+    case ChainItem::Form::kPair:
       return pair_range(item.near, item.far, item.area, depth);
-    case Item::Shape::kSuite: {
+    case ChainItem::Form::kSuite: {
       const Range a = room_range('b', item.area * 0.63, depth);
       const Range b = pair_range(item.near, item.far, item.area * 0.37, depth);
       if (a.low > a.high || b.low > b.high) return {1, 1, 0};
       return {a.low + b.low, a.want + b.want, a.high + b.high};
     }
-    case Item::Shape::kHotelRoom:
+    case ChainItem::Form::kHotelRoom:
       break;
   }
   if (depth < 6) return {1, 1, 0};
@@ -51,13 +51,13 @@ Range item_range(const Item& item, double depth) {
 
 // Where an item lies in its block.
 struct Placed {
-  const Item* item = nullptr;
+  const ChainItem* item = nullptr;
   Range range;
   double from = 0, to = 0;
   bool flipped = false;  // a suite's baths and a hotel room's bath at its other end
 };
 struct Strip {
-  const Block* block = nullptr;
+  const RoomStrip* block = nullptr;
   double length = 0, depth = 0;
   std::vector<Placed> placed;
   double used = 0;  // sum of lowest widths
@@ -65,7 +65,7 @@ struct Strip {
 };
 
 // Piece of a strip: along it, and from the corridor's side (0) away from it.
-Rect piece(const Block& block, double a0, double a1, double n0, double n1) {
+Rect piece(const RoomStrip& block, double a0, double a1, double n0, double n1) {
   const bool along_x = runs_along_x(block.faces), high = is_high(block.faces);
   const double start = block.box.range(along_x).first, edge = block.box.at(block.faces);
   return laid_rect(along_x, snap(start + a0), snap(start + a1), snap(high ? edge - n1 : edge + n0),
@@ -107,7 +107,7 @@ void add_cell(std::vector<Cell>& cells, const Rect& box, char type, std::string 
 }
 
 void add_suite(std::vector<Cell>& cells, const Strip& strip, const Placed& p) {
-  const Item& item = *p.item;
+  const ChainItem& item = *p.item;
   const double width = p.to - p.from, depth = strip.depth;
   const Range side = pair_range(item.near, item.far, item.area * 0.37, depth);
   const Range bed = room_range('b', item.area * 0.63, depth);
@@ -139,34 +139,34 @@ void add_hotel_room(std::vector<Cell>& cells, const Strip& strip, const Placed& 
   add_cell(cells, part(false, 0, kBathDepth), 'a', "bathroom", 0, hall);
 }
 
-std::vector<Cell> make_cells(const Frame& frame, const std::vector<Strip>& strips) {
+std::vector<Cell> make_cells(const StoreyFrame& frame, const std::vector<Strip>& strips) {
   std::vector<Cell> cells;
-  for (const Piece& p : frame.spine) {
+  for (const CorridorPiece& p : frame.spine) {
     const char* name = p.type == 'e' ? "entrance hall" : p.type == 's' ? "stairs" : "hallway";
     cells.push_back({p.box, p.type, name, true, false, 0, {}, {}});
   }
   for (const Strip& strip : strips) {
     for (const Placed& p : strip.placed) {
-      const Item& item = *p.item;
+      const ChainItem& item = *p.item;
       const auto box = [&](double n0, double n1) {
         return piece(*strip.block, p.from, p.to, n0, n1);
       };
       switch (item.shape) {
-        case Item::Shape::kRoom:
+        case ChainItem::Form::kRoom:
           add_cell(cells, box(0, strip.depth), item.type, item.name, item.area);
           cells.back().inner = strip.block->inner;
           break;
-        case Item::Shape::kPair: {
+        case ChainItem::Form::kPair: {
           const double half = snap(strip.depth / 2);
           add_cell(cells, box(0, half), item.near, item.near_name, item.area / 2);
           add_cell(cells, box(half, strip.depth), item.far, item.far_name, item.area / 2);
           cells.back().hosts = item.far_hosts;
           break;
         }
-        case Item::Shape::kSuite:
+        case ChainItem::Form::kSuite:
           add_suite(cells, strip, p);
           break;
-        case Item::Shape::kHotelRoom:
+        case ChainItem::Form::kHotelRoom:
           add_hotel_room(cells, strip, p);
           break;
       }
@@ -178,18 +178,18 @@ std::vector<Cell> make_cells(const Frame& frame, const std::vector<Strip>& strip
 // Chains are cut here and there, turned round, and laid into strips with room for them.
 bool place_items(std::vector<Strip>& strips, const std::vector<Chain>& program, Rng& rng) {
   struct Run {
-    std::vector<const Item*> items;
+    std::vector<const ChainItem*> items;
     double wanted = 0;
     bool inner = false;
   };
   std::vector<Run> runs;
   for (const Chain& whole : program) {
-    const std::vector<Item>& chain = whole.items;
+    const std::vector<ChainItem>& chain = whole.items;
     runs.emplace_back();
     runs.back().inner = whole.inner;
     for (std::size_t i = 0; i < chain.size(); ++i) {
       // A pair stays with the room before it, through which its far room is reached.
-      const bool may_cut = i > 0 && chain[i].shape != Item::Shape::kPair;
+      const bool may_cut = i > 0 && chain[i].shape != ChainItem::Form::kPair;
       if (may_cut && chance(rng, 0.45)) runs.push_back({{}, 0, whole.inner});
       runs.back().items.push_back(&chain[i]);
       runs.back().wanted += chain[i].area;
@@ -205,7 +205,7 @@ bool place_items(std::vector<Strip>& strips, const std::vector<Chain>& program, 
     for (Strip& strip : strips) {
       if (strip.block->inner != run.inner) continue;
       double low = 0;
-      for (const Item* item : run.items) {
+      for (const ChainItem* item : run.items) {
         const Range r = item_range(*item, strip.depth);
         low += r.low > r.high ? 1e9 : r.low;
       }
@@ -220,7 +220,7 @@ bool place_items(std::vector<Strip>& strips, const std::vector<Chain>& program, 
     if (chosen == nullptr) return false;
     Strip& strip = *chosen;
     std::vector<Placed> placed;
-    for (const Item* item : run.items) {
+    for (const ChainItem* item : run.items) {
       placed.push_back({item, item_range(*item, strip.depth), 0, 0, chance(rng, 0.5)});
       strip.used += placed.back().range.low;
       strip.wanted += placed.back().range.want;
@@ -231,14 +231,14 @@ bool place_items(std::vector<Strip>& strips, const std::vector<Chain>& program, 
   return true;
 }
 
-double outer_wall(const Building& b, const Rect& box) {
+double outer_wall(const BuildingFrame& b, const Rect& box) {
   double longest = 0;
   constexpr double kAt = 1e-6;
   if (box.x0 < kAt || box.x1 > b.width - kAt) longest = box.depth();
   if (box.y0 < kAt || box.y1 > b.depth - kAt) longest = std::max(longest, box.width());
   return longest;
 }
-bool has_corner(const Building& b, const Rect& box) {
+bool has_corner(const BuildingFrame& b, const Rect& box) {
   constexpr double kAt = 1e-6;
   return (box.x0 < kAt || box.x1 > b.width - kAt) && (box.y0 < kAt || box.y1 > b.depth - kAt);
 }
@@ -290,7 +290,7 @@ bool host_rest(std::vector<Cell>& cells, const std::optional<Flight>& flight) {
 }
 
 // Does each room have the walls that it needs?
-bool placed_well(const Building& b, unsigned storey, const std::vector<Cell>& cells) {
+bool placed_well(const BuildingFrame& b, unsigned storey, const std::vector<Cell>& cells) {
   for (const Cell& c : cells) {
     if (c.spine) continue;
     const double outer = outer_wall(b, c.box);
@@ -301,7 +301,7 @@ bool placed_well(const Building& b, unsigned storey, const std::vector<Cell>& ce
   return true;
 }
 
-double score(const Building& b, const std::vector<Cell>& cells) {
+double score(const BuildingFrame& b, const std::vector<Cell>& cells) {
   double sum = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Cell& c = cells[i];
@@ -341,13 +341,13 @@ double door_room(const Rect& a, const Rect& b, const std::optional<Flight>& flig
   return std::max({0.0, f0 - wall->from, wall->to - f1});
 }
 
-std::optional<Layout> fill(const Building& building, unsigned storey,
-                           const std::vector<Chain>& program, unsigned trials, Rng& rng) {
-  const Frame& frame = building.storeys[storey];
-  std::optional<Layout> best;
+std::optional<StoreyLayout> fill(const BuildingFrame& building, unsigned storey,
+                                 const std::vector<Chain>& program, unsigned trials, Rng& rng) {
+  const StoreyFrame& frame = building.storeys[storey];
+  std::optional<StoreyLayout> best;
   for (unsigned t = 0; t < trials; ++t) {
     std::vector<Strip> strips;
-    for (const Block& block : frame.blocks) {
+    for (const RoomStrip& block : frame.blocks) {
       const bool x = runs_along_x(block.faces);
       strips.push_back({&block, block.box.length(x), block.box.length(!x), {}, 0, 0});
     }
@@ -357,7 +357,7 @@ std::optional<Layout> fill(const Building& building, unsigned storey,
     if (!placed_well(building, storey, cells)) continue;
     if (!host_far_rooms(cells) || !host_rest(cells, building.flight)) continue;
     const double value = score(building, cells);
-    if (!best || value > best->score) best = Layout{std::move(cells), value};
+    if (!best || value > best->score) best = StoreyLayout{std::move(cells), value};
   }
   return best;
 }

@@ -46,7 +46,8 @@ double spine_width(const FrameNeeds& needs, Rng& rng, bool stairs) {
 
 // Cuts a corridor that runs from a0 to a1 where its stairs begin and end; `stairs` = {from, to} or
 // empty. Ends too short to be rooms become part of the stairs' piece.
-void add_spine(Frame& frame, bool along_x, Span along, Span across, std::optional<Span> stairs) {
+void add_spine(StoreyFrame& frame, bool along_x, Span along, Span across,
+               std::optional<Span> stairs) {
   const auto add = [&](double from, double to, char type) {
     frame.spine.push_back({laid_rect(along_x, from, to, across.first, across.second), type});
   };
@@ -73,7 +74,7 @@ Flight make_flight(bool along_x, double from, Span across, bool high_side, bool 
 }
 
 // The strip along the front, up to x = `end`; on the ground floor with the front door's hall.
-void add_front(Frame& frame, bool ground, double end, double depth, Span hall) {
+void add_front(StoreyFrame& frame, bool ground, double end, double depth, Span hall) {
   if (ground) {
     frame.spine.push_back({{hall.first, 0, hall.second, depth}, 'e'});
     frame.blocks.push_back({{0, 0, hall.first, depth}, Side::kPlusY});
@@ -85,11 +86,11 @@ void add_front(Frame& frame, bool ground, double end, double depth, Span hall) {
 
 // A hall from the front to the back, rooms on either side; at the ground sometimes rooms across
 // the whole back.
-std::optional<Building> central_hall(const FrameNeeds& needs, Rng& rng) {
+std::optional<BuildingFrame> central_hall(const FrameNeeds& needs, Rng& rng) {
   const bool stairs = needs.storeys > 1;
   const double left = strip_depth(needs, rng), right = strip_depth(needs, rng);
   const double spine = spine_width(needs, rng, stairs);
-  Building b;
+  BuildingFrame b;
   b.width = left + spine + right;
   b.depth = snap(needs.area / b.width);
   const double entry = snap(draw(rng, kShortestPiece, 2.4));
@@ -108,7 +109,7 @@ std::optional<Building> central_hall(const FrameNeeds& needs, Rng& rng) {
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
     const double end = s == 0 ? b.depth - back : b.depth;
-    Frame& f = b.storeys.emplace_back();
+    StoreyFrame& f = b.storeys.emplace_back();
     const bool whole = end - entry < kShortestPiece;
     f.spine.push_back({{left, 0, left + spine, whole ? end : entry}, s == 0 ? 'e' : 'h'});
     if (stairs || !whole) add_spine(f, false, {entry, end}, across, at);
@@ -121,11 +122,11 @@ std::optional<Building> central_hall(const FrameNeeds& needs, Rng& rng) {
 
 // A corridor from side to side between two strips; the front door's hall is a piece of the front
 // strip. Sometimes it ends before a strip along one side.
-std::optional<Building> corridor_across(const FrameNeeds& needs, Rng& rng) {
+std::optional<BuildingFrame> corridor_across(const FrameNeeds& needs, Rng& rng) {
   const bool stairs = needs.storeys > 1;
   const double front = strip_depth(needs, rng), rear = strip_depth(needs, rng);
   const double spine = spine_width(needs, rng, stairs);
-  Building b;
+  BuildingFrame b;
   b.depth = front + spine + rear;
   b.width = snap(needs.area / b.depth);
   double side = spine > 2.3 && b.width > 11 && chance(rng, 0.4) ? snap(draw(rng, 3.8, 5.2)) : 0;
@@ -144,7 +145,7 @@ std::optional<Building> corridor_across(const FrameNeeds& needs, Rng& rng) {
     b.flight = make_flight(true, shifted, across, true, chance(rng, 0.5), needs);
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
-    Frame& f = b.storeys.emplace_back();
+    StoreyFrame& f = b.storeys.emplace_back();
     add_spine(f, true, {0, end}, across, at);
     add_front(f, s == 0, end, front, {door, door + hall});
     f.blocks.push_back({{0, front + spine, end, b.depth}, Side::kMinusY});
@@ -155,12 +156,12 @@ std::optional<Building> corridor_across(const FrameNeeds& needs, Rng& rng) {
 
 // A hall from the front, then a corridor to one side: rooms along the hall, and on both sides of
 // the corridor.
-std::optional<Building> ell(const FrameNeeds& needs, Rng& rng) {
+std::optional<BuildingFrame> ell(const FrameNeeds& needs, Rng& rng) {
   const bool stairs = needs.storeys > 1;
   const double left = strip_depth(needs, rng), front = strip_depth(needs, rng);
   const double rear = strip_depth(needs, rng), spine = spine_width(needs, rng, stairs);
   const double hall = snap(draw(rng, 1.8, 2.5));
-  Building b;
+  BuildingFrame b;
   b.depth = front + spine + rear;
   b.width = snap(needs.area / b.depth);
   const double x0 = left, x1 = left + hall;
@@ -177,7 +178,7 @@ std::optional<Building> ell(const FrameNeeds& needs, Rng& rng) {
     b.flight = make_flight(true, from, across, high, reversed, needs);
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
-    Frame& f = b.storeys.emplace_back();
+    StoreyFrame& f = b.storeys.emplace_back();
     f.spine.push_back({{x0, 0, x1, front + spine}, s == 0 ? 'e' : 'h'});
     add_spine(f, true, {x1, b.width}, across, at);
     f.blocks.push_back({{0, 0, left, b.depth}, Side::kPlusX});
@@ -188,12 +189,12 @@ std::optional<Building> ell(const FrameNeeds& needs, Rng& rng) {
 }
 
 // A corridor across and two arms to the back, with rooms between the arms.
-std::optional<Building> horseshoe(const FrameNeeds& needs, Rng& rng) {
+std::optional<BuildingFrame> horseshoe(const FrameNeeds& needs, Rng& rng) {
   const bool stairs = needs.storeys > 1;
   const double left = strip_depth(needs, rng), right = strip_depth(needs, rng);
   const double front = strip_depth(needs, rng), spine = spine_width(needs, rng, false);
   const double arm = spine_width(needs, rng, stairs), core = snap(draw(rng, 4.2, 7.5));
-  Building b;
+  BuildingFrame b;
   b.width = left + arm + core + spine + right;
   b.depth = snap(needs.area / b.width);
   const double y1 = front + spine;
@@ -210,7 +211,7 @@ std::optional<Building> horseshoe(const FrameNeeds& needs, Rng& rng) {
     b.flight = make_flight(false, y1, across, high, reversed, needs);
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
-    Frame& f = b.storeys.emplace_back();
+    StoreyFrame& f = b.storeys.emplace_back();
     add_spine(f, true, {0, b.width}, {front, y1}, std::nullopt);
     add_spine(f, false, {y1, b.depth}, across, at);
     const double x2 = left + arm + core;
@@ -224,14 +225,14 @@ std::optional<Building> horseshoe(const FrameNeeds& needs, Rng& rng) {
 }
 
 // Several corridors across, joined by one from the front: for very large floors.
-std::optional<Building> comb(const FrameNeeds& needs, Rng& rng) {
+std::optional<BuildingFrame> comb(const FrameNeeds& needs, Rng& rng) {
   const bool stairs = needs.storeys > 1;
   const double depth = strip_depth(needs, rng), spine = spine_width(needs, rng, stairs);
   const double hall = snap(draw(rng, 2.2, 3.0));
   unsigned corridors = 2;
   const auto whole = [&] { return (corridors + 1) * depth + corridors * spine; };
   while (needs.area / whole() > 1.9 * whole()) ++corridors;
-  Building b;
+  BuildingFrame b;
   b.depth = snap(whole());
   b.width = snap(needs.area / b.depth);
   if (b.width < 2 * stair_length(needs) + hall || b.depth > 1.6 * b.width) return std::nullopt;
@@ -242,7 +243,7 @@ std::optional<Building> comb(const FrameNeeds& needs, Rng& rng) {
     b.flight = make_flight(true, 0, {depth, depth + spine}, true, true, needs);
   }
   for (unsigned s = 0; s < needs.storeys; ++s) {
-    Frame& f = b.storeys.emplace_back();
+    StoreyFrame& f = b.storeys.emplace_back();
     double y = 0;
     f.spine.push_back({{door, 0, door + hall, depth}, s == 0 ? 'e' : 'h'});
     for (unsigned i = 0; i <= corridors; ++i) {
@@ -266,7 +267,7 @@ std::optional<Building> comb(const FrameNeeds& needs, Rng& rng) {
 
 }  // namespace
 
-std::optional<Building> draw_building(const FrameNeeds& needs, Rng& rng) {
+std::optional<BuildingFrame> draw_building(const FrameNeeds& needs, Rng& rng) {
   const double pick = rng.uniform();
   const bool hotel = needs.kind == HomeKind::kHotelFloor;
   if (needs.area > 650)

@@ -1,4 +1,4 @@
-#include "enfilade/homes/plan/openings.h"
+#include "enfilade/homes/plan/draws.h"
 
 #include <algorithm>
 #include <cmath>
@@ -111,7 +111,7 @@ class Openings {
   // Would a door's zone meet a leaf that stands open, or a leaf another's zone or leaf?
   bool clashes(const Rect& zone, bool leaf) const {
     for (const Opening& p : plan_.openings) {
-      if (!here(p.room0) || p.kind == Opening::Kind::kWindow) continue;
+      if (!here(p.room0) || p.kind == OpeningKind::kWindow) continue;
       const auto other = leaf_zone(plan_, p);
       if (other && overlap(*other, zone)) return true;
       if (leaf && overlap(opening_zone(plan_, p), zone)) return true;
@@ -207,7 +207,7 @@ class Openings {
   }
 
   // A door `most` metres wide, or an arch between `least` and `most`.
-  bool join(std::size_t a, std::size_t b, Opening::Kind kind, double least, double most) {
+  bool join(std::size_t a, std::size_t b, OpeningKind kind, double least, double most) {
     const auto wall = shared_wall(sketch_.cells[a].box, sketch_.cells[b].box);
     if (!wall) return false;
     Opening o;
@@ -219,7 +219,7 @@ class Openings {
     const auto [low0, high0] = plan_.rooms[a].floor.range(o.along_x);
     const auto [low1, high1] = plan_.rooms[b].floor.range(o.along_x);
     const double lo = std::max(low0, low1), hi = std::min(high0, high1);
-    const bool arch = kind == Opening::Kind::kArch;
+    const bool arch = kind == OpeningKind::kArch;
     const double ceiling = std::min(plan_.rooms[a].ceiling, plan_.rooms[b].ceiling);
     o.head = arch ? std::min(kHighestHead, ceiling - 0.15) : door_head_;
     const auto free = free_wall(o, lo, hi, kNib);
@@ -233,7 +233,7 @@ class Openings {
         if (!here(b) || !sketch_.cells[b].spine) continue;
         const auto wall = shared_wall(sketch_.cells[a].box, sketch_.cells[b].box);
         if (!wall || wall->to - wall->from < 1.4) continue;
-        join(a, b, Opening::Kind::kArch, 1.0, 3.0);
+        join(a, b, OpeningKind::kArch, 1.0, 3.0);
       }
     }
   }
@@ -257,9 +257,9 @@ class Openings {
                         chance(rng_, cells[c].host && is_one_of(other, kSocial) ? 0.8 : 0.5);
       bool done = false;
       for (const std::size_t t : to) {
-        if (open) done = join(c, t, Opening::Kind::kArch, 1.2, draw(rng_, 1.5, 3.0));
-        if (!done) done = join(c, t, Opening::Kind::kDoor, 0, width);
-        if (!done && width > 0.9) done = join(c, t, Opening::Kind::kDoor, 0, 0.9);
+        if (open) done = join(c, t, OpeningKind::kArch, 1.2, draw(rng_, 1.5, 3.0));
+        if (!done) done = join(c, t, OpeningKind::kDoor, 0, width);
+        if (!done && width > 0.9) done = join(c, t, OpeningKind::kDoor, 0, 0.9);
         if (done) break;
       }
       if (!done) return false;
@@ -286,9 +286,9 @@ class Openings {
         if (!chance(rng_, share)) continue;
         const bool social = is_one_of(ta, kSocial) && is_one_of(tb, kSocial);
         if (social && chance(rng_, 0.7)) {
-          if (join(a, b, Opening::Kind::kArch, 1.3, draw(rng_, 1.6, 3.0))) continue;
+          if (join(a, b, OpeningKind::kArch, 1.3, draw(rng_, 1.6, 3.0))) continue;
         }
-        join(a, b, Opening::Kind::kDoor, 0, snap(draw(rng_, 0.9, 1.0)));
+        join(a, b, OpeningKind::kDoor, 0, snap(draw(rng_, 0.9, 1.0)));
       }
     }
   }
@@ -301,7 +301,7 @@ class Openings {
       if (storey_ > 0 || (!garage && !entry)) continue;
       auto o = outer_wall(sketch_, r, sketch_.front);
       if (!o) continue;
-      o->kind = Opening::Kind::kEntrance;
+      o->kind = OpeningKind::kEntrance;
       const Rect& floor = plan_.rooms[r].floor;
       const auto [lo, hi] = floor.range(o->along_x);
       const double width =
@@ -323,7 +323,7 @@ class Openings {
     const char type = sketch_.cells[room].type;
     const WindowKind kind = window_kind(type, tall_windows_);
     if (!must && !chance(rng_, kind.share)) return;
-    o->kind = Opening::Kind::kWindow;
+    o->kind = OpeningKind::kWindow;
     const double ceiling = plan_.rooms[room].ceiling;
     o->sill = kind.sill;
     o->head = std::min(kind.head, ceiling - 0.2);

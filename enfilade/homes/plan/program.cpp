@@ -21,12 +21,13 @@ constexpr std::array<RoomSize, 25> kSizes{{
     {'S', 9, 16, 60, 2.7},
 }};
 
-Item room(char type, std::string name) {
+ChainItem room(char type, std::string name) {
   return {.type = type, .name = std::move(name), .area = room_size(type).usual};
 }
-Item open_plan() { return {.type = 'o', .name = "open-plan office", .area = 34}; }
-Item pair(char near, std::string near_name, char far, std::string far_name, std::string hosts) {
-  return {.shape = Item::Shape::kPair,
+ChainItem open_plan() { return {.type = 'o', .name = "open-plan office", .area = 34}; }
+ChainItem pair(char near, std::string near_name, char far, std::string far_name,
+               std::string hosts) {
+  return {.shape = ChainItem::Form::kPair,
           .near = near,
           .far = far,
           .near_name = std::move(near_name),
@@ -34,18 +35,18 @@ Item pair(char near, std::string near_name, char far, std::string far_name, std:
           .far_hosts = std::move(hosts),
           .area = 2 * std::max({room_size(near).usual, room_size(far).usual, 4.0})};
 }
-Item suite(std::string name, bool bath_far = true) {
-  Item item = bath_far ? pair('c', "closet", 'a', "bathroom", "")
-                       : pair('a', "bathroom", 'c', "closet", "");
-  item.shape = Item::Shape::kSuite;
+ChainItem suite(std::string name, bool bath_far = true) {
+  ChainItem item = bath_far ? pair('c', "closet", 'a', "bathroom", "")
+                            : pair('a', "bathroom", 'c', "closet", "");
+  item.shape = ChainItem::Form::kSuite;
   item.type = 'b';
   item.name = std::move(name);
   item.area = 16 + 9.5;
   return item;
 }
-Item hotel_room(double depth, bool large) {
+ChainItem hotel_room(double depth, bool large) {
   if (depth < 6) return suite("hotel room", large);
-  return {.shape = Item::Shape::kHotelRoom,
+  return {.shape = ChainItem::Form::kHotelRoom,
           .type = 'b',
           .name = large ? "hotel suite" : "hotel room",
           .area = (large ? 4.9 : 4.1) * depth};
@@ -58,13 +59,13 @@ struct Option {
   Chain chain;
 };
 
-Chain chain(std::vector<Item> items) { return {std::move(items), false}; }
-Option option(double share, std::vector<Item> items, bool inner = false) {
+Chain chain(std::vector<ChainItem> items) { return {std::move(items), false}; }
+Option option(double share, std::vector<ChainItem> items, bool inner = false) {
   return {share, {std::move(items), inner}};
 }
 
 Chain kitchen_group(Rng& rng, bool with_living) {
-  std::vector<Item> items;
+  std::vector<ChainItem> items;
   if (with_living) items.push_back(room('l', "living room"));
   items.push_back(room('d', "dining room"));
   items.push_back(room('k', "kitchen"));
@@ -141,7 +142,7 @@ std::vector<Option> hotel_options(double depth) {
 
 double area_of(const Chain& chain) {
   double sum = 0;
-  for (const Item& item : chain.items) sum += item.area;
+  for (const ChainItem& item : chain.items) sum += item.area;
   return sum;
 }
 
@@ -215,7 +216,7 @@ void scale_to(std::vector<Chain>& program, double strips, bool inner) {
   for (const Chain& chain : program) sum += chain.inner == inner ? area_of(chain) : 0;
   for (Chain& chain : program) {
     if (chain.inner != inner) continue;
-    for (Item& item : chain.items) item.area *= strips / sum;
+    for (ChainItem& item : chain.items) item.area *= strips / sum;
   }
 }
 

@@ -6,10 +6,18 @@
 #include <concepts>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "enfilade/core/detail/json.h"
+#include "enfilade/core/enum_names.h"
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
+#include "enfilade/core/written_lists.h"
+#include "enfilade/scan/connectivity.h"
 
 namespace enfilade::homes::sets {
 namespace {
@@ -20,6 +28,7 @@ using json::Path;
 using Json = nlohmann::ordered_json;
 using Kind = draw::UnderlayLine::Kind;
 
+constexpr std::string_view kPrefix = "home";  // of a scan's name
 constexpr std::string_view kFormat = "enfilade-homes";
 constexpr std::int64_t kVersion = 1;
 // The largest coordinate (metres) or area (m2) that is read: far beyond any home, and small enough
@@ -133,8 +142,8 @@ class Writer {
     for (const T& value : values) list.push_back(json_of(value));
     return list;
   }
-  static Json json_of(HomeKind kind) { return to_string(kind); }
-  static Json json_of(HomeLight light) { return to_string(light); }
+  static Json json_of(HomeKind kind) { return enum_name(kind); }
+  static Json json_of(HomeLight light) { return enum_name(light); }
   static Json json_of(char letter) { return std::string(1, letter); }
   static Json json_of(const Rect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
 
@@ -216,7 +225,7 @@ class Reader {
   void read(Element element, const Path& at, HomeKind& value) {
     const auto word = json::string(element, at, faults_);
     if (!word) return;
-    if (const auto kind = parse_home_kind(*word)) {
+    if (const auto kind = find_enum<HomeKind>(*word)) {
       value = *kind;
     } else {
       faults_.error(at, "bad-kind", fmt::format("{:?} is no kind", *word));
@@ -260,7 +269,7 @@ class Reader {
 };
 
 void check_plan(HomeEntry& home, const Path& path, Faults& faults) {
-  if (home.plan.kind) home.kind = to_string(*home.plan.kind);
+  if (home.plan.kind) home.kind = enum_name(*home.plan.kind);
   try {
     check_options(home.plan);
   } catch (const ArgumentError& error) {
@@ -328,6 +337,86 @@ std::string difference(const HomeSetOptions& a, const HomeSetOptions& b) {
     }
   }
   return "";
+}
+
+std::string scan_name(std::size_t home) { return fmt::format("{}{:04}", kPrefix, home + 1); }
+
+std::optional<std::size_t> place_of_scan(const std::string& scan) {
+  if (!scan.starts_with(kPrefix)) return std::nullopt;
+  const auto number = parse_number<std::size_t>(std::string_view(scan).substr(kPrefix.size()));
+  // Compared as a whole: "home1" has a number too.
+  if (!number || *number == 0 || scan != scan_name(*number - 1)) return std::nullopt;
+  return *number - 1;
+}
+
+std::string draws_of(const std::string& scan) {
+  return scan.starts_with(kPrefix) ? "home_" + scan.substr(kPrefix.size()) : scan;
+}
+
+void write_alias_graph(const std::filesystem::path& connectivity) {
+  scan::Connectivity graph{"ZMojNkEp431", "", {}};
+  scan::ConnectivityEntry& entry = graph.entries.emplace_back();
+  entry.id = "2f4d90acd4024c269fb0efe49a8ac540";
+  // As of homes: right = +x, down = -z, look = +y, the eye at 1.5 m.
+  entry.pose = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1.5, 0, 0, 0, 1};
+  entry.height = 1.5;
+  write_file_atomically(scan::connectivity_file(connectivity, graph.scan), to_json(graph));
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kList = "annotations.txt";
+
+// The lines of a list; none where there is no list.
+std::vector<fs::path> read_list(const fs::path& list) {
+  std::vector<fs::path> files;
+  if (!fs::exists(list)) return files;
+  const std::string text = read_plain_text(list);
+  for (const auto& [number, line] : list_lines(text, HashLines::kEntries)) {
+    const fs::path file(line);
+    const bool inside = file.is_relative() && file.has_filename() &&
+                        file.lexically_normal() == file && *file.begin() != "..";
+    if (!inside) {
+      throw InvalidInput(
+          {{Severity::kError, list.string(), fmt::format("line {}", number), "bad-path",
+            fmt::format("{:?}, not a path of a file below the folder", line)}});
+    }
+    files.push_back(file);
+  }
+  return files;
+}
+
+// With folders above it that are empty then, up to `folder`.
+void remove_file(const fs::path& folder, const fs::path& file) {
+  std::error_code error;
+  fs::remove(folder / file, error);
+  if (error) {
+    throw FileError(
+        fmt::format("{}: cannot be removed: {}", (folder / file).string(), error.message()));
+  }
+  for (fs::path above = file.parent_path(); !above.empty(); above = above.parent_path()) {
+    std::error_code ignored;  // it has other files
+    if (!fs::remove(folder / above, ignored)) return;
+  }
+}
+
+}  // namespace
+
+void WrittenFiles::write(const fs::path& file, std::string_view text) {
+  make_folder((folder_ / file).parent_path());
+  write_file_atomically(folder_ / file, text);
+  files_.insert(file.generic_string());
+}
+
+void WrittenFiles::finish() {
+  for (const fs::path& old : read_list(folder_ / kList)) {
+    if (!files_.contains(old.generic_string())) remove_file(folder_, old);
+  }
+  std::string list;
+  for (const std::string& file : files_) list += file + "\n";
+  write_file_atomically(folder_ / kList, list);
 }
 
 }  // namespace enfilade::homes::sets

@@ -1,11 +1,12 @@
 /// \file  The structure of a baseline JPEG file (ITU-T T.81): headers, tables, entropy-coded part.
-/// Internal. Nothing here throws. A file that is damaged or not baseline gives no value;
+/// Internal. Only to_baseline() throws. A file that is damaged or not baseline gives no value;
 /// libjpeg-turbo then reads it or reports its fault.
 #pragma once
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "enfilade/image/codecs.h"
@@ -72,5 +73,9 @@ struct Intervals {
 /// Fills `intervals` from the entropy-coded part, whose memory is used again. False unless restart
 /// markers have the right numbers and an end marker follows.
 bool split_intervals(Bytes entropy, Intervals& intervals);
+
+/// Any JPEG with the same coefficients in baseline coding: with the standard's tables, one scan, no
+/// restart markers, no comments. No value for CMYK and rare subsampling. \throws InvalidInput
+std::optional<std::vector<std::uint8_t>> to_baseline(Bytes jpeg, const std::string& file);
 
 }  // namespace enfilade::image::detail

@@ -167,8 +167,8 @@ Meaning HuffmanTable::search(std::uint64_t bits) const {
   const std::int32_t number = first_[length - 1] + static_cast<std::int32_t>(code >> (16 - length));
   const std::uint32_t symbol = spec_.symbols[static_cast<std::size_t>(number)];
   const std::uint32_t skip = symbol >> 4U, size = symbol & 15U;
-  if (kind_ == Kind::kDc && skip != 0) return 0;
-  if (kind_ == Kind::kAc && size == 0) {
+  if (kind_ == Coefficient::kDc && skip != 0) return 0;
+  if (kind_ == Coefficient::kAc && size == 0) {
     if (skip == 0) return meaning(length, kEndOfBlock, 0);
     return skip == 15 ? meaning(length, skip, 0) : 0;
   }

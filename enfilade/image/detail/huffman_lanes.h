@@ -28,8 +28,8 @@ inline constexpr std::uint32_t kEndOfBlock = 128;
 /// A table of codes.
 class HuffmanTable {
  public:
-  enum class Kind : std::uint8_t { kDc, kAc };
-  explicit HuffmanTable(Kind kind) : kind_(kind) {}
+  enum class Coefficient : std::uint8_t { kDc, kAc };
+  explicit HuffmanTable(Coefficient kind) : kind_(kind) {}
 
   /// Does nothing if it has the same codes already.
   void set(const HuffmanSpec& spec);
@@ -45,7 +45,7 @@ class HuffmanTable {
 
   Meaning search(std::uint64_t bits) const;
 
-  Kind kind_;
+  Coefficient kind_;
   HuffmanSpec spec_;
   std::array<Meaning, std::size_t{1} << kQuickBits> quick_{};
   std::array<std::uint32_t, 17> limit_{};  // by bits - 1: above the last code, as 16 bits

@@ -1,11 +1,10 @@
 #include "enfilade/mesh/detail/floor_field.h"
 
 #include <fmt/format.h>
-#include <functional>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -68,16 +67,6 @@ RecastTriangles to_recast(const Mesh& mesh, double slope) {
   return t;
 }
 
-}  // namespace
-
-void check_walkable_input(const Mesh& mesh, const WalkableOptions& options) {
-  check_options(options);
-  std::vector<Diagnostic> faults = check(mesh, "<mesh>");
-  if (count(faults, Severity::kError) > 0) throw InvalidInput(std::move(faults));
-}
-
-namespace {
-
 [[noreturn]] void no_floor(const std::string& why) {
   refuse("<mesh>", "", "no-floor", "nowhere to stand: " + why);
 }
@@ -96,58 +85,7 @@ Box box_of(const Mesh& mesh, const WalkableOptions& options) {
   return box;
 }
 
-}  // namespace
-
-double fitting_cell(const Mesh& mesh, const WalkableOptions& options) {
-  const auto [low, high] = box_of(mesh, options);
-  const auto columns = [&](double cell) {
-    return (std::ceil((high.x - low.x) / cell) + 2 * kMargin + 1) *
-           (std::ceil((high.y - low.y) / cell) + 2 * kMargin + 1);
-  };
-  double cell = options.cell;
-  // Storeys, furniture and roofs make several places to stand in a column.
-  constexpr double kPlaces = 5;
-  while (columns(cell) > kMostColumns / kPlaces && cell < 1) cell *= 1.25;
-  return cell;
-}
-
-Lattice make_lattice(const Mesh& mesh, const WalkableOptions& options) {
-  const double cell = options.cell;
-  Lattice lattice;
-  lattice.cell = cell;
-  lattice.box = box_of(mesh, options);
-  const auto [low, high] = lattice.box;
-  const double across = std::ceil((high.x - low.x) / cell) + 2 * kMargin + 1;
-  const double deep = std::ceil((high.y - low.y) / cell) + 2 * kMargin + 1;
-  const double tall = static_cast<double>(high.z) - low.z;
-  lattice.level = std::max(kLevel, tall / kMostLevels);
-  if (across * deep > kMostColumns || lattice.level > kCoarsestLevel) {
-    throw ArgumentError(
-        fmt::format("cell: {} m on a mesh of {:.1f} x {:.1f} x {:.1f} m makes {:.0f} columns of "
-                    "{:.0f} levels, more than {:.0f} of {:.0f}; take larger cells, or check the "
-                    "mesh's scale",
-                    cell, high.x - low.x, high.y - low.y, tall, across * deep, tall / kLevel,
-                    kMostColumns, kMostLevels * kCoarsestLevel / kLevel));
-  }
-  lattice.width = static_cast<int>(across);
-  lattice.depth = static_cast<int>(deep);
-  const auto margin = static_cast<float>(kMargin * cell);
-  lattice.box.low = low - Vec3f{margin, margin, 0};
-  lattice.box.high = high + Vec3f{margin, margin, static_cast<float>(2 * lattice.level)};
-  return lattice;
-}
-
-int climb_of(const WalkableOptions& options, const Lattice& lattice) {
-  return static_cast<int>(std::floor(options.body.step / lattice.level + 1e-6));
-}
-
-int headroom_of(const WalkableOptions& options, const Lattice& lattice) {
-  return static_cast<int>(std::ceil(options.body.height / lattice.level - 1e-6));
-}
-
-namespace {
-
-Heightfield rasterise(const Mesh& mesh, const WalkableOptions& options, const Lattice& lattice,
+Heightfield rasterise(const Mesh& mesh, const WalkableOptions& options, const FloorLattice& lattice,
                       rcContext& context) {
   const auto [low, high] = lattice.box;
   const std::array bottom{low.x, low.z, low.y}, top{high.x, high.z, high.y};
@@ -181,55 +119,6 @@ std::vector<bool> find_covered(const rcHeightfield& solid) {
   return covered;
 }
 
-}  // namespace
-
-void Field::measure_distances() {
-  rcContext context(false);
-  require(rcBuildDistanceField(&context, *field_), "distances");
-}
-
-void Field::erode(const WalkableOptions& options) {
-  // A cell's middle is one cell from what it borders, on average, before it is eroded.
-  const int radius = static_cast<int>(std::lround(options.body.radius / options.cell - 1));
-  rcContext context(false);
-  require(rcErodeWalkableArea(&context, std::max(radius, 0), *field_), "erosion");
-  require_room(options.body.radius);
-}
-
-void Field::require_room(double radius) const {
-  if (count_walkable(*field_) == 0) {
-    no_floor(fmt::format("no surface has room for a body of radius {} m", radius));
-  }
-}
-
-Field make_field(const Mesh& mesh, const WalkableOptions& options, const Lattice& lattice) {
-  rcContext context(false);
-  const Heightfield solid = rasterise(mesh, options, lattice, context);
-  const int climb = climb_of(options, lattice);
-  const int height = headroom_of(options, lattice);
-  if (rcGetHeightFieldSpanCount(&context, *solid) == 0) {
-    no_floor(fmt::format("no surface is flatter than {} degrees", options.body.slope));
-  }
-  rcFilterLowHangingWalkableObstacles(&context, climb, *solid);
-  rcFilterLedgeSpans(&context, height, climb, *solid);
-  rcFilterWalkableLowHeightSpans(&context, height, *solid);
-  if (rcGetHeightFieldSpanCount(&context, *solid) >= (1 << 24)) {
-    throw ArgumentError(
-        fmt::format("cell: {} m makes more than {} places to stand; take larger "
-                    "cells, or check the mesh's scale",
-                    options.cell, 1 << 24));
-  }
-  CompactField field(rcAllocCompactHeightfield(), rcFreeCompactHeightfield);
-  require(field && rcBuildCompactHeightfield(&context, height, climb, *solid, *field), "field");
-  if (count_walkable(*field) == 0) {
-    no_floor(fmt::format("no level surface with head-room of {} m is more than a ledge",
-                         options.body.height));
-  }
-  return {std::move(field), find_covered(*solid), lattice};
-}
-
-namespace {
-
 // What a connected part is ranked by.
 struct Part {
   std::uint32_t cells = 0, covered = 0;
@@ -243,7 +132,7 @@ struct Parts {
   std::vector<Part> list;
 };
 
-void fill_part(const Field& field, std::uint32_t first, Parts& parts) {
+void fill_part(const FloorField& field, std::uint32_t first, Parts& parts) {
   const auto number = static_cast<std::uint32_t>(parts.list.size());
   Part& part = parts.list.emplace_back();
   std::vector<std::uint32_t> open{first};
@@ -262,7 +151,7 @@ void fill_part(const Field& field, std::uint32_t first, Parts& parts) {
   }
 }
 
-Parts find_parts(const Field& field) {
+Parts find_parts(const FloorField& field) {
   Parts parts;
   parts.of.assign(field.spans(), kNoSpan);
   for (std::uint32_t s = 0; s < field.spans(); ++s) {
@@ -302,9 +191,185 @@ std::vector<std::uint32_t> rank(const Parts& parts, const WalkableOptions& optio
   return ranks;
 }
 
+// Where the nearest cell that is not floor lies, in cells.
+struct Offset {
+  std::int16_t x = 0, y = 0;
+  bool known = false;
+
+  int squared() const { return known ? x * x + y * y : std::numeric_limits<int>::max(); }
+};
+
+// Recast's directions: west, north, east, south; a diagonal is one and the next.
+constexpr std::array<int, 4> kX{-1, 0, 1, 0}, kY{0, 1, 0, -1};
+
+// Passes on, from cell to cell, which one that is not floor is nearest: four sweeps (Danielsson
+// 1980, "Euclidean distance mapping"), along the steps that the body can take. Off by a fraction of
+// a cell at most.
+class NearestWalls {
+ public:
+  explicit NearestWalls(const FloorField& field) : field_(field), offsets_(field.spans()) {
+    for (std::uint32_t s = 0; s < field.spans(); ++s) {
+      if (field.walkable(s)) start(s);
+    }
+    const std::uint32_t count = field.spans();
+    // Spans are in the order of rows, and in a row from west to east.
+    for (std::uint32_t s = 0; s < count; ++s) take(s, {0, 3}, {3, 3});
+    for (std::uint32_t s = count; s-- > 0;) take(s, {2, 1}, {1, 0});
+    for (std::uint32_t s = 0; s < count; ++s) take(s, {0, 3}, {3, 2});
+    for (std::uint32_t s = count; s-- > 0;) take(s, {2, 1}, {0, 1});
+  }
+
+  double cells_away(std::uint32_t span) const {
+    return std::sqrt(static_cast<double>(offsets_[span].squared()));
+  }
+
+ private:
+  void start(std::uint32_t s) {
+    for (int d = 0; d < 4; ++d) {
+      const int e = (d + 1) & 3;
+      const std::uint32_t next = field_.step(s, d);
+      if (next == kNoSpan) {
+        offer(s, {at(kX, d), at(kY, d), true});
+      } else if (field_.step(next, e) == kNoSpan) {
+        offer(s, {static_cast<std::int16_t>(at(kX, d) + at(kX, e)),
+                  static_cast<std::int16_t>(at(kY, d) + at(kY, e)), true});
+      }
+    }
+  }
+
+  // From two straight neighbours, and from the diagonal ones that follow these directions.
+  void take(std::uint32_t s, std::array<int, 2> straight, std::array<int, 2> diagonal) {
+    if (!field_.walkable(s)) return;
+    for (const int d : straight) take_from(s, field_.step(s, d), at(kX, d), at(kY, d));
+    for (const int d : diagonal) {
+      const int e = (d + 1) & 3;
+      const std::uint32_t side = field_.step(s, d);
+      if (side == kNoSpan) continue;
+      take_from(s, field_.step(side, e), static_cast<std::int16_t>(at(kX, d) + at(kX, e)),
+                static_cast<std::int16_t>(at(kY, d) + at(kY, e)));
+    }
+  }
+
+  void take_from(std::uint32_t s, std::uint32_t other, std::int16_t x, std::int16_t y) {
+    if (other == kNoSpan || !offsets_[other].known) return;
+    offer(s, {static_cast<std::int16_t>(offsets_[other].x + x),
+              static_cast<std::int16_t>(offsets_[other].y + y), true});
+  }
+
+  void offer(std::uint32_t s, Offset offset) {
+    if (offset.squared() < offsets_[s].squared()) offsets_[s] = offset;
+  }
+
+  static std::int16_t at(const std::array<int, 4>& list, int d) {
+    return static_cast<std::int16_t>(list[static_cast<std::size_t>(d)]);
+  }
+
+  const FloorField& field_;
+  std::vector<Offset> offsets_;
+};
+
 }  // namespace
 
-std::vector<std::uint32_t> rank_spans(const Field& field, const WalkableOptions& options) {
+void check_walkable_input(const Mesh& mesh, const WalkableOptions& options) {
+  check_options(options);
+  std::vector<Diagnostic> faults = check(mesh, "<mesh>");
+  if (count(faults, Severity::kError) > 0) throw InvalidInput(std::move(faults));
+}
+
+double fitting_cell(const Mesh& mesh, const WalkableOptions& options) {
+  const auto [low, high] = box_of(mesh, options);
+  const auto columns = [&](double cell) {
+    return (std::ceil((high.x - low.x) / cell) + 2 * kMargin + 1) *
+           (std::ceil((high.y - low.y) / cell) + 2 * kMargin + 1);
+  };
+  double cell = options.cell;
+  // Storeys, furniture and roofs make several places to stand in a column.
+  constexpr double kPlaces = 5;
+  while (columns(cell) > kMostColumns / kPlaces && cell < 1) cell *= 1.25;
+  return cell;
+}
+
+FloorLattice make_lattice(const Mesh& mesh, const WalkableOptions& options) {
+  const double cell = options.cell;
+  FloorLattice lattice;
+  lattice.cell = cell;
+  lattice.box = box_of(mesh, options);
+  const auto [low, high] = lattice.box;
+  const double across = std::ceil((high.x - low.x) / cell) + 2 * kMargin + 1;
+  const double deep = std::ceil((high.y - low.y) / cell) + 2 * kMargin + 1;
+  const double tall = static_cast<double>(high.z) - low.z;
+  lattice.level = std::max(kLevel, tall / kMostLevels);
+  if (across * deep > kMostColumns || lattice.level > kCoarsestLevel) {
+    throw ArgumentError(
+        fmt::format("cell: {} m on a mesh of {:.1f} x {:.1f} x {:.1f} m makes {:.0f} columns of "
+                    "{:.0f} levels, more than {:.0f} of {:.0f}; take larger cells, or check the "
+                    "mesh's scale",
+                    cell, high.x - low.x, high.y - low.y, tall, across * deep, tall / kLevel,
+                    kMostColumns, kMostLevels * kCoarsestLevel / kLevel));
+  }
+  lattice.width = static_cast<int>(across);
+  lattice.depth = static_cast<int>(deep);
+  const auto margin = static_cast<float>(kMargin * cell);
+  lattice.box.low = low - Vec3f{margin, margin, 0};
+  lattice.box.high = high + Vec3f{margin, margin, static_cast<float>(2 * lattice.level)};
+  return lattice;
+}
+
+int climb_of(const WalkableOptions& options, const FloorLattice& lattice) {
+  return static_cast<int>(std::floor(options.body.step / lattice.level + 1e-6));
+}
+
+int headroom_of(const WalkableOptions& options, const FloorLattice& lattice) {
+  return static_cast<int>(std::ceil(options.body.height / lattice.level - 1e-6));
+}
+
+void FloorField::measure_distances() {
+  rcContext context(false);
+  require(rcBuildDistanceField(&context, *field_), "distances");
+}
+
+void FloorField::erode(const WalkableOptions& options) {
+  // A cell's middle is one cell from what it borders, on average, before it is eroded.
+  const int radius = static_cast<int>(std::lround(options.body.radius / options.cell - 1));
+  rcContext context(false);
+  require(rcErodeWalkableArea(&context, std::max(radius, 0), *field_), "erosion");
+  require_room(options.body.radius);
+}
+
+void FloorField::require_room(double radius) const {
+  if (count_walkable(*field_) == 0) {
+    no_floor(fmt::format("no surface has room for a body of radius {} m", radius));
+  }
+}
+
+FloorField make_field(const Mesh& mesh, const WalkableOptions& options,
+                      const FloorLattice& lattice) {
+  rcContext context(false);
+  const Heightfield solid = rasterise(mesh, options, lattice, context);
+  const int climb = climb_of(options, lattice);
+  const int height = headroom_of(options, lattice);
+  if (rcGetHeightFieldSpanCount(&context, *solid) == 0) {
+    no_floor(fmt::format("no surface is flatter than {} degrees", options.body.slope));
+  }
+  rcFilterLowHangingWalkableObstacles(&context, climb, *solid);
+  rcFilterLedgeSpans(&context, height, climb, *solid);
+  rcFilterWalkableLowHeightSpans(&context, height, *solid);
+  if (rcGetHeightFieldSpanCount(&context, *solid) >= (1 << 24)) {
+    throw ArgumentError(
+        fmt::format("cell: {} m makes more than {} places to stand; take larger "
+                    "cells, or check the mesh's scale",
+                    options.cell, 1 << 24));
+  }
+  CompactField field(rcAllocCompactHeightfield(), rcFreeCompactHeightfield);
+  require(field && rcBuildCompactHeightfield(&context, height, climb, *solid, *field), "field");
+  if (count_walkable(*field) == 0) {
+    no_floor(fmt::format("no level surface with head-room of {} m is more than a ledge",
+                         options.body.height));
+  }
+  return {std::move(field), find_covered(*solid), lattice};
+}
+
+std::vector<std::uint32_t> rank_spans(const FloorField& field, const WalkableOptions& options) {
   const Parts parts = find_parts(field);
   const std::vector<std::uint32_t> ranks = rank(parts, options);
   std::vector<std::uint32_t> of_spans(parts.of);
@@ -312,6 +377,17 @@ std::vector<std::uint32_t> rank_spans(const Field& field, const WalkableOptions&
     if (part != kNoSpan) part = ranks[part];
   }
   return of_spans;
+}
+
+// What is in a cell, on average, begins at its middle: a thing is drawn into every cell that it
+// touches.
+void FloorField::erode_straight(const WalkableOptions& options) {
+  const NearestWalls walls(*this);
+  const double least = options.body.radius / options.cell;
+  for (std::uint32_t s = 0; s < spans(); ++s) {
+    if (walkable(s) && walls.cells_away(s) < least) close(s);
+  }
+  require_room(options.body.radius);
 }
 
 }  // namespace enfilade::mesh::detail

@@ -8,7 +8,6 @@
 #include <memory>
 #include <vector>
 
-#include "enfilade/mesh/detail/exact_heights.h"
 #include "enfilade/mesh/walkable.h"
 
 namespace enfilade::mesh::detail {
@@ -22,22 +21,22 @@ inline constexpr std::uint32_t kNoSpan = std::numeric_limits<std::uint32_t>::max
 void check_walkable_input(const Mesh& mesh, const WalkableOptions& options);
 
 /// \throws ArgumentError for more columns or levels than Recast counts
-Lattice make_lattice(const Mesh& mesh, const WalkableOptions& options);
+FloorLattice make_lattice(const Mesh& mesh, const WalkableOptions& options);
 
 /// The least cells of `options`, or larger, of which a mesh is not too many columns.
 double fitting_cell(const Mesh& mesh, const WalkableOptions& options);
 
 /// Levels that one step of the body climbs.
-int climb_of(const WalkableOptions& options, const Lattice& lattice);
+int climb_of(const WalkableOptions& options, const FloorLattice& lattice);
 /// Levels of the body's height.
-int headroom_of(const WalkableOptions& options, const Lattice& lattice);
+int headroom_of(const WalkableOptions& options, const FloorLattice& lattice);
 
 /// Spans with their columns, and the steps between them. Walkable are those where the body's centre
 /// may be.
-class Field {
+class FloorField {
  public:
   /// \param covered which spans have something above them
-  Field(CompactField spans, std::vector<bool> covered, const Lattice& lattice)
+  FloorField(CompactField spans, std::vector<bool> covered, const FloorLattice& lattice)
       : field_(std::move(spans)), covered_(std::move(covered)), lattice_(lattice) {
     column_.resize(static_cast<std::size_t>(field_->spanCount));
     for (int c = 0; c < field_->width * field_->height; ++c) {
@@ -106,16 +105,17 @@ class Field {
 
   CompactField field_;
   std::vector<bool> covered_;
-  Lattice lattice_;
+  FloorLattice lattice_;
   std::vector<int> column_;
 };
 
 /// Before erosion. \throws InvalidInput (`no-floor`) with the reason; ArgumentError for too many
 /// spans; Error if memory is short
-Field make_field(const Mesh& mesh, const WalkableOptions& options, const Lattice& lattice);
+FloorField make_field(const Mesh& mesh, const WalkableOptions& options,
+                      const FloorLattice& lattice);
 
 /// The rank of the connected part of each span, as WalkableFloor ranks them; kNoSpan where it is
 /// left out. \throws InvalidInput (`no-floor`) if all are
-std::vector<std::uint32_t> rank_spans(const Field& field, const WalkableOptions& options);
+std::vector<std::uint32_t> rank_spans(const FloorField& field, const WalkableOptions& options);
 
 }  // namespace enfilade::mesh::detail

@@ -10,14 +10,7 @@
 namespace enfilade::mesh::detail {
 namespace {
 
-std::array<float, 256> make_linear_table() {
-  std::array<float, 256> table{};
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    table[i] = image::linear_from_srgb(static_cast<float>(i) / 255);
-  }
-  return table;
-}
-const std::array<float, 256> kLinear = make_linear_table();
+const std::array<float, 256> kLinear = image::linear_bytes();
 
 Vec3f colour_of(std::uint32_t texel) {
   return {kLinear[texel & 255U], kLinear[texel >> 8U & 255U], kLinear[texel >> 16U & 255U]};

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "enfilade/mesh/detail/vector.h"
@@ -24,17 +25,28 @@ T median(std::vector<T> values, T otherwise) {
   return *middle;
 }
 
+// A point in a grid of cells.
+struct InCell {
+  std::int64_t x, y, z;
+  LightPoint point;
+  auto cell() const { return std::tuple(x, y, z); }
+};
+
+InCell in_cell(Vec3f at, float size, LightPoint point) {
+  const auto part = [size](float v) { return static_cast<std::int64_t>(std::floor(v / size)); };
+  return {part(at.x), part(at.y), part(at.z), point};
+}
+
 }  // namespace
 
-Baker::Baker(const RayTracer& tracer, const Surfaces& surfaces, const Lights& lights,
+Baker::Baker(const RayTracer& tracer, const LitSurfaces& surfaces, const Lights& lights,
              const BakeOptions& options, const Progress& progress)
     : tracer_(tracer),
       surfaces_(surfaces),
       lights_(lights),
       options_(options),
       steps_(progress, options.threads),
-      has_rooms_(std::ranges::any_of(tracer.mesh().objects,
-                                     [](const Object& object) { return object.region >= 0; })),
+      surroundings_(tracer.mesh()),
       mesh_(tracer.mesh()),
       base_mesh_(mesh_) {}
 
@@ -56,7 +68,7 @@ BakedLight Baker::run() {
   find_key();
   refine();
   fill_buried();
-  steps_.report(Steps::kTotal);
+  steps_.report(BakeSteps::kTotal);
   BakedLight baked{std::move(mesh_), {}, key_};
   baked.light.resize(baked.mesh.size());
   for (std::size_t p = 0; p < baked.light.size(); ++p) {
@@ -67,7 +79,7 @@ BakedLight Baker::run() {
 
 void Baker::cut_to_spacing() {
   double area = 0;
-  for (const LightMesh::Piece& piece : mesh_.pieces()) area += mesh_.area(piece);
+  for (const LightMesh::LightPiece& piece : mesh_.pieces()) area += mesh_.area(piece);
   const Box box = bounds(tracer_.mesh());
   const float far = std::max(length(box.low), length(box.high));
   // Halving makes pieces of about a quarter of spacing squared. Far from the origin, an edge cannot
@@ -110,11 +122,11 @@ void Baker::measure() {
   area_.assign(mesh_.size() / 2, 0);
   colour_.assign(mesh_.size() / 2, {});
   outside_.assign(mesh_.size() / 2, 1);
-  for (const LightMesh::Piece& piece : mesh_.pieces()) {
+  for (const LightMesh::LightPiece& piece : mesh_.pieces()) {
     const float third = std::max(mesh_.area(piece) / 3, 1e-12F);
     const Vec3f middle = third * mesh_.centroid(piece);
     const Vec3f colour = third * surfaces_.mean_colour(piece.triangle);
-    const bool outside = is_outside(piece.triangle);
+    const bool outside = surroundings_.has(piece.triangle);
     for (const LightPoint p : piece.front) {
       if (!outside) outside_[p / 2] = 0;
       area_[p / 2] += third;
@@ -135,13 +147,6 @@ void Baker::measure() {
 }
 
 // In meshes with rooms, what is outside all of them is only seen from afar, through windows.
-bool Baker::is_outside(std::uint32_t triangle) const {
-  if (!has_rooms_) return false;
-  const Mesh& mesh = tracer_.mesh();
-  const std::uint32_t object = mesh.triangle_object[triangle];
-  return object == kNoObject || mesh.objects[object].region < 0;
-}
-
 void Baker::make_sources() {
   for (const Lamp& lamp : lights_.lamps) sources_.emplace_back(lamp);
   for (const Portal& portal : lights_.portals) {
@@ -187,7 +192,7 @@ void Baker::find_buried() {
   }
   typical_ = median_irradiance();
   for (std::size_t p = 0; p < state_.size(); ++p) {
-    State& state = state_[p];
+    PointState& state = state_[p];
     state.buried = state.backs && is_dark(static_cast<LightPoint>(p));
     if (state.buried) {
       state.live = false;
@@ -328,7 +333,7 @@ void Baker::fill_buried() {
   for (int round = 0; round < 2; ++round) {
     std::vector<Vec3f> sum(mesh_.size());
     std::vector<float> count(mesh_.size());
-    for (const LightMesh::Piece& piece : mesh_.pieces()) {
+    for (const LightMesh::LightPiece& piece : mesh_.pieces()) {
       for (std::size_t k = 0; k < 6; ++k) {
         const LightPoint side = k % 2;
         const LightPoint to = piece.front[k / 2] ^ side;
@@ -347,6 +352,121 @@ void Baker::fill_buried() {
       state_[p].live = true;
     }
   }
+}
+
+void Baker::smooth(std::size_t rounds) {
+  const std::vector<Link> links = make_links();
+  std::vector<Vec3f> sum(far_.size());
+  std::vector<float> weight(far_.size());
+  for (std::size_t round = 0; round < rounds; ++round) {
+    for (std::size_t p = 0; p < far_.size(); ++p) {
+      weight[p] = far_share_[p] + 1e-6F;
+      sum[p] = weight[p] * far_[p];
+    }
+    for (const auto [a, b] : links) {
+      constexpr float kShare = 0.6F;
+      sum[a] += kShare * far_share_[b] * far_[b];
+      weight[a] += kShare * far_share_[b];
+      sum[b] += kShare * far_share_[a] * far_[a];
+      weight[b] += kShare * far_share_[a];
+    }
+    for (std::size_t p = 0; p < far_.size(); ++p) far_[p] = (1 / weight[p]) * sum[p];
+  }
+  for (std::size_t p = 0; p < far_.size(); ++p) {
+    if (state_[p].live) join_near_and_far(static_cast<LightPoint>(p));
+  }
+}
+
+// Neighbours on one surface, on either side, with nothing between them.
+std::vector<Baker::Link> Baker::make_links() const {
+  std::vector<Link> links;
+  for (const LightMesh::LightPiece& piece : mesh_.pieces()) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const LightPoint a = piece.front[k], b = piece.front[(k + 1) % 3];
+      // As seen from the side on which the first is even.
+      const LightPoint side = std::min(a, b) & 1U;
+      links.push_back({std::min(a, b) ^ side, std::max(a, b) ^ side});
+    }
+  }
+  std::ranges::sort(links);
+  std::vector<std::uint8_t> rim(mesh_.size() / 2);
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const bool shared =
+        (i > 0 && links[i] == links[i - 1]) || (i + 1 < links.size() && links[i] == links[i + 1]);
+    if (!shared) rim[links[i][0] / 2] = rim[links[i][1] / 2] = 1;
+  }
+  const auto repeated = std::ranges::unique(links);
+  links.erase(repeated.begin(), repeated.end());
+  const std::vector<Link> across = seams(rim);
+  links.insert(links.end(), across.begin(), across.end());
+  return open_links(links);
+}
+
+// Links between points near each other on two rims in one plane: a wall around a window, for
+// example, is made of several pieces that share no corners.
+std::vector<Baker::Link> Baker::seams(const std::vector<std::uint8_t>& rim) const {
+  constexpr float kReach = 0.75F;      // spacings
+  constexpr float kLeastArea = 0.04F;  // spacings squared; seams of small things are not seen
+  constexpr float kOnePlane = 0.005F;  // metres
+  const float reach = kReach * spacing_;
+  std::vector<InCell> points;
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    const auto p = static_cast<LightPoint>(2 * i);
+    if (rim[i] == 0 || area_[i] < kLeastArea * spacing_ * spacing_) continue;
+    points.push_back(in_cell(mesh_.position(p), reach, p));
+  }
+  std::ranges::sort(points, [](const InCell& a, const InCell& b) {
+    return std::tuple(a.cell(), a.point) < std::tuple(b.cell(), b.point);
+  });
+  std::vector<Link> links;
+  for (const InCell& from : points) {
+    const Vec3f at = mesh_.position(from.point), normal = mesh_.normal(from.point);
+    for (std::int64_t k = 0; k < 9; ++k) {
+      const auto row = std::tuple(from.x + k / 3 - 1, from.y + k % 3 - 1, from.z - 1);
+      auto other = std::ranges::lower_bound(points, row, {}, &InCell::cell);
+      for (; other != points.end() && other->x == from.x + k / 3 - 1 &&
+             other->y == from.y + k % 3 - 1 && other->z <= from.z + 1;
+           ++other) {
+        if (other->point <= from.point) continue;
+        const Vec3f way = mesh_.position(other->point) - at;
+        const float alike = dot(normal, mesh_.normal(other->point));
+        if (length(way) > reach || std::abs(dot(way, normal)) > kOnePlane) continue;
+        if (std::abs(alike) > 0.999F) links.push_back({from.point, other->point ^ (alike < 0)});
+      }
+    }
+  }
+  return links;
+}
+
+std::vector<Baker::Link> Baker::open_links(const std::vector<Link>& fronts) const {
+  constexpr std::size_t kBlock = 128;
+  std::vector<std::uint8_t> is_open(2 * fronts.size());
+  const std::size_t blocks = (fronts.size() + kBlock - 1) / kBlock;
+  parallel_for(blocks, 1, options_.threads, [&](std::size_t first, std::size_t last) {
+    std::vector<Ray> rays;
+    std::vector<std::size_t> of;
+    std::vector<std::uint8_t> blocked;
+    for (std::size_t block = first; block < last; ++block) {
+      rays.clear();
+      of.clear();
+      const std::size_t to = std::min((block + 1) * kBlock, fronts.size());
+      for (std::size_t i = 2 * block * kBlock; i < 2 * to; ++i) {
+        const LightPoint side = i % 2, a = fronts[i / 2][0] ^ side, b = fronts[i / 2][1] ^ side;
+        if (!state_[a].live || !state_[b].live) continue;
+        rays.push_back(along(a, b));
+        of.push_back(i);
+      }
+      blocked.resize(rays.size());
+      tracer_.blocked(rays, blocked);
+      for (std::size_t k = 0; k < rays.size(); ++k) is_open[of[k]] = blocked[k] == 0 ? 1 : 0;
+    }
+  });
+  std::vector<Link> links;
+  for (std::size_t i = 0; i < is_open.size(); ++i) {
+    const LightPoint side = i % 2;
+    if (is_open[i] != 0) links.push_back({fronts[i / 2][0] ^ side, fronts[i / 2][1] ^ side});
+  }
+  return links;
 }
 
 }  // namespace enfilade::mesh::light

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "enfilade/core/threads.h"
-#include "enfilade/mesh/light/light_mesh.h"
-#include "enfilade/mesh/light/sources.h"
-#include "enfilade/mesh/light/surfaces.h"
+#include "enfilade/mesh/light/scene.h"
 #include "enfilade/mesh/lighting.h"
 
 namespace enfilade::mesh::light {
@@ -21,9 +19,9 @@ struct BakedLight {
 };
 
 /// Reports progress of steps with known shares.
-class Steps {
+class BakeSteps {
  public:
-  Steps(const Progress& progress, int threads) : progress_(progress), threads_(threads) {}
+  BakeSteps(const Progress& progress, int threads) : progress_(progress), threads_(threads) {}
 
   /// parallel_for(), and `share` of 1000 is done.
   template <class Body>
@@ -55,19 +53,19 @@ inline constexpr LightPoint kNowhere = 0x7fffffffU;
 class Baker {
  public:
   /// \pre options are in range
-  Baker(const RayTracer& tracer, const Surfaces& surfaces, const Lights& lights,
+  Baker(const RayTracer& tracer, const LitSurfaces& surfaces, const Lights& lights,
         const BakeOptions& options, const Progress& progress);
 
   BakedLight run();
 
  private:
-  struct State {
+  struct PointState {
     bool live = false;    ///< receives light
     bool backs = false;   ///< sees mostly back sides
     bool buried = false;  ///< and is dark: inside a solid
   };
   /// Result of one ray.
-  struct Found {
+  struct RayEnd {
     Vec3f radiance;      ///< of lights that are not sampled explicitly
     LightPoint surface;  ///< the nearest point; kNowhere: the sky
     bool back;           ///< of that surface
@@ -82,7 +80,6 @@ class Baker {
   void make_sources();
   void make_glowing_sources();
   void make_directions();
-  bool is_outside(std::uint32_t triangle) const;
   void measure();  ///< areas, colours, and where rays start
   void measure_room();
   void grow();  ///< arrays to the light mesh's size
@@ -104,7 +101,7 @@ class Baker {
   std::vector<Link> open_links(const std::vector<Link>& fronts) const;
   void part_near_from_far();
   void join_near_and_far(LightPoint p);
-  Found find(const Receiver& from, Vec3f direction, const Hit& hit) const;
+  RayEnd find(const Receiver& from, Vec3f direction, const Hit& hit) const;
   void gather_base();
   void bounce();
   void send_on();
@@ -116,11 +113,11 @@ class Baker {
   void find_key();
 
   const RayTracer& tracer_;
-  const Surfaces& surfaces_;
+  const LitSurfaces& surfaces_;
   const Lights& lights_;
   const BakeOptions& options_;
-  Steps steps_;
-  bool has_rooms_;              ///< any object is in one
+  BakeSteps steps_;
+  Surroundings surroundings_;
   LightMesh mesh_, base_mesh_;  ///< the latter: before refinement
   float spacing_ = 0;           ///< options' or more, where points would be too many
   float typical_ = 0;           ///< median luminance of irradiance
@@ -135,7 +132,7 @@ class Baker {
   std::vector<std::uint8_t> outside_;  ///< 1: only of surfaces that are in no room
   std::vector<float> room_;  ///< harmonic mean of distances to surfaces, on the tighter side
   // By light point.
-  std::vector<State> state_;
+  std::vector<PointState> state_;
   std::vector<Vec3f> direct_, indirect_, sun_;  ///< irradiance
   std::vector<Vec3f> found_;                    ///< the part of indirect_ that surfaces do not send
   // Indirect light in two parts. Light from near surfaces (the shade below a table) is taken from a
@@ -147,10 +144,10 @@ class Baker {
   std::vector<float> open_;       ///< share of rays that meet the sky
   std::vector<Vec3f> sends_;      ///< radiance that it sends on
   // Where the rays of the base's points end: those of p from first_ray_[p] on.
-  class Seen {
+  class SeenPoint {
    public:
-    Seen() = default;  ///< the sky
-    Seen(LightPoint surface, bool near) : bits_(surface << 1U | (near ? 1U : 0U)) {}
+    SeenPoint() = default;  ///< the sky
+    SeenPoint(LightPoint surface, bool near) : bits_(surface << 1U | (near ? 1U : 0U)) {}
     LightPoint surface() const { return bits_ >> 1U; }  ///< kNowhere: the sky
     bool near() const { return (bits_ & 1U) != 0; }
 
@@ -158,7 +155,7 @@ class Baker {
     std::uint32_t bits_ = kNowhere << 1U;
   };
   std::vector<std::size_t> first_ray_;
-  std::vector<Seen> seen_;
+  std::vector<SeenPoint> seen_;
   float key_ = 1;
 };
 

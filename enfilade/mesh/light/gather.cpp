@@ -208,8 +208,8 @@ void Baker::cast(LightPoint p, const Directions& directions, const Use& use) con
   }
 }
 
-Baker::Found Baker::find(const Receiver& from, Vec3f direction, const Hit& hit) const {
-  Found found{lights_.ambient, kNowhere, false, false};
+Baker::RayEnd Baker::find(const Receiver& from, Vec3f direction, const Hit& hit) const {
+  RayEnd found{lights_.ambient, kNowhere, false, false};
   if (!hit) {
     const bool aimed_at = std::ranges::any_of(sources_, [&](const LightSource& source) {
       return source.crossed_by(from.position, direction) && source.aimed_at(from.position);
@@ -224,7 +224,7 @@ Baker::Found Baker::find(const Receiver& from, Vec3f direction, const Hit& hit) 
   }
   found.back = dot(direction, surfaces_.normal(hit.triangle)) > 0;
   const LightMesh& mesh = base_mesh_;
-  const LightMesh::Place place = mesh.locate(hit.triangle, hit.u, hit.v);
+  const LightMesh::PiecePoint place = mesh.locate(hit.triangle, hit.u, hit.v);
   const auto nearest =
       static_cast<std::size_t>(std::ranges::max_element(place.weights) - place.weights.begin());
   found.surface = mesh.pieces()[place.piece].front[nearest] ^ (found.back ? 1U : 0U);
@@ -240,7 +240,7 @@ void Baker::measure_room() {
   room_.resize(mesh_.size() / 2);
   // Only the ends of edges that may be cut are asked for.
   std::vector<std::uint8_t> wanted(room_.size());
-  for (const LightMesh::Piece& piece : mesh_.pieces()) {
+  for (const LightMesh::LightPiece& piece : mesh_.pieces()) {
     for (std::size_t k = 0; k < 3; ++k) {
       const LightPoint a = piece.front[k], b = piece.front[(k + 1) % 3];
       if (length(mesh_.position(a) - mesh_.position(b)) <= spacing_) continue;
@@ -283,7 +283,7 @@ void Baker::probe() {
     for (std::size_t p = a; p < b; ++p) {
       std::size_t backs = 0;
       Vec3f sum;
-      cast(static_cast<LightPoint>(p), few, [&](std::size_t i, const Found& found) {
+      cast(static_cast<LightPoint>(p), few, [&](std::size_t i, const RayEnd& found) {
         seen_[p * few.size() + i] = {found.surface, found.near};
         if (found.back) ++backs;
         sum += found.radiance;
@@ -332,7 +332,7 @@ void Baker::gather_base() {
       const Directions& all = directions(static_cast<LightPoint>(p));
       std::size_t skies = 0;
       Vec3f sum, near;
-      cast(static_cast<LightPoint>(p), all, [&](std::size_t i, const Found& found) {
+      cast(static_cast<LightPoint>(p), all, [&](std::size_t i, const RayEnd& found) {
         seen_[first_ray_[p] + i] = {found.surface, found.near};
         sum += found.radiance;
         if (found.near) near += found.radiance;
@@ -365,7 +365,7 @@ void Baker::gather_new(std::size_t known) {
       const Directions& some = directions_[1];
       std::size_t backs = 0, far = 0;
       Vec3f near;
-      cast(static_cast<LightPoint>(p), some, [&](std::size_t, const Found& found) {
+      cast(static_cast<LightPoint>(p), some, [&](std::size_t, const RayEnd& found) {
         if (found.back) ++backs;
         if (!found.near) {
           ++far;
@@ -377,7 +377,7 @@ void Baker::gather_new(std::size_t known) {
       near_[p] = kFloatPi / n * near;
       far_share_[p] = static_cast<float>(far) / n;
       join_near_and_far(static_cast<LightPoint>(p));
-      State& state = state_[p];
+      PointState& state = state_[p];
       state.backs = 2 * backs >= some.size();
       state.buried = state.backs && is_dark(static_cast<LightPoint>(p));
       state.live = !state.buried;

@@ -8,9 +8,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "enfilade/core/detail/json.h"
-#include "enfilade/mesh/readers/text.h"
-
 namespace enfilade::mesh::readers {
 namespace {
 
@@ -22,113 +19,32 @@ T value_at(const char* at) {
   std::memcpy(&value, at, sizeof(T));  // both the format and the machine are little-endian
   return value;
 }
-std::uint32_t word_at(std::string_view bytes, std::size_t at) {
-  return value_at<std::uint32_t>(bytes.data() + at);
-}
-
-/// The JSON text of a .glb, whose parts all lie inside the file (glTF 2.0, 4.4).
-std::string_view json_chunk(std::string_view glb, const std::string& file) {
-  constexpr std::size_t kHeader = 12, kChunkHeader = 8;
-  constexpr std::uint32_t kJson = 0x4E4F534A;
-  const auto fail = [&](const std::string& what) { refuse(file, "", "bad-container", what); };
-  if (glb.size() < kHeader + kChunkHeader) fail("too short for a binary glTF");
-  if (word_at(glb, 4) != 2) fail(fmt::format("version {} of glTF, not 2", word_at(glb, 4)));
-  const std::size_t length = word_at(glb, 8);
-  if (length > glb.size()) fail(fmt::format("{} bytes, but it says {}", glb.size(), length));
-  std::string_view json;
-  for (std::size_t at = kHeader; at < length;) {
-    if (at + kChunkHeader > length || word_at(glb, at) > length - at - kChunkHeader) {
-      fail(fmt::format("the chunk at byte {} ends after the file", at));
-    }
-    const std::size_t size = word_at(glb, at);
-    if (at == kHeader) {
-      if (word_at(glb, at + 4) != kJson) fail("the first chunk is not JSON");
-      json = glb.substr(at + kChunkHeader, size);
-    }
-    at += kChunkHeader + size;
-  }
-  return json;
-}
-
-/// Whether a file may require an extension: it is read here, or can be ignored because no geometry
-/// depends on it.
-bool is_known(std::string_view extension) {
-  constexpr std::array<std::string_view, 18> kKnown{"KHR_texture_transform",
-                                                    "KHR_mesh_quantization",
-                                                    "KHR_lights_punctual",
-                                                    "KHR_materials_unlit",
-                                                    "KHR_materials_anisotropy",
-                                                    "KHR_materials_clearcoat",
-                                                    "KHR_materials_dispersion",
-                                                    "KHR_materials_emissive_strength",
-                                                    "KHR_materials_ior",
-                                                    "KHR_materials_iridescence",
-                                                    "KHR_materials_sheen",
-                                                    "KHR_materials_specular",
-                                                    "KHR_materials_transmission",
-                                                    "KHR_materials_variants",
-                                                    "KHR_materials_volume",
-                                                    "KHR_materials_pbrSpecularGlossiness",
-                                                    "KHR_materials_diffuse_transmission",
-                                                    "KHR_xmp_json_ld"};
-  return std::ranges::find(kKnown, extension) != kKnown.end();
-}
-
-/// Checks the version and the required extensions. To be called before tinygltf, whose parser
-/// recurses: simdjson refuses JSON that is nested too deeply.
-void check_json(std::string_view text, const std::string& file) {
-  const json::Document document = json::Document::parse(text, file);
-  json::Faults faults(file);
-  constexpr std::array<json::Field, 2> kFields{{{"asset", true}, {"extensionsRequired", false}}};
-  std::array<std::optional<json::Element>, 2> found;
-  const json::Path root, asset(root, "asset"), required(root, "extensionsRequired");
-  json::fields(document.root(), kFields, found, root, faults);
-  faults.throw_if_errors();
-  constexpr std::array<json::Field, 1> kVersion{{{"version", true}}};
-  std::array<std::optional<json::Element>, 1> version;
-  json::fields(*found[0], kVersion, version, asset, faults);
-  faults.throw_if_errors();
-  const json::Path version_path(asset, "version");
-  const auto value = json::string(*version[0], version_path, faults);
-  if (value && !value->starts_with("2.")) {
-    faults.error(version_path, "bad-version", fmt::format("{}, not 2.x", in_quotes(*value)));
-  }
-  if (found[1]) {
-    if (const auto list = json::array(*found[1], required, faults)) {
-      std::size_t i = 0;
-      for (const json::Element item : *list) {
-        const json::Path path(required, i++);
-        const auto name = json::string(item, path, faults);
-        if (!name || is_known(*name)) continue;
-        faults.error(path, "unknown-extension",
-                     fmt::format("{} is required, but not known here", in_quotes(*name)));
-      }
-    }
-  }
-  faults.throw_if_errors();
-}
-
 /// The user data of tinygltf's file callbacks.
 struct Files {
   const Source& source;
+  ReadResult& result;
   std::optional<std::string> missing;  ///< message of the last file that could not be read
+  std::string last;                    ///< path of the last file that was read
 };
 
-/// tinygltf looks for a file in its base folder, which is "" here, then in "./". Both are the
-/// source's folder, so that the second is not searched.
+/// tinygltf looks for a file in its base folder, which is "" here, then in "./": for both, find()
+/// searches the source's folder.
 bool file_exists(const std::string& path, void* user) {
   const Files& files = *static_cast<Files*>(user);
   std::error_code code;
-  return files.source.on_disk && !path.empty() && !path.starts_with("./") &&
-         std::filesystem::is_regular_file(files.source.folder / path, code);
+  return files.source.on_disk && !path.empty() &&
+         std::filesystem::is_regular_file(files.source.find(path).path, code);
 }
 std::string same_path(const std::string& path, void*) { return path; }
 bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const std::string& path,
                      void* user) {
   Files& files = *static_cast<Files*>(user);
   try {
-    const std::string bytes = files.source.part(path);
+    const Source::Part part = files.source.find(path);
+    const std::string bytes = read_part(part.path);
+    note_moved(files.result, files.source.name, "", path, part);
     out->assign(bytes.begin(), bytes.end());
+    files.last = part.path.string();
     return true;
   } catch (const FileError& e) {
     files.missing = e.what();
@@ -143,7 +59,7 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
                                 void* user) {
   const Files& files = *static_cast<Files*>(user);
   std::error_code code;
-  *bytes = std::filesystem::file_size(files.source.folder / path, code);
+  *bytes = std::filesystem::file_size(files.source.find(path).path, code);
   if (code && error != nullptr) *error = code.message();
   return !code;
 }
@@ -165,8 +81,9 @@ Callbacks callbacks_of(Files& files) {
 /// Keeps images encoded; read_gltf_materials() decodes those that are used. Images in buffers are
 /// not copied here, as tinygltf does not check that they lie inside the buffer; view_bytes() does.
 bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int,
-                const unsigned char* bytes, int size, void*) {
+                const unsigned char* bytes, int size, void* user) {
   if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
+  if (!image->uri.empty()) image->uri = static_cast<Files*>(user)->last;
   return true;
 }
 
@@ -223,21 +140,16 @@ class AccessorReader {
       fail(fmt::format("component type {}, not one of glTF's", a.componentType));
     }
     if (a.count == 0) fail("a count of 0");
-    if (a.bufferView < 0) {
-      fail("no bufferView: compressed, or all zeros, which is not supported");
-    }
     out_.components = static_cast<std::size_t>(components);
     out_.count = a.count;
     out_.whole = !a.normalized && type_->is_unsigned;
     const std::size_t element = out_.components * type_->bytes;
-    const std::string_view bytes = view(a.bufferView);
-    const std::size_t given = item_at(model_.bufferViews, a.bufferView)->byteStride;
-    const std::size_t stride = given == 0 ? element : given;
-    if (stride < element) fail(fmt::format("a stride of {} for items of {}", stride, element));
-    check_fits(bytes, a.byteOffset, a.count, stride, element);
-    out_.values.resize(out_.count * out_.components);
-    for (std::size_t i = 0; i < a.count; ++i) {
-      set_item(i, bytes.data() + a.byteOffset + i * stride);
+    if (a.bufferView < 0) {  // all zeros (glTF 2.0, 3.6.2.3), but for the sparse ones
+      const std::size_t most = most_items(model_) / out_.components;
+      if (a.count > most) fail(fmt::format("{} items of zeros, more than {}", a.count, most));
+      out_.values.resize(out_.count * out_.components);
+    } else {
+      read_view(element);
     }
     if (a.sparse.isSparse) read_sparse(element);
     return std::move(out_);
@@ -249,6 +161,18 @@ class AccessorReader {
   }
   std::string_view view(int index) const { return view_bytes(model_, index, file_, where_); }
 
+  void read_view(std::size_t element) {
+    const tinygltf::Accessor& a = *accessor_;
+    const std::string_view bytes = view(a.bufferView);
+    const std::size_t given = item_at(model_.bufferViews, a.bufferView)->byteStride;
+    const std::size_t stride = given == 0 ? element : given;
+    if (stride < element) fail(fmt::format("a stride of {} for items of {}", stride, element));
+    check_fits(bytes, a.byteOffset, a.count, stride, element);
+    out_.values.resize(out_.count * out_.components);
+    for (std::size_t i = 0; i < a.count; ++i) {
+      set_item(i, bytes.data() + a.byteOffset + i * stride);
+    }
+  }
   void check_fits(std::string_view bytes, std::size_t offset, std::size_t count, std::size_t stride,
                   std::size_t element) const {
     const bool fits = offset <= bytes.size() && element <= bytes.size() - offset &&
@@ -297,26 +221,34 @@ class AccessorReader {
 
 }  // namespace
 
-Model load_gltf(const Source& source) {
+double normalised_one(const tinygltf::Accessor& accessor) {
+  const ComponentType* type = find_type(accessor.componentType);
+  return type != nullptr && accessor.normalized ? type->one : 0;
+}
+
+Model load_gltf(const Source& source, ReadResult& result) {
   if (source.bytes.size() > std::numeric_limits<std::uint32_t>::max()) {
     refuse(source.name, "", "bad-container", "more than 4 GiB, the most that a glTF file can have");
   }
   const bool binary = source.bytes.starts_with("glTF");
-  check_json(binary ? json_chunk(source.bytes, source.name) : source.bytes, source.name);
-  Files files{source, std::nullopt};
+  const bool plain = check_gltf_json(
+      binary ? gltf_json_chunk(source.bytes, source.name) : source.bytes, source.name, result);
+  std::string rewritten;  // what tinygltf would refuse
+  if (!plain) rewritten = rewrite_gltf(source.bytes, source.name);
+  const std::string_view bytes = plain ? source.bytes : std::string_view(rewritten);
+  Files files{source, result, std::nullopt, {}};
   tinygltf::TinyGLTF reader;
-  reader.SetImageLoader(keep_image, nullptr);
+  reader.SetImageLoader(keep_image, &files);
   reader.SetFsCallbacks(callbacks_of<tinygltf::FsCallbacks>(files));
   Model model;
   std::string error, warning;
   bool read = false;
-  const auto size = static_cast<unsigned>(source.bytes.size());
+  const auto size = static_cast<unsigned>(bytes.size());
   try {
     read = binary ? reader.LoadBinaryFromMemory(
                         &model, &error, &warning,
-                        reinterpret_cast<const unsigned char*>(source.bytes.data()), size, "")
-                  : reader.LoadASCIIFromString(&model, &error, &warning, source.bytes.data(), size,
-                                               "");
+                        reinterpret_cast<const unsigned char*>(bytes.data()), size, "")
+                  : reader.LoadASCIIFromString(&model, &error, &warning, bytes.data(), size, "");
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {  // its JSON library throws for values of a wrong type
@@ -327,6 +259,7 @@ Model load_gltf(const Source& source) {
     const std::string_view first = trim(std::string_view(error).substr(0, error.find('\n')));
     refuse(source.name, "", "bad-gltf", std::string(first.substr(0, 200)));
   }
+  unpack_meshopt(model, source.name);
   return model;
 }
 
@@ -337,6 +270,9 @@ std::string_view view_bytes(const Model& model, int view, const std::string& fil
   };
   const tinygltf::BufferView* v = item_at(model.bufferViews, view);
   if (v == nullptr) fail(fmt::format("only {} are there", model.bufferViews.size()));
+  if (!reads_extension(kMeshoptCompression) && is_meshopt_alone(model, *v)) {
+    fail(lacks_library(kMeshoptCompression));
+  }
   const tinygltf::Buffer* buffer = item_at(model.buffers, v->buffer);
   if (buffer == nullptr) fail(fmt::format("buffer {} of {}", v->buffer, model.buffers.size()));
   const auto& data = buffer->data;
@@ -345,6 +281,14 @@ std::string_view view_bytes(const Model& model, int view, const std::string& fil
                      v->byteOffset, data.size()));
   }
   return {reinterpret_cast<const char*>(data.data()) + v->byteOffset, v->byteLength};
+}
+
+std::size_t most_items(const Model& model) {
+  std::size_t bytes = 0;
+  for (const tinygltf::Buffer& buffer : model.buffers) bytes += buffer.data.size();
+  const bool draco =
+      std::ranges::find(model.extensionsUsed, kDracoCompression) != model.extensionsUsed.end();
+  return (std::size_t{1} << 22) + (draco ? 64 : 4) * bytes;
 }
 
 GltfNumbers read_accessor(const Model& model, int accessor, const std::string& file) {

@@ -87,6 +87,12 @@ class MaterialReader {
       where_ = fmt::format("$.materials[{}]", m);
       out.push_back(read(model_.materials[m]));
     }
+    if (!basis_.empty()) {
+      warn(result_, source_.name, "", "left-out",
+           fmt::format("{} textures in {}, which is not read: `gltf-transform ktxdecompress` "
+                       "makes them PNG",
+                       basis_.size(), kBasisTexture));
+    }
     return out;
   }
 
@@ -185,19 +191,24 @@ class MaterialReader {
                fmt::format("texture {} of {}", index, model_.textures.size()));
       return nullptr;
     }
-    const int source = texture->source;
+    const int source = source_of(*texture);
     const tinygltf::Image* image = item_at(model_.images, source);
+    if (image == nullptr && extension(*texture, "KHR_texture_basisu") != nullptr) {
+      basis_.insert(index);  // told once
+      return nullptr;
+    }
     if (image == nullptr) {
       complain(where, "missing-texture", "no image that is JPEG or PNG");
       return nullptr;
     }
     const std::string image_where = fmt::format("$.images[{}]", source);
-    file_ = image->uri.empty() ? fmt::format("{}#images[{}]", source_.name, source)
-                               : (source_.folder / image->uri).string();
+    file_ = image->uri.empty()     ? fmt::format("{}#images[{}]", source_.name, source)
+            : image->image.empty() ? (source_.folder / image->uri).string()
+                                   : image->uri;
     try {
       if (source != decoded_) {
         decoded_ = -1;
-        picture_ = textures_.decode(image_bytes(*image, image_where), file_);
+        picture_ = textures_.decode(image_bytes(*image, image_where), file_, result_);
         decoded_ = source;
       } else {
         textures_.take(picture_.width, picture_.height, file_);
@@ -207,6 +218,14 @@ class MaterialReader {
       if (told_.insert(source).second) complain(image_where, "missing-texture", e.what());
       return nullptr;
     }
+  }
+  /// The image of a texture: WebP before its copy for other readers, where this build reads it.
+  static int source_of(const tinygltf::Texture& texture) {
+    const Value* webp = extension(texture, "EXT_texture_webp");
+    const bool needed = texture.source < 0 || reads_extension(kWebpTexture);
+    if (webp == nullptr || !needed) return texture.source;
+    const double image = number(*webp, "source", -1);
+    return image >= 0 && image < 1e9 ? static_cast<int>(image) : texture.source;
   }
   std::string_view image_bytes(const tinygltf::Image& image, const std::string& where) const {
     if (image.bufferView >= 0) return view_bytes(model_, image.bufferView, source_.name, where);
@@ -223,7 +242,8 @@ class MaterialReader {
   /// Only the last one is kept: neighbouring materials share pictures, and each owns a copy anyway.
   image::Image8 picture_;
   int decoded_ = -1;
-  std::set<int> told_;  ///< broken images, each of which gives one warning
+  std::set<int> basis_;  ///< textures that are in Basis Universal alone
+  std::set<int> told_;   ///< broken images, each of which gives one warning
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <ranges>
 #include <utility>
@@ -77,12 +78,12 @@ Affine affine_of(const tinygltf::Node& node) {
 /// What a primitive's vertices have.
 struct Vertices {
   GltfNumbers positions;
-  std::optional<GltfNumbers> normals, colours, texture_points;
+  std::optional<GltfNumbers> normals, colours, texture_points;  ///< as many as positions
 };
 
 class SceneReader {
  public:
-  explicit SceneReader(const Source& source) : source_(source), model_(load_gltf(source)) {}
+  explicit SceneReader(const Source& source) : source_(source), model_(load_gltf(source, out_)) {}
 
   ReadResult read() {
     materials_ = read_gltf_materials(model_, source_, out_);
@@ -99,6 +100,18 @@ class SceneReader {
     tell("lights", model_.lights.size());
     tell("primitives with morph targets: taken as unmoved", morphed_);
     tell("primitives of points or lines", thin_);
+    warn(out_, source_.name, odd_.normals, "not-finite",
+         "normals are not finite numbers: those of the faces are taken");
+    warn(out_, source_.name, odd_.texture_points, "not-finite",
+         "texture points are not finite numbers: taken as 0");
+    warn(out_, source_.name, odd_.colours, "not-finite",
+         "colours are not finite numbers: taken as white");
+    warn(out_, source_.name, odd_.bright, "bad-value", "colours are far above 1: taken as 1");
+    for (auto& [kind, left_out] : left_out_) {
+      auto& [first, times] = left_out;
+      if (times > 1) first.message += fmt::format(", and {} more like it", times - 1);
+      out_.warnings.push_back(std::move(first));
+    }
     out_.mesh = mesh_.finish();
     return std::move(out_);
   }
@@ -174,11 +187,6 @@ class SceneReader {
 
   /// Instances of one mesh can make a small file into any number of triangles. Without them, a byte
   /// holds at most one index; furniture is not repeated more often than it has bytes.
-  static std::size_t most_numbers(const Model& model) {
-    std::size_t bytes = 0;
-    for (const tinygltf::Buffer& buffer : model.buffers) bytes += buffer.data.size();
-    return (std::size_t{1} << 22) + 4 * bytes;
-  }
   void spend(std::size_t n, const std::string& where) {
     spent_ += n;
     if (spent_ <= most_) return;
@@ -189,66 +197,114 @@ class SceneReader {
   }
 
   std::optional<GltfNumbers> attribute(const tinygltf::Primitive& primitive,
+                                       std::optional<DracoPrimitive>& draco,
                                        const std::string& name, std::size_t least, std::size_t most,
                                        const std::string& where) {
+    GltfNumbers out;
     const auto at = primitive.attributes.find(name);
-    if (at == primitive.attributes.end()) return std::nullopt;
-    GltfNumbers out = read_accessor(model_, at->second, source_.name);
+    if (draco && draco->attributes.contains(name)) {
+      out = std::move(draco->attributes.at(name));
+    } else if (at != primitive.attributes.end()) {
+      out = read_accessor(model_, at->second, source_.name);
+    } else {
+      return std::nullopt;
+    }
     if (out.components < least || out.components > most) {
       fail(where, "bad-accessor", fmt::format("{} of {} numbers", name, out.components));
     }
     spend(out.count, where);
     return out;
   }
-  Vertices read_vertices(const tinygltf::Primitive& primitive, const GltfTexturePlace& place,
-                         const std::string& where) {
+  /// Keeps the first warning of a code about `what`; the others are counted.
+  void leave_out(Diagnostic found, const std::string& what) {
+    std::string kind = what + " " + found.code;
+    ++left_out_.try_emplace(std::move(kind), std::move(found), 0).first->second.second;
+  }
+  /// The same for what a mesh can do without: a fault is a warning, and nothing is given.
+  std::optional<GltfNumbers> optional_attribute(const tinygltf::Primitive& primitive,
+                                                std::optional<DracoPrimitive>& draco,
+                                                const std::string& name, std::size_t components,
+                                                std::size_t most, std::size_t vertices,
+                                                const std::string& where) {
+    try {
+      auto out = attribute(primitive, draco, name, components, most, where);
+      if (out && out->count != vertices) {
+        fail(where, "list-length",
+             fmt::format("an attribute of {} vertices, not {}", out->count, vertices));
+      }
+      return out;
+    } catch (const InvalidInput& e) {
+      const Diagnostic& found = e.diagnostics().front();
+      if (found.code == "too-large") throw;
+      leave_out({Severity::kWarning, source_.name, found.where, found.code,
+                 fmt::format("{}: {} is left out", found.message, name)},
+                name);
+      return std::nullopt;
+    }
+  }
+  Vertices read_vertices(const tinygltf::Primitive& primitive, std::optional<DracoPrimitive>& draco,
+                         const GltfTexturePlace& place, const std::string& where) {
     Vertices out;
-    auto positions = attribute(primitive, "POSITION", 3, 3, where);
+    auto positions = attribute(primitive, draco, "POSITION", 3, 3, where);
     if (!positions) fail(where, "missing-attribute", "no POSITION");
     out.positions = std::move(*positions);
-    out.normals = attribute(primitive, "NORMAL", 3, 3, where);
-    out.colours = attribute(primitive, "COLOR_0", 3, 4, where);
+    const std::size_t n = out.positions.count;
+    out.normals = optional_attribute(primitive, draco, "NORMAL", 3, 3, n, where);
+    out.colours = optional_attribute(primitive, draco, "COLOR_0", 3, 4, n, where);
     if (place.set >= 0) {
-      out.texture_points = attribute(primitive, fmt::format("TEXCOORD_{}", place.set), 2, 2, where);
-    }
-    for (const auto* list : {&out.normals, &out.colours, &out.texture_points}) {
-      if (*list && (*list)->count != out.positions.count) {
-        fail(where, "list-length",
-             fmt::format("an attribute of {} vertices, not {}", (*list)->count,
-                         out.positions.count));
-      }
+      out.texture_points = optional_attribute(
+          primitive, draco, fmt::format("TEXCOORD_{}", place.set), 2, 2, n, where);
     }
     return out;
   }
+  /// The accessor of a primitive's indices, or where rewrite_gltf() keeps its number.
+  static int index_accessor(const tinygltf::Primitive& primitive) {
+    const auto kept = primitive.extensions.find(std::string(kKeptIndices));
+    if (kept == primitive.extensions.end() || !kept->second.IsObject()) return primitive.indices;
+    const tinygltf::Value& number = kept->second.Get("accessor");
+    return number.IsInt() ? number.Get<int>() : -1;
+  }
   std::vector<std::uint32_t> read_indices(const tinygltf::Primitive& primitive,
+                                          std::optional<DracoPrimitive>& draco,
                                           std::size_t vertices, const std::string& where) {
+    if (draco) {
+      spend(draco->indices.size(), where);
+      for (const std::uint32_t index : draco->indices) check_index(index, vertices, where);
+      return std::move(draco->indices);
+    }
     std::vector<std::uint32_t> out;
-    if (primitive.indices < 0) {
+    const int accessor = index_accessor(primitive);
+    if (accessor < 0) {
       for (std::size_t i = 0; i < vertices; ++i) out.push_back(static_cast<std::uint32_t>(i));
       return out;
     }
-    const GltfNumbers numbers = read_accessor(model_, primitive.indices, source_.name);
+    const GltfNumbers numbers = read_accessor(model_, accessor, source_.name);
     if (numbers.components != 1 || !numbers.whole) {
       fail(where, "bad-accessor", "indices that are not unsigned whole numbers");
     }
     spend(numbers.count, where);
     out.reserve(numbers.count);
     for (const double value : numbers.values) {
-      if (value >= static_cast<double>(vertices)) {
-        fail(where, "bad-index", fmt::format("vertex {} of {}", value, vertices));
-      }
+      check_index(value, vertices, where);
       out.push_back(static_cast<std::uint32_t>(value));
     }
     return out;
   }
+  void check_index(double value, std::size_t vertices, const std::string& where) const {
+    if (value >= static_cast<double>(vertices)) {
+      fail(where, "bad-index", fmt::format("vertex {} of {}", value, vertices));
+    }
+  }
 
   std::uint32_t material_of(const tinygltf::Primitive& primitive, const std::string& where) {
-    if (primitive.material >= 0) {
-      if (item_at(materials_, primitive.material) == nullptr) {
-        fail(where, "bad-index",
-             fmt::format("material {} of {}", primitive.material, materials_.size()));
-      }
+    if (item_at(materials_, primitive.material) != nullptr) {
       return static_cast<std::uint32_t>(primitive.material);
+    }
+    if (primitive.material >= 0) {
+      leave_out(
+          {Severity::kWarning, source_.name, where, "bad-index",
+           fmt::format("material {} of {}: taken as white", primitive.material, materials_.size())},
+          "material");
     }
     if (!default_material_) {
       default_material_ = static_cast<std::uint32_t>(mesh_.mesh.materials.size());
@@ -259,7 +315,7 @@ class SceneReader {
 
   void read_primitive(const tinygltf::Primitive& primitive, const std::string& where,
                       const Affine& world) {
-    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode < TINYGLTF_MODE_TRIANGLES) {
       ++thin_;
       return;
@@ -267,16 +323,15 @@ class SceneReader {
     if (mode > TINYGLTF_MODE_TRIANGLE_FAN) {
       fail(where, "bad-mode", fmt::format("mode {}, not 0 to 6", mode));
     }
-    if (primitive.extensions.contains("KHR_draco_mesh_compression")) {
-      warn(out_, source_.name, where, "left-out",
-           "Draco's compression: only what is not compressed");
-    }
     if (!primitive.targets.empty()) ++morphed_;
+    std::optional<DracoPrimitive> draco = read_draco(model_, primitive, source_.name, where);
+    if (draco) mode = TINYGLTF_MODE_TRIANGLES;  // decoded strips are triangles
     const std::uint32_t material = material_of(primitive, where);
     const GltfTexturePlace place =
-        primitive.material >= 0 ? materials_[material].place : GltfTexturePlace{};
-    const Vertices vertices = read_vertices(primitive, place, where);
-    const auto indices = read_indices(primitive, vertices.positions.count, where);
+        material < materials_.size() ? materials_[material].place : GltfTexturePlace{};
+    const Vertices vertices = read_vertices(primitive, draco, place, where);
+    const auto indices = read_indices(primitive, draco, vertices.positions.count, where);
+    where_ = where;
     used_.assign(vertices.positions.count, std::nullopt);
     const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
       mesh_.add(
@@ -296,47 +351,76 @@ class SceneReader {
   }
 
   /// The vertex in our lists; added when the first triangle uses it.
-  const Corner& corner(std::uint32_t index, const Vertices& vertices, const GltfTexturePlace& place,
-                       const Affine& world) {
-    std::optional<Corner>& out = used_[index];
+  const CornerIndices& corner(std::uint32_t index, const Vertices& vertices,
+                              const GltfTexturePlace& place, const Affine& world) {
+    std::optional<CornerIndices>& out = used_[index];
     if (out) return *out;
     Mesh& mesh = mesh_.mesh;
     out.emplace();
     out->position = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.push_back(
-        world.point(vertices.positions.values.data() + 3 * std::size_t{index}));
-    if (vertices.normals) {
-      out->normal = static_cast<std::uint32_t>(mesh_.normals.size());
-      mesh_.normals.push_back(
-          world.normal(vertices.normals->values.data() + 3 * std::size_t{index}));
+    const double* p = vertices.positions.values.data() + 3 * std::size_t{index};
+    mesh.positions.push_back(world.point(p));
+    if (!is_finite(mesh.positions.back())) {
+      fail(where_, "not-finite",
+           fmt::format("vertex {} at ({}, {}, {}), and a triangle uses it", index, p[0], p[1],
+                       p[2]));
     }
-    if (vertices.texture_points) {
-      const double* uv = vertices.texture_points->values.data() + 2 * std::size_t{index};
-      const auto& m = place.map;
-      out->texture_point = static_cast<std::uint32_t>(mesh_.texture_points.size());
-      mesh_.texture_points.push_back({static_cast<float>(m[0] * uv[0] + m[1] * uv[1] + m[2]),
-                                      static_cast<float>(m[3] * uv[0] + m[4] * uv[1] + m[5])});
-    }
+    if (vertices.normals) add_normal(*vertices.normals, index, world, *out);
+    if (vertices.texture_points) add_texture_point(*vertices.texture_points, index, place, *out);
     Vec3f colour{1, 1, 1};
     if (vertices.colours) {
       mesh_.coloured = true;
       const double* c = vertices.colours->values.data() + vertices.colours->components * index;
-      const auto share = [](double v) { return static_cast<float>(v < 0 ? 0 : v > 1 ? 1 : v); };
-      colour = {share(c[0]), share(c[1]), share(c[2])};
+      const auto share = [](double v) { return static_cast<float>(std::clamp(v, 0.0, 1.0)); };
+      if (std::isfinite(c[0]) && std::isfinite(c[1]) && std::isfinite(c[2])) {
+        colour = {share(c[0]), share(c[1]), share(c[2])};
+        if (std::max({c[0], c[1], c[2]}) >= kLeastColourByte) {
+          odd_.bright.add([&] { return where_; });
+        }
+      } else {
+        odd_.colours.add([&] { return where_; });
+      }
     }
     mesh.colours.push_back(colour);
     return *out;
   }
 
+  void add_normal(const GltfNumbers& normals, std::uint32_t index, const Affine& world,
+                  CornerIndices& out) {
+    Vec3f normal = world.normal(normals.values.data() + 3 * std::size_t{index});
+    if (!is_finite(normal)) {
+      odd_.normals.add([&] { return where_; });
+      normal = {};  // the face's
+    }
+    out.normal = static_cast<std::uint32_t>(mesh_.normals.size());
+    mesh_.normals.push_back(normal);
+  }
+  void add_texture_point(const GltfNumbers& points, std::uint32_t index,
+                         const GltfTexturePlace& place, CornerIndices& out) {
+    const double* uv = points.values.data() + 2 * std::size_t{index};
+    const auto& m = place.map;
+    const float u = to_float_or_nan(m[0] * uv[0] + m[1] * uv[1] + m[2]),
+                v = to_float_or_nan(m[3] * uv[0] + m[4] * uv[1] + m[5]);
+    const bool good = std::isfinite(u) && std::isfinite(v);
+    if (!good) odd_.texture_points.add([&] { return where_; });
+    out.texture_point = static_cast<std::uint32_t>(mesh_.texture_points.size());
+    mesh_.texture_points.push_back(good ? TexturePoint{u, v} : TexturePoint{});
+  }
+
   const Source& source_;
+  ReadResult out_;  // before the model, whose reader warns
   Model model_;
-  ReadResult out_;
   MeshCollector mesh_;
   std::vector<GltfMaterial> materials_;
   std::optional<std::uint32_t> default_material_;
-  std::vector<std::optional<Corner>> used_;
-  std::size_t most_ = most_numbers(model_);
+  std::vector<std::optional<CornerIndices>> used_;
+  std::size_t most_ = most_items(model_);
   std::size_t spent_ = 0, morphed_ = 0, thin_ = 0;
+  std::map<std::string, std::pair<Diagnostic, std::size_t>> left_out_;  ///< see leave_out()
+  std::string where_;                                                   ///< of the primitive
+  struct {
+    OddValues normals, texture_points, colours, bright;
+  } odd_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -10,6 +11,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/mesh/read_mesh.h"
+#include "tests/support/photo_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh::readers {
@@ -158,6 +160,109 @@ TEST(ReadGltf, SparseAccessorsReplaceSome) {
       ThrowsMessage<InvalidInput>(HasSubstr("sparse index")));
 }
 
+/// With one more attribute of four vertices, without a view of a buffer unless `accessor` has one.
+std::string with_attribute(const std::string& name, const std::string& accessor) {
+  return with(with(kJson, R"("POSITION":0)", R"("POSITION":0,")" + name + R"(":2)"),
+              R"("type":"SCALAR"})", R"("type":"SCALAR"},{)" + accessor + "}");
+}
+
+TEST(ReadGltf, AccessorsWithoutViewsAreZeros) {
+  const ReadResult r =
+      parse(with_attribute("NORMAL", R"("componentType":5126,"count":4,"type":"VEC3")"));
+  EXPECT_THAT(r.warnings, IsEmpty());
+  EXPECT_EQ(r.mesh.normals[0][0].y, face_normal(r.mesh, 0).y) << "of no length: the face's";
+  // Sparse ones alone: the normal of vertex 3 is (0, 0, 1), as at the start of view 2.
+  const ReadResult sparse = parse(with_attribute(
+      "NORMAL", R"("componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,"indices":
+      {"bufferView":1,"byteOffset":6,"componentType":5123},"values":{"bufferView":2}})"));
+  EXPECT_EQ(sparse.mesh.normals[1][0], (Vec3f{0, -1, 0}));
+}
+
+TEST(ReadGltf, IndicesWithoutAViewAreZeros) {
+  const std::string none = R"({"componentType":5123,"count":6,"type":"SCALAR"})";
+  const std::string given = R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"})";
+  EXPECT_THAT(codes(parse(with(kJson, given, none))),
+              ElementsAre("absurd-size", "degenerate-triangles"));
+  // Indices 0 and 1 become those at byte 48 of the buffer, and so on.
+  const std::string sparse = with(none, "}", R"(,"sparse":{"count":2,"indices":{"bufferView":1,
+      "componentType":5123},"values":{"bufferView":1,"byteOffset":2}}})");
+  const ReadResult r = parse(with(kJson, given, sparse));
+  EXPECT_THAT(r.mesh.triangles, ElementsAre(std::array{0U, 1U, 2U}, std::array{2U, 2U, 2U}));
+  const std::string text = with(with(kJson, given, none), R"({"byteLength":92})",
+                                R"({"byteLength":92,"uri":"data:application/octet-stream;base64,)" +
+                                    std::string(123, 'A') + R"(="})");
+  EXPECT_EQ(parse_mesh(text, "a.gltf").mesh.triangles.size(), 2U);
+}
+
+TEST(ReadGltf, FaultsOfWhatAShapeCanDoWithoutAreWarnings) {
+  const auto warned = [](const std::string& json, const char* code, const char* message) {
+    const ReadResult r = parse(json);
+    ASSERT_THAT(codes(r), ElementsAre(code));
+    EXPECT_THAT(r.warnings[0].message, HasSubstr(message));
+    EXPECT_EQ(r.mesh.triangles.size(), 2U);
+  };
+  warned(with_attribute("NORMAL", R"("componentType":5126,"count":3,"type":"VEC3")"), "list-length",
+         "3 vertices, not 4: NORMAL is left out");
+  warned(with_attribute("COLOR_0", R"("componentType":5126,"count":4,"type":"VEC2")"),
+         "bad-accessor", "COLOR_0 of 2 numbers");
+  warned(with(with_attribute("NORMAL", R"("componentType":5126,"count":4,"type":"VEC3")"),
+              R"("NORMAL":2)", R"("NORMAL":9)"),
+         "bad-index", "only 3 are there: NORMAL is left out");
+  warned(with(kJson, R"("POSITION":0})", R"("POSITION":0},"material":3)"), "bad-index",
+         "material 3 of 0");
+}
+
+TEST(ReadGltf, NumbersThatAreNotFiniteAreWarnings) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::string odd = raw<float>({nan, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
+  const std::string view = R"("bufferView":3,"componentType":5126,"count":4,"type":"VEC3")";
+  for (const char* name : {"NORMAL", "COLOR_0"}) {
+    const std::string json =
+        with(with(with_attribute(name, view), R"("byteLength":32})",
+                  R"("byteLength":32},{"buffer":0,"byteOffset":92,"byteLength":48})"),
+             R"("byteLength":92)", R"("byteLength":140)");
+    const ReadResult r = parse(json, binary() + odd);
+    EXPECT_THAT(codes(r), ElementsAre("not-finite")) << name;
+    EXPECT_THAT(r.warnings[0].message, HasSubstr("1 "));
+  }
+}
+
+TEST(ReadGltf, ManyFaultsOfOneKindAreOneWarning) {
+  const std::string primitive = R"({"attributes":{"POSITION":0,"NORMAL":9},"material":3})";
+  const ReadResult r =
+      parse(with(kJson, R"("primitives":[)",
+                 R"("primitives":[)" + primitive + "," + primitive + "," + primitive + ","));
+  EXPECT_THAT(codes(r), ElementsAre("bad-index", "bad-index"));
+  for (const Diagnostic& d : r.warnings) EXPECT_THAT(d.message, HasSubstr("and 2 more like it"));
+}
+
+TEST(ReadGltf, ColoursOfBytesAreWarnings) {
+  const ReadResult r = parse(
+      with_attribute("COLOR_0", R"("bufferView":0,"componentType":5126,"count":4,"type":"VEC3")"));
+  ASSERT_THAT(codes(r), ElementsAre("bad-value"));  // corners at 2 m as colours
+  EXPECT_THAT(r.warnings[0].message, HasSubstr("3 colours are far above 1"));
+}
+
+TEST(ReadGltf, BuffersAreFallbacksOnlyIfTheySaySo) {
+  const ReadResult r = parse(
+      with(kJson, R"({"byteLength":92})",
+           R"({"byteLength":92,"extensions":{"EXT_meshopt_compression":{"fallback":false}}})"));
+  EXPECT_EQ(r.mesh.triangles.size(), 2U);
+}
+
+TEST(ReadGltf, RequiredExtensionsOfLooksAreWarnings) {
+  for (const char* name : {"KHR_technique_webgl", "KHR_techniques_webgl", "KHR_materials_unlit",
+                           "KHR_materials_made_up", "EXT_texture_astc", "MSFT_texture_dds",
+                           "GOOGLE_texture_settings", "VRMC_materials_mtoon"}) {
+    const ReadResult r =
+        parse(with(kJson, "\"scene\":0",
+                   R"("scene":0,"extensionsRequired":[")" + std::string(name) + R"("])"));
+    EXPECT_THAT(codes(r), ElementsAre("left-out")) << name;
+    EXPECT_THAT(r.warnings[0].message, HasSubstr(name));
+    EXPECT_EQ(r.mesh.triangles.size(), 2U);
+  }
+}
+
 TEST(ReadGltf, ReadsSharesOfOneAsColours) {
   // View 2 read as bytes: floats 0, 0, 1 are 00 00 00 00 00 00 00 00 00 00 80 3F.
   const std::string json =
@@ -216,6 +321,35 @@ TEST(ReadGltf, ReadsMaterials) {
   EXPECT_NEAR(r.mesh.texture_points[0][1].v, 0.5, 1e-6);
 }
 
+// As a phone stores it: lying, with an EXIF orientation. OBJ's textures have the same decoder.
+TEST(ReadGltf, TexturesAreTurnedByExif) {
+  const std::string material = R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
+  image::Image8 stored(16, 8, 3);
+  std::fill_n(stored.pixels.begin(), stored.pixels.size() / 2, std::uint8_t{255});
+  const std::string jpeg = tests::with_orientation(tests::jpeg_of(stored), 6);
+  const ReadResult r = parse(textured_json(material, jpeg.size()), binary() + jpeg);
+  const image::Image8& texture = r.mesh.materials[0].texture;
+  ASSERT_EQ(texture.width, 8U);
+  ASSERT_EQ(texture.height, 16U);
+  EXPECT_LT(texture.at(1, 8)[0], 5);
+  EXPECT_GT(texture.at(6, 8)[0], 250) << "the stored top is at the right";
+  ASSERT_THAT(codes(r), ElementsAre("orientation"));
+  EXPECT_EQ(r.warnings[0].severity, Severity::kNote);
+}
+
+TEST(ReadGltf, TexturesHaveTheNameOfTheFileThatWasRead) {
+  const tests::TemporaryFolder made("gltf");
+  const std::string png = picture(3);
+  const std::string json = with(
+      textured_json(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})", png.size()),
+      R"("bufferView":3,)", R"("uri":"an%20oak.png",)");
+  write_file_atomically(made.path() / "a.glb", glb(json, binary() + png));
+  write_file_atomically(made.path() / "An Oak.PNG", png);
+  const ReadResult r = read_mesh(made.path() / "a.glb");
+  EXPECT_THAT(codes(r), ElementsAre("moved-file"));
+  EXPECT_EQ(r.mesh.materials[0].texture_file, (made.path() / "An Oak.PNG").string());
+}
+
 TEST(ReadGltf, AlphaThatNobodyAskedForIsDropped) {
   const std::string png = picture(4);
   const std::string material = R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
@@ -224,6 +358,16 @@ TEST(ReadGltf, AlphaThatNobodyAskedForIsDropped) {
   EXPECT_EQ(r.mesh.materials[0].texture.at(1, 0)[2], 255);
   EXPECT_EQ(r.mesh.texture_points[0][1].u, 1);
   EXPECT_EQ(r.mesh.texture_points[0][2].v, 1) << "v goes down in glTF as here";
+}
+
+TEST(ReadGltf, TexturePointsThatAreNotFiniteAreWarnings) {
+  const std::string png = picture(3);
+  const std::string nan = raw<float>({std::numeric_limits<float>::quiet_NaN()});
+  const std::string material = R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
+  const ReadResult r =
+      parse(textured_json(material, png.size()), binary().replace(68, 4, nan) + png);
+  EXPECT_THAT(codes(r), ElementsAre("not-finite"));
+  EXPECT_EQ(r.mesh.texture_points[0][1].u, 0);
 }
 
 TEST(ReadGltf, MissingAndBrokenTexturesAreWarnings) {
@@ -251,14 +395,29 @@ TEST(ReadGltf, MissingAndBrokenTexturesAreWarnings) {
   }
 }
 
+TEST(ReadGltf, BasisTexturesAreLeftOutOnce) {
+  const std::string png = picture(3);
+  const std::string material = R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}},
+      {"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
+  const std::string json =
+      with(with(textured_json(material, png.size()), R"([{"source":0}])",
+                R"([{"extensions":{"KHR_texture_basisu":{"source":0}}}])"),
+           "\"scene\":0", R"("scene":0,"extensionsRequired":["KHR_texture_basisu"])");
+  const ReadResult r = parse(json, binary() + png);
+  EXPECT_EQ(r.mesh.triangles.size(), 2U);
+  ASSERT_THAT(codes(r), ElementsAre("left-out"));
+  EXPECT_THAT(r.warnings[0].message, HasSubstr("1 textures in KHR_texture_basisu"));
+  EXPECT_THAT(r.warnings[0].message, HasSubstr("gltf-transform"));
+}
+
 TEST(ReadGltf, NamesEachFault) {
   const auto edit = [](std::string_view old, std::string_view fresh) {
     return [=] { parse(with(kJson, old, fresh)); };
   };
   const auto says = [](const char* text) { return ThrowsMessage<InvalidInput>(HasSubstr(text)); };
   EXPECT_THAT(edit("\"2.0\"", "\"1.0\""), says("$.asset.version: \"1.0\", not 2.x"));
-  EXPECT_THAT(edit("\"scene\":0", R"("extensionsRequired":["KHR_draco_mesh_compression"])"),
-              says("\"KHR_draco_mesh_compression\" is required, but not known here"));
+  EXPECT_THAT(edit("\"scene\":0", R"("extensionsRequired":["EXT_own_geometry"])"),
+              says("\"EXT_own_geometry\" is required, but not known here"));
   EXPECT_THAT(edit("{\"asset\"", "{,\"asset\""), says("a.glb"));
   EXPECT_THAT(edit("\"scene\":0", "\"scene\":1"), says("$.scene: 1 of 1"));
   EXPECT_THAT(edit("[{\"nodes\":[0]}]", "[{\"nodes\":[4]}]"), says("$.nodes[4]"));
@@ -268,7 +427,6 @@ TEST(ReadGltf, NamesEachFault) {
   EXPECT_THAT(edit("\"POSITION\":0", "\"POSITION\":9"), says("$.accessors[9]: only 2"));
   EXPECT_THAT(edit("\"POSITION\":0", "\"NORMAL\":0"), says("no POSITION"));
   EXPECT_THAT(edit("\"POSITION\":0", "\"POSITION\":1"), says("POSITION of 1 numbers"));
-  EXPECT_THAT(edit("\"POSITION\":0}", "\"POSITION\":0},\"material\":0"), says("material 0 of 0"));
   EXPECT_THAT(edit("\"indices\":1", "\"indices\":0"), says("indices that are not unsigned"));
   EXPECT_THAT(edit("\"indices\":1", "\"indices\":1,\"mode\":7"), says("mode 7"));
   EXPECT_THAT(edit("5126,\"count\":4", "5126,\"count\":5"), says("$.accessors[0]: 5 items"));
@@ -277,7 +435,12 @@ TEST(ReadGltf, NamesEachFault) {
   EXPECT_THAT(edit("5126,\"count\":4", "5126,\"count\":1000000000000"),
               says("1000000000000 items"));
   EXPECT_THAT(edit("5126", "5130"), says("component type 5130"));
-  EXPECT_THAT(edit("{\"bufferView\":0,", "{"), says("no bufferView"));
+  EXPECT_THAT(edit("{\"bufferView\":0,\"componentType\":5126,\"count\":4",
+                   "{\"componentType\":5126,\"count\":1000000000"),
+              says("1000000000 items of zeros, more than"));
+  EXPECT_THAT(edit("{\"bufferView\":0,\"componentType\":5126,\"count\":4",
+                   "{\"componentType\":5126,\"count\":2000000"),
+              says("2000000 items of zeros, more than"));
   EXPECT_THAT(edit("{\"bufferView\":0", "{\"bufferView\":8"), says("buffer view 8: only 3"));
   EXPECT_THAT(edit("{\"bufferView\":0", "{\"byteOffset\":4,\"bufferView\":0"),
               says("4 items from"));
@@ -340,6 +503,8 @@ TEST(ReadGltf, ReadsTextWithPartsInsideAndBeside) {
   EXPECT_THAT([&] { read_mesh(folder / "a.gltf"); },
               ThrowsMessage<InvalidInput>(HasSubstr("my part.bin")));
   write_file_atomically(folder / "my part.bin", binary());
+  EXPECT_EQ(read_mesh(folder / "a.gltf").mesh.triangles.size(), 2U);
+  write_file_atomically(folder / "a.gltf", with(text, "my%20part", "./my%20part"));
   EXPECT_EQ(read_mesh(folder / "a.gltf").mesh.triangles.size(), 2U);
   EXPECT_THROW(parse_mesh(text, "a.gltf"), InvalidInput) << "in memory there is nothing beside";
   // 92 bytes in base64: 30 groups of 3 and one of 2. All zeros but the format's own texts.

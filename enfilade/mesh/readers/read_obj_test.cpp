@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "enfilade/core/file.h"
@@ -98,14 +100,72 @@ TEST(ReadObj, NamesLineAndFault) {
   EXPECT_THAT(faulty("f 1 2 -5"), says("position \"-5\""));
   EXPECT_THAT(faulty("f 1 2 0"), says("position \"0\""));
   EXPECT_THAT(faulty("f 1 2 99999999999999999999"), says("position \"99999999999999999999\""));
-  EXPECT_THAT(faulty("f 1/1 2 3"), says("texture point \"1\", not one of the 0"));
-  EXPECT_THAT(faulty("f 1//2 2 3"), says("normal \"2\""));
   EXPECT_THAT(faulty("f a b c"), says("position \"a\""));
-  EXPECT_THAT(faulty("v 1 nan 0"), says("line 5: \"nan\", not a finite number"));
-  EXPECT_THAT(faulty("v 1 2"), says("2 numbers, not 3"));
-  EXPECT_THAT(faulty("v 1 1e39 0\nf 1 2 5"), says("[not-finite]"));  // too large for a float
+  EXPECT_THAT(faulty("v 1 nan 0\nf 1 2 5"),
+              says("line 5: \"nan\", not a finite number, and the face of line 6 uses it"));
+  EXPECT_THAT(faulty("v 1 2\nf 5 2 1"), says("line 5: 2 numbers, not 3"));
+  EXPECT_THAT(faulty("v 1 1e39 0\nf 1 2 5"), says("\"1e39\""));  // too large for a float
   EXPECT_THAT([] { parse("v 1 2 3\n"); }, says("[no-triangles]"));
   EXPECT_THAT([] { parse(""); }, says("[no-triangles]"));
+}
+
+/// How programs write numbers that are not finite.
+constexpr std::array kNotFinite{"nan",       "-nan",  "NaN",       "nan(ind)", "-nan(ind)",
+                                "1.#QNAN",   "-1.#J", "-1.#IND00", "1.#INF",   "inf",
+                                "-Infinity", "1e999", "abc"};
+
+TEST(ReadObj, NumbersThatAreNotFiniteAreWarnings) {
+  for (const std::string odd : kNotFinite) {
+    const ReadResult r = parse(std::string(kCorners) + "vt " + odd + " 0.25\nvn 0 " + odd +
+                               " 1\nvn " + odd + " 0 0\nv 5 " + odd + " 5\nf 1/1/1 2/1 3//1 4\n");
+    EXPECT_THAT(codes(r), ElementsAre("not-finite", "not-finite", "not-finite")) << odd;
+    EXPECT_EQ(r.mesh.texture_points[0][0].u, 0) << odd;
+    EXPECT_EQ(r.mesh.texture_points[0][0].v, 0.75F) << odd;
+    EXPECT_EQ(r.mesh.normals[0][0], (Vec3f{0, 0, 1})) << odd << ": the face's";
+    EXPECT_EQ(r.mesh.positions[4], (Vec3f{})) << odd << ": no face uses it";
+    EXPECT_EQ(r.warnings[1].where, "line 6");
+    EXPECT_THAT(r.warnings[1].message, HasSubstr("2 normals"));
+  }
+  EXPECT_EQ(parse("v 1e-999 0 0\nv 2 0 0\nv 2 2 0\nf 1 2 3\n").mesh.positions[0], (Vec3f{}));
+}
+
+TEST(ReadObj, PositionsThatAreNotFiniteAreErrorsWhereFacesUseThem) {
+  for (const std::string odd : kNotFinite) {
+    EXPECT_THAT([&] { parse("v 0 0 " + odd + "\nv 2 0 0\nv 2 2 0\nf 1 2 3\nf 1 3 2\n"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("line 1: \"" + odd + "\", not a finite")))
+        << odd;
+  }
+}
+
+TEST(ReadObj, NormalsAndTexturePointsThatAreMissingAreWarnings) {
+  const ReadResult r =
+      parse(std::string(kCorners) + "vt 1 1\nvn 1 0 0\nf 1/1/1 2/7/-3 3/x/0\nf 1 2 4 # back\n");
+  EXPECT_THAT(codes(r), ElementsAre("bad-index", "bad-index"));
+  EXPECT_THAT(r.warnings[0].message, HasSubstr("2 corners name a normal"));
+  EXPECT_EQ(r.mesh.normals[0][0], (Vec3f{1, 0, 0}));
+  EXPECT_EQ(r.mesh.normals[0][1], (Vec3f{0, 0, 1}));
+  EXPECT_EQ(r.mesh.triangles.size(), 2U);
+}
+
+TEST(ReadObj, ColoursOfBytesAreDivided) {
+  const ReadResult r = parse("v 0 0 0 255 0 0\nv 2 0 0 0 0 255\nv 2 2 0 nan 0 0\nf 1 2 3\n");
+  EXPECT_THAT(codes(r), ElementsAre("not-finite", "colour-bytes"));
+  EXPECT_EQ(r.warnings[1].severity, Severity::kNote);
+  EXPECT_EQ(r.mesh.colours[0], (Vec3f{1, 0, 0}));
+  EXPECT_EQ(r.mesh.colours[1], (Vec3f{0, 0, 1}));
+  EXPECT_EQ(r.mesh.colours[2], (Vec3f{1, 1, 1}));
+  const ReadResult shares = parse("v 0 0 0 1.0001 0 0\nv 2 0 0\nv 2 2 0\nf 1 2 3\n");
+  EXPECT_EQ(shares.mesh.colours[0], (Vec3f{1, 0, 0}));
+  EXPECT_THAT(shares.warnings, IsEmpty());
+}
+
+TEST(ReadObj, ReadsByteOrderMarksAndOldLineEnds) {
+  const std::string text = std::string(kCorners) + "f 1 2 3\n";
+  EXPECT_THAT(parse("\xEF\xBB\xBF" + text).warnings, IsEmpty());
+  std::string old = text;
+  std::ranges::replace(old, '\n', '\r');
+  EXPECT_EQ(parse(old).mesh.triangles.size(), 1U);
+  EXPECT_THAT([] { parse("\xFF\xFEv"); }, ThrowsMessage<InvalidInput>(HasSubstr("in UTF-16")));
 }
 
 TEST(ReadObj, WarnsOfAbsurdScaleAndTakesAnother) {
@@ -173,9 +233,42 @@ TEST_F(ObjFolder, MissingAndBrokenTexturesAreWarnings) {
   EXPECT_THAT(codes(r),
               ElementsAre("bad-material", "bad-material", "missing-texture", "missing-texture",
                           "missing-texture", "missing-texture", "missing-material"));
-  EXPECT_THAT(r.warnings, Contains(Field(&Diagnostic::message, HasSubstr("gone.png"))));
-  EXPECT_THAT(r.warnings,
-              Contains(Field(&Diagnostic::message, HasSubstr("neither a JPEG nor a PNG"))));
+  for (const char* part : {"gone.png", "neither a JPEG nor a PNG", "Kd \"red\", not 0"}) {
+    EXPECT_THAT(r.warnings, Contains(Field(&Diagnostic::message, HasSubstr(part))));
+  }
+}
+
+TEST_F(ObjFolder, ReadsMaterialsOfProgramsForWindows) {
+  image::Image8 red(1, 1, 3);
+  red.pixels = {255, 0, 0};
+  std::filesystem::create_directories(folder_ / "maps");
+  write("tex.png", image::encode_png(red));
+  write("maps/Oak.PNG", image::encode_png(red));
+  write("Room.MTL",
+        "\xEF\xBB\xBFnewmtl moved\nKD 0.5 0.5 0.5 # grey\nmap_kd C:\\Users\\a b\\TEX.png\n"
+        "newmtl below\nmap_Kd .\\Maps\\oak.png\nnewmtl gone\nmap_Kd D:\\none.png\n");
+  write("a.obj", std::string("mtllib .\\room.mtl\n") + kCorners +
+                     "vt 0 0\nusemtl moved\nf 1/1 2/1 3/1\nusemtl below\nf 1/1 3/1 4/1\n");
+  const ReadResult r = read("a.obj");
+  EXPECT_THAT(codes(r), ElementsAre("moved-file", "moved-file", "missing-texture", "moved-file"));
+  EXPECT_EQ(r.warnings[0].severity, Severity::kNote);
+  EXPECT_THAT(r.warnings[0].message, HasSubstr("is read from " + (folder_ / "tex.png").string()));
+  EXPECT_EQ(r.mesh.materials[0].name, "moved");
+  EXPECT_EQ(r.mesh.materials[0].colour, (Vec3f{0.5F, 0.5F, 0.5F}));
+  EXPECT_EQ(r.mesh.materials[0].texture, red);
+  EXPECT_EQ(r.mesh.materials[1].texture_file, (folder_ / "maps" / "Oak.PNG").string());
+}
+
+TEST_F(ObjFolder, TexturesMayLieBesideTheirLibrary) {
+  image::Image8 red(1, 1, 3);
+  std::filesystem::create_directories(folder_ / "lib");
+  write("lib/tex.png", image::encode_png(red));
+  write("lib/a.mtl", "newmtl a\nmap_Kd tex.png\n");
+  write("a.obj",
+        std::string("mtllib lib/a.mtl\n") + kCorners + "vt 0 0\nusemtl a\nf 1/1 2/1 3/1\n");
+  const ReadResult r = read("a.obj");
+  EXPECT_THAT(r.warnings, IsEmpty());
+  EXPECT_EQ(r.mesh.materials[0].texture, red);
 }
 
 TEST_F(ObjFolder, ReadsWhatItWrites) {

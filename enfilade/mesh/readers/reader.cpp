@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
 #include <system_error>
 #include <utility>
 
 #include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/image/photo.h"
 #include "enfilade/mesh/detail/vector.h"
-#include "enfilade/mesh/readers/text.h"
+#include "enfilade/mesh/readers/webp.h"
 
 namespace enfilade::mesh::readers {
 namespace {
@@ -27,11 +32,89 @@ image::Image8 as_colour(image::Image8 picture) {
   return out;
 }
 
+constexpr std::string_view kBlanks = " \t\r\v\f";
+
+bool is_plain_file(const std::filesystem::path& path) {
+  std::error_code code;
+  return std::filesystem::is_regular_file(path, code);
+}
+
+Source::Names names_of(const std::filesystem::path& folder) {
+  Source::Names out;
+  std::error_code code;
+  for (std::filesystem::directory_iterator entry(folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    const auto [at, fresh] = out.emplace(lower(entry->path().filename().string()), entry->path());
+    if (!fresh && entry->path() < at->second) at->second = entry->path();
+  }
+  return out;
+}
+
+/// The file or folder below `folder` whose path differs in the case of letters at most; the first
+/// in the order of names, or empty.
+std::filesystem::path in_any_case(const Source& source, const std::filesystem::path& folder,
+                                  const std::filesystem::path& relative) {
+  std::filesystem::path at = folder.empty() ? "." : folder;
+  for (const std::filesystem::path& name : relative) {
+    if (name == ".") continue;
+    std::error_code code;
+    if (std::filesystem::exists(at / name, code)) {
+      at /= name;
+      continue;
+    }
+    const auto [listed, fresh] = source.listed.try_emplace(at);
+    if (fresh) listed->second = names_of(at);
+    const auto found = listed->second.find(lower(name.string()));
+    if (found == listed->second.end()) return {};
+    at = found->second;
+  }
+  return at;
+}
+
+/// Whether C's printf writes a word for numbers that are not finite; any case of letters.
+bool names_no_finite_number(std::string_view word) {
+  constexpr std::size_t kMost = 24;
+  if (word.size() > kMost) return false;
+  const std::string text = lower(word);
+  std::string_view rest = text;
+  if (rest.starts_with('-') || rest.starts_with('+')) rest.remove_prefix(1);
+  if (rest == "inf" || rest == "infinity") return true;
+  if (rest.starts_with("nan")) {  // "nan", "nan(ind)"
+    return rest.size() == 3 || (rest[3] == '(' && rest.ends_with(')'));
+  }
+  // Microsoft's library: "1.#INF", "1.#QNAN0", "1.#IND00", "1.#J" (rounded).
+  return rest.size() > 3 && rest.starts_with("1.#");
+}
+
+/// parse_number() takes no plus sign, which other programs write.
+std::string_view without_plus(std::string_view word) {
+  const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+  return plus ? word.substr(1) : word;
+}
+
 }  // namespace
 
-std::string Source::part(std::string_view relative) const {
-  if (!on_disk) throw FileError(fmt::format("{}: {} is not inside it", name, in_quotes(relative)));
-  const std::filesystem::path path = folder / std::filesystem::path(relative);
+Source::Part Source::find(std::string_view named, const std::filesystem::path& other) const {
+  if (!on_disk) throw FileError(fmt::format("{}: {} is not inside it", name, in_quotes(named)));
+  std::string text(named);
+  std::ranges::replace(text, '\\', '/');  // as programs for Windows write it
+  const std::filesystem::path path(text);
+  std::vector<std::filesystem::path> folders{folder};
+  if (!other.empty() && other != folder) folders.push_back(other);
+  for (const auto& in : folders) {
+    if (is_plain_file(in / path)) return {in / path, true};
+  }
+  // A whole path of another machine ends in the name of a file that was copied with the mesh.
+  for (const std::filesystem::path& wanted : {path.relative_path(), path.filename()}) {
+    for (const auto& in : folders) {
+      std::filesystem::path found = in_any_case(*this, in, wanted);
+      if (!found.empty() && is_plain_file(found)) return {std::move(found), false};
+    }
+  }
+  return {folder / path, true};
+}
+
+std::string read_part(const std::filesystem::path& path) {
   std::error_code code;
   // Reading a pipe or a device that an untrusted file names could block for ever.
   if (std::filesystem::exists(path, code) && !std::filesystem::is_regular_file(path, code)) {
@@ -46,13 +129,44 @@ void warn(ReadResult& result, const std::string& file, std::string where, std::s
       {Severity::kWarning, file, std::move(where), std::move(code), std::move(message)});
 }
 
-image::Image8 TextureDecoder::decode(std::string_view bytes, const std::string& file) {
+void note(ReadResult& result, const std::string& file, std::string where, std::string code,
+          std::string message) {
+  result.warnings.push_back(
+      {Severity::kNote, file, std::move(where), std::move(code), std::move(message)});
+}
+
+void note_moved(ReadResult& result, const std::string& file, const std::string& where,
+                std::string_view named, const Source::Part& part) {
+  if (part.as_named) return;
+  constexpr std::size_t kMost = 200;
+  note(result, file, where, "moved-file",
+       fmt::format("{:?} is read from {}", named.substr(0, kMost), part.path.string()));
+}
+
+void warn(ReadResult& result, const std::string& file, const OddValues& odd, std::string code,
+          std::string_view what) {
+  if (odd.count == 0) return;
+  warn(result, file, odd.first, std::move(code), fmt::format("{} {}", odd.count, what));
+}
+
+image::Image8 TextureDecoder::decode(std::string_view bytes, const std::string& file,
+                                     ReadResult& result) {
   const image::Bytes raw = image::bytes_of(bytes);
   const bool jpeg = bytes.starts_with("\xFF\xD8"), png = bytes.starts_with("\x89PNG");
+  if (is_webp(bytes)) {
+    const image::Shape size = webp_shape(bytes, file);
+    take(size.width, size.height, file);
+    return decode_webp(bytes, file);
+  }
   if (!jpeg && !png) refuse(file, "", "unknown-picture", "neither a JPEG nor a PNG");
   const image::Shape shape = jpeg ? image::jpeg_shape(raw, file) : image::png_shape(raw, file);
   take(shape.width, shape.height, file);
-  return as_colour(jpeg ? image::decode_jpeg(raw, file) : image::decode_png8(raw, file));
+  image::Photo photo = image::decode_photo(raw, file);
+  const bool fresh = noted_.insert(file).second;
+  for (Diagnostic& d : photo.findings) {
+    if (fresh && d.code != "bad-sphere") result.warnings.push_back(std::move(d));
+  }
+  return as_colour(std::move(photo.picture));
 }
 
 void TextureDecoder::take(std::uint32_t width, std::uint32_t height, const std::string& file) {
@@ -65,7 +179,13 @@ void TextureDecoder::take(std::uint32_t width, std::uint32_t height, const std::
   pixels_left_ -= pixels;
 }
 
-void MeshCollector::add(const std::array<Corner, 3>& corners, std::uint32_t material,
+void note_colour_bytes(ReadResult& result, const std::string& file, float largest) {
+  if (largest < kLeastColourByte) return;
+  note(result, file, "", "colour-bytes",
+       fmt::format("colours of up to {}, taken as 0 to 255", largest));
+}
+
+void MeshCollector::add(const std::array<CornerIndices, 3>& corners, std::uint32_t material,
                         std::uint32_t object) {
   std::array<TexturePoint, 3> points{};
   std::array<Vec3f, 3> directions{};
@@ -103,6 +223,99 @@ Mesh MeshCollector::finish() {
     }
   }
   return std::move(mesh);
+}
+
+std::optional<std::string_view> Lines::next() {
+  if (rest_.empty()) return std::nullopt;
+  ++number_;
+  const std::size_t end = rest_.find(end_);
+  std::string_view line = rest_.substr(0, end);
+  rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+std::string_view without_mark(std::string_view text) {
+  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
+}
+
+std::string Lines::where() const { return fmt::format("line {}", number_); }
+
+std::string_view cut_word(std::string_view& line) {
+  const std::size_t begin = line.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) {
+    line = {};
+    return {};
+  }
+  line.remove_prefix(begin);
+  const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
+  line.remove_prefix(word.size());
+  return word;
+}
+
+std::string_view trim(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+std::vector<std::string_view> words(std::string_view line) {
+  std::vector<std::string_view> out;
+  for (std::string_view word = cut_word(line); !word.empty(); word = cut_word(line)) {
+    out.push_back(word);
+  }
+  return out;
+}
+
+std::optional<double> to_any_number(std::string_view word) {
+  const std::string_view digits = without_plus(word);
+  double value = 0;
+  const char* const end = digits.data() + digits.size();
+  const auto [stop, code] = std::from_chars(digits.data(), end, value);
+  if (stop == end && code == std::errc()) return std::isfinite(value) ? value : double{kNotANumber};
+  if (stop == end && code == std::errc::result_out_of_range) {
+    const bool tiny = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
+    return tiny ? 0 : double{kNotANumber};
+  }
+  return names_no_finite_number(word) ? std::optional<double>(kNotANumber) : std::nullopt;
+}
+
+std::optional<double> to_number(std::string_view word) {
+  const auto value = to_any_number(word);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+float to_float_or_nan(double value) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  return std::abs(value) <= kMost ? static_cast<float>(value) : kNotANumber;
+}
+
+std::optional<std::int64_t> to_integer(std::string_view word) {
+  return parse_number<std::int64_t>(without_plus(word));
+}
+
+std::string in_quotes(std::string_view word) {
+  constexpr std::size_t kMost = 40;
+  std::string out = fmt::format("{:?}", word.substr(0, kMost));
+  if (word.size() > kMost) out += "...";
+  return out;
+}
+
+void FaultList::error(std::string where, std::string code, std::string message) {
+  constexpr std::size_t kMost = 100;
+  found_.push_back(
+      {Severity::kError, file_, std::move(where), std::move(code), std::move(message)});
+  if (found_.size() == kMost) throw_if_any();
+}
+
+void FaultList::throw_if_any() {
+  if (any()) throw InvalidInput(std::move(found_));
 }
 
 }  // namespace enfilade::mesh::readers

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <cstddef>
 #include <string>
+#include <system_error>
+
+#include "enfilade/core/errors.h"
 
 namespace enfilade::models::detail {
 namespace {
@@ -94,6 +98,27 @@ void EventFile::write_record(std::string_view event) {
   record += event;
   put_fixed(record, masked_crc(event));
   file_.write(record);
+}
+
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, int reason) {
+  throw FileError(
+      fmt::format("{}: cannot write: {}", path.string(), std::generic_category().message(reason)));
+}
+
+}  // namespace
+
+AppendFile::AppendFile(const std::filesystem::path& path)
+    : path_(path), file_(std::fopen(path.c_str(), "ab")) {
+  if (!file_) fail(path_, errno);
+}
+
+void AppendFile::write(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
+      std::fflush(file_.get()) != 0) {
+    fail(path_, errno);
+  }
 }
 
 }  // namespace enfilade::models::detail

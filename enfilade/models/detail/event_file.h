@@ -2,12 +2,28 @@
 /// only one is TensorFlow (docs/models.md).
 #pragma once
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 
-#include "enfilade/models/detail/append_file.h"
-
 namespace enfilade::models::detail {
+
+/// A file that is only appended to. When write() returns, the operating system has the data, so it
+/// survives a kill of the process. One thread.
+class AppendFile {
+ public:
+  /// Opens a file at its end, or creates it. \throws FileError
+  explicit AppendFile(const std::filesystem::path& path);
+  void write(std::string_view bytes);  ///< \throws FileError
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
 
 /// CRC-32C (Castagnoli). reference: RFC 3720, appendix B.4, has test vectors.
 std::uint32_t crc32c(std::string_view bytes) noexcept;

@@ -1,4 +1,4 @@
-/// \file  Recorded rollouts, which the network learns from: observations, actions and advice.
+/// \file  Recorded trajectories of a training: their files, their order, and batches of them.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -9,14 +9,21 @@
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/continuous/sight.h"
+#include "enfilade/models/network_config.h"
+#include "enfilade/neural/continuous/network.h"
 
 namespace enfilade::neural::continuous {
+
+/// Observations of n steps, as files of rollouts store them.
+struct SightRows {
+  std::vector<std::uint16_t> pictures;  ///< (n, features) halves
+  std::vector<std::uint8_t> depth;      ///< (n, kDepthSize) 255: 10 m and more, or no surface
+};
 
 /// One walk of n steps.
 struct RecordedEpisode {
   std::size_t episode = 0;             ///< of those trained on
-  Seen seen;                           ///< of n steps; empty without vision
+  SightRows seen;                      ///< of n steps; empty without vision
   std::vector<std::uint8_t> previous;  ///< (n) kNoAction or 1 + the choice before
   std::vector<std::uint8_t> teacher;   ///< (n) the teacher's choices
 };
@@ -56,5 +63,34 @@ class EpisodeFile {
 /// Writes such a file. Atomic. \param weights a hash \throws FileError
 void write_episodes(const std::filesystem::path& file, std::span<const RecordedEpisode> walks,
                     const std::string& weights);
+
+/// Position of an update in a training.
+struct UpdatePlace {
+  std::size_t sets = 1;   ///< that there are then
+  std::size_t epoch = 0;  ///< over these
+  std::size_t batch = 0;  ///< of this pass
+  /// Whether it is the first after the last set was gathered.
+  bool first() const noexcept { return epoch == 0 && batch == 0; }
+};
+/// \pre update < models::updates_of(config, batch)
+UpdatePlace place_of(const models::Seq2SeqCeConfig& config, std::size_t batch,
+                     std::uint64_t update);
+
+/// The batches of one pass over trajectories, each once; the last batch may be smaller.
+/// Trajectories of a batch are about as long as each other, and longer ones come first. Of 16
+/// batches' trajectories, which are drawn, those of like length go together.
+/// \param lengths steps by trajectory
+std::vector<std::vector<std::size_t>> pass_over(std::span<const std::size_t> lengths,
+                                                std::size_t batch, std::uint64_t seed,
+                                                std::uint64_t pass);
+
+/// Walks side by side, and what the teacher said at each of their steps.
+struct TrajectoryBatch {
+  StepRows steps;
+  at::Tensor teacher;                 ///< (rows) int64
+  std::vector<std::size_t> episodes;  ///< per trajectory
+};
+/// \pre one walk at least, longer ones first; each has a step
+TrajectoryBatch side_by_side(std::span<const EpisodeView> walks, const Sizes& sizes);
 
 }  // namespace enfilade::neural::continuous

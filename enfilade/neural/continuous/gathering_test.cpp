@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -11,7 +10,7 @@
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/neural/continuous/batches.h"
+#include "enfilade/neural/continuous/episode_file.h"
 #include "enfilade/neural/continuous/gatherer.h"
 #include "enfilade/neural/continuous_agent.h"
 #include "enfilade/neural/device.h"
@@ -122,7 +121,7 @@ class SeesTwoBuildings : public ::testing::Test {
     own->buildings = world_->buildings;
     own->sight = sight;
     TrainingData all;
-    if (config.network.inputs.vision) all.fingerprint.features = Sight(sight).info();
+    if (config.network.inputs.vision) all.fingerprint.features = SightEncoder(sight).info();
     all.fingerprint.add(own->training);
     all.episodes = std::shared_ptr<const ContinuousData>(own);
     return all;
@@ -149,7 +148,7 @@ struct Parts {
   models::InstructionWords words{
       tasks::Vocabulary::build(std::vector<std::string>{"go to the bed past picture walk"}, 1)};
   std::optional<CeNetwork> network;
-  std::optional<Sight> sight;
+  std::optional<SightEncoder> sight;
 
   explicit Parts(const ContinuousSight& eyes) {
     sight.emplace(eyes);
@@ -325,7 +324,7 @@ TEST(Batches, UpdatesGoThroughSetsAndPasses) {
   EXPECT_EQ(models::updates_of(config, 4), 2U * (2 + 3 + 4));
   std::vector<std::array<std::size_t, 3>> found;
   for (std::uint64_t update = 0; update < 18; ++update) {
-    const Place place = place_of(config, 4, update);
+    const UpdatePlace place = place_of(config, 4, update);
     found.push_back({place.sets, place.epoch, place.batch});
     EXPECT_EQ(place.first(), update == 0 || update == 4 || update == 10) << update;
   }
@@ -356,11 +355,10 @@ TEST_F(SeesTwoBuildings, GoesOnToTheBitAfterBeingStoppedAnywhere) {
   EXPECT_FALSE(train(config, all, folder("whole"))) << "it is complete";
   // Within the first set, at its end (6 updates of 5 walks in twos), within the last.
   for (const std::uint64_t stop : {3U, 6U, 7U, 13U}) {
-    const fs::path stopped = folder(std::to_string(stop));
-    EXPECT_THROW(train(config, all, stopped, {}, stop_at(stop)), Stopped);
-    EXPECT_TRUE(train(config, all, stopped));
-    EXPECT_EQ(tests::weights_of(stopped), tests::weights_of(folder("whole"))) << stop;
+    EXPECT_THROW(train(config, all, folder("stopped"), {}, stop_at(stop)), Stopped) << stop;
   }
+  EXPECT_TRUE(train(config, all, folder("stopped")));
+  EXPECT_EQ(tests::weights_of(folder("stopped")), tests::weights_of(folder("whole")));
   // While a set is gathered.
   TrainingListener listener;
   listener.gathering = [](const GatheringProgress& progress) {
@@ -398,7 +396,7 @@ TEST_F(SeesTwoBuildings, OtherOptionsAndOtherEyesAreRefused) {
   // An encoder of another width in the model's place.
   std::string text = read_file(models::ModelFiles{folder("model")}.config());
   const std::string features =
-      fmt::format("\"features\": {}", Sight(world_->sight()).info().dimensions);
+      fmt::format("\"features\": {}", SightEncoder(world_->sight()).info().dimensions);
   ASSERT_NE(text.find(features), std::string::npos);
   text.replace(text.find(features), features.size(), "\"features\": 64");
   write_file_atomically(models::ModelFiles{folder("model")}.config(), text);
@@ -415,7 +413,7 @@ TEST_F(SeesTwoBuildings, AModelOfTheGraphDoesNotWalkFreely) {
   EXPECT_THAT([&] { load_continuous_agent(folder("graph"), world_->sight()); },
               ThrowsMessage<ArgumentError>(HasSubstr("an agent seq2seq, of the graph")));
   EXPECT_THAT([&] { train(config.training, data(small_config()), folder("other")); },
-              ThrowsMessage<ArgumentError>(HasSubstr("the agent seq2seq walks in the graph")));
+              ThrowsMessage<ArgumentError>(HasSubstr("the agent seq2seq is for graphs")));
 }
 
 TEST_F(SeesTwoBuildings, MoreSetsGoOnWithAFinishedTraining) {

@@ -5,14 +5,32 @@
 #include <c10/core/Device.h>
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/models/train_config.h"
-#include "enfilade/neural/core/weights.h"
+#include "enfilade/neural/core/lstm_parts.h"
 
 namespace enfilade::neural::continuous {
+
+/// The arrays of a GRU, in PyTorch's order of gates: reset, update, new.
+struct GruWeights {
+  at::Tensor input;                    ///< (3 hidden, in)
+  at::Tensor hidden;                   ///< (3 hidden, hidden)
+  at::Tensor input_bias, hidden_bias;  ///< (3 hidden)
+};
+
+/// Steps of several rows, packed: those of all rows' first steps, then of all second steps, and so
+/// on. Shorter rows come after longer ones, so that a step has the first `counts[t]` rows.
+///
+/// As PyTorch's `GRU`; values and gradients are the same except for rounding. Gradients flow to `x`
+/// and the weights.
+/// \param x (sum of counts, in) float32 on the CPU
+/// \param counts from 1, never rising
+/// \param before (counts[0], hidden): the state before the first step
+/// \return (sum of counts, hidden): the state after each step
+at::Tensor read_gru(const at::Tensor& x, const std::vector<std::int64_t>& counts,
+                    const at::Tensor& before, const GruWeights& weights);
 
 /// What an agent of VLN-CE's first task can do: stop, forward, left, right, by
 /// enfilade::continuous::Action.
@@ -32,16 +50,15 @@ struct Sizes {
 Sizes sizes_of(const models::TrainConfig& config);
 
 /// Observations and actions at steps of rollouts; rows as in read_gru().
-struct Steps {
+struct StepRows {
   at::Tensor pictures;               ///< (rows, features)
   at::Tensor depth;                  ///< (rows, kDepthSize)
   at::Tensor previous;               ///< (rows) int64, kNoAction or 1 + choice
   std::vector<std::int64_t> counts;  ///< rows of each step: rollouts that are not over
 };
 
-/// Parameters, and what they compute, on one device in float32; inputs may be on any. Autograd
-/// follows every call, unless a guard is set. One thread at a time.
-class CeNetwork {
+/// Parameters, and what they compute.
+class CeNetwork : public core::LstmNetwork {
  public:
   /// Random weights as PyTorch's modules begin with, from a seed.
   CeNetwork(const Sizes& sizes, std::uint64_t seed, c10::Device device = c10::kCPU);
@@ -50,27 +67,21 @@ class CeNetwork {
   CeNetwork(const Sizes& sizes, const features::TensorFile& file, c10::Device device = c10::kCPU);
 
   const Sizes& sizes() const noexcept { return sizes_; }
-  /// By name. Handles to the network's own memory.
-  const core::Weights& weights() const noexcept { return weights_; }
-  c10::Device device() const noexcept { return device_; }
 
   /// The LSTM's state at each instruction's end. \param instructions ids, of each one at least
   /// \return (n, sentence) in their order
   at::Tensor read(std::span<const std::vector<std::int64_t>> instructions) const;
   /// The GRU's states along rollouts. \param sentences (counts[0], sentence) per rollout
   /// \param before (counts[0], hidden) \return (rows, hidden)
-  at::Tensor walk(const at::Tensor& sentences, const Steps& steps, const at::Tensor& before) const;
+  at::Tensor walk(const at::Tensor& sentences, const StepRows& steps,
+                  const at::Tensor& before) const;
   /// The state before the first step: zeros.
   at::Tensor begin(std::int64_t n) const;
   /// Scores of the four choices. \param states (rows, hidden) \return (rows, kChoices)
   at::Tensor score(const at::Tensor& states) const;
 
  private:
-  const at::Tensor& weight(std::string_view name) const;
-
   Sizes sizes_;
-  core::Weights weights_;
-  c10::Device device_;
 };
 
 /// Cross-entropy to the teacher's choices. A step weighs `inflection` if its choice differs from

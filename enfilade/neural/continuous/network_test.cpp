@@ -3,12 +3,10 @@
 
 #include <ATen/ATen.h>
 #include <gtest/gtest.h>
-
 #include <cmath>
 #include <numeric>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/continuous/gru.h"
 
 namespace enfilade::neural::continuous {
 namespace EN_UNIT {
@@ -118,8 +116,8 @@ TEST(CeNetwork, IsThatOfPlainLoops) {
   const at::Tensor sentences = network.read(texts);
   const std::vector<std::int64_t> counts{3, 2, 2, 1};  // walks of 4, 3 and 1 steps
   const std::int64_t rows = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
-  const Steps steps{random({rows, 7}, 5), random({rows, kDepthSize}, 6),
-                    at::tensor({0, 0, 0, 2, 1, 3, 4, 2}, at::kLong), counts};
+  const StepRows steps{random({rows, 7}, 5), random({rows, kDepthSize}, 6),
+                       at::tensor({0, 0, 0, 2, 1, 3, 4, 2}, at::kLong), counts};
   const at::Tensor states = network.walk(sentences, steps, network.begin(3));
   const at::Tensor scores = network.score(states);
   std::vector<Row> state(3, Row(8, 0));
@@ -142,15 +140,15 @@ TEST(CeNetwork, StepByStepIsTheWholeWalk) {
   const CeNetwork network(small_sizes(), 3);
   const at::Tensor sentences =
       network.read(std::vector<std::vector<std::int64_t>>{{7, 2}, {7, 5, 2}});
-  const Steps whole{
+  const StepRows whole{
       random({4, 7}, 5), random({4, kDepthSize}, 6), at::tensor({0, 0, 2, 1}, at::kLong), {2, 2}};
   const at::Tensor states = network.walk(sentences, whole, network.begin(2));
   at::Tensor state = network.begin(2);
   for (std::int64_t t = 0; t < 2; ++t) {
-    const Steps one{whole.pictures.narrow(0, 2 * t, 2),
-                    whole.depth.narrow(0, 2 * t, 2),
-                    whole.previous.narrow(0, 2 * t, 2),
-                    {2}};
+    const StepRows one{whole.pictures.narrow(0, 2 * t, 2),
+                       whole.depth.narrow(0, 2 * t, 2),
+                       whole.previous.narrow(0, 2 * t, 2),
+                       {2}};
     state = network.walk(sentences, one, state);
     EXPECT_LE((state - states.narrow(0, 2 * t, 2)).abs().max().item<double>(), kTolerance) << t;
   }

@@ -15,7 +15,7 @@ namespace enfilade::neural::core {
 class CardLink {
  public:
   virtual ~CardLink() = default;
-  /// As the functions of rank_tensors.h.
+  /// As the functions of packing.h.
   virtual void exchange(const at::Tensor& given, const at::Tensor& out) = 0;
   virtual void collect(const at::Tensor& given, const at::Tensor& out) = 0;
   virtual void add_up(const at::Tensor& values) = 0;

@@ -1,4 +1,4 @@
-#include "enfilade/neural/core/episode_order.h"
+#include "enfilade/neural/core/batches.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

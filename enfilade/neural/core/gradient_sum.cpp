@@ -8,8 +8,6 @@
 #include <torch/csrc/autograd/function.h>
 #include <torch/csrc/autograd/function_hook.h>
 #include <torch/csrc/autograd/variable.h>
-
-#include <algorithm>
 #include <bit>
 #include <numeric>
 #include <utility>
@@ -17,7 +15,6 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/neural/core/packing.h"
-#include "enfilade/neural/core/rank_tensors.h"
 
 namespace enfilade::neural::core {
 namespace {
@@ -287,7 +284,7 @@ GradientSum::Sums GradientSum::finish() {
 // What rank 0 has seen, for all.
 void GradientSum::learn_order() {
   order_known_ = true;
-  Packer packer;
+  ValuePacker packer;
   packer.add(order_seen_);
   const std::vector<std::string> seen = ranks_.gather(packer.take());
   auto order = Unpacker(seen.front()).get<std::vector<std::size_t>>();
@@ -295,42 +292,79 @@ void GradientSum::learn_order() {
   lay_out(order);
 }
 
+namespace {
+
 // A hook for each leaf's node of autograd, which comes after all that add to the gradient.
-struct ReadyWatch::Accumulators {
-  struct Hook : torch::autograd::FunctionPostHook {
-    Hook(GradientSum& to, std::size_t number, at::Tensor of)
-        : sum(&to), weight(number), leaf(std::move(of)) {}
-    torch::autograd::variable_list operator()(
-        const torch::autograd::variable_list& outputs,
-        const torch::autograd::variable_list& /*inputs*/) override {
-      sum->ready(weight, leaf.grad());
-      return outputs;
-    }
-    GradientSum* sum;
-    std::size_t weight;
-    at::Tensor leaf;
-  };
-  struct Hooked {
-    // Of another kind in libtorch 2.15 than in 2.11.
-    decltype(torch::autograd::impl::grad_accumulator(at::Tensor())) node;
-    std::uintptr_t key = 0;
-  };
-  std::vector<Hooked> hooked;
+struct Hook : torch::autograd::FunctionPostHook {
+  Hook(GradientSum& to, std::size_t number, at::Tensor of)
+      : sum(&to), weight(number), leaf(std::move(of)) {}
+  torch::autograd::variable_list operator()(
+      const torch::autograd::variable_list& outputs,
+      const torch::autograd::variable_list& /*inputs*/) override {
+    sum->ready(weight, leaf.grad());
+    return outputs;
+  }
+  GradientSum* sum;
+  std::size_t weight;
+  at::Tensor leaf;
 };
 
-ReadyWatch::ReadyWatch(const Weights& weights, GradientSum& sum)
-    : accumulators_(std::make_unique<Accumulators>()) {
+}  // namespace
+
+ReadyWatch::ReadyWatch(const Weights& weights, GradientSum& sum) {
   std::size_t number = 0;
   for (const auto& [name, weight] : weights) {
     const auto node = torch::autograd::impl::grad_accumulator(weight);
-    const std::uintptr_t key =
-        node->add_post_hook(std::make_unique<Accumulators::Hook>(sum, number++, weight));
-    accumulators_->hooked.push_back({node, key});
+    const std::uintptr_t key = node->add_post_hook(std::make_unique<Hook>(sum, number++, weight));
+    undo_.emplace_back([node, key] { node->del_post_hook(key); });
   }
 }
 
 ReadyWatch::~ReadyWatch() {
-  for (const auto& [node, key] : accumulators_->hooked) node->del_post_hook(key);
+  for (const auto& one : undo_) one();
+}
+
+PartedLearning::PartedLearning(Ranks& ranks, std::size_t parts, const Weights& weights,
+                               WeightOptimizer& optimizer)
+    : weights_(weights), optimizer_(optimizer) {
+  const BatchParts shared = share_parts(parts, ranks);
+  if (shared.parts == 1) return;
+  std::vector<std::int64_t> sizes;
+  for (const auto& [name, weight] : weights) sizes.push_back(weight.numel());
+  sum_.emplace(ranks, shared, std::move(sizes), weights.begin()->second.device());
+  if (!ranks.alone()) watch_.emplace(weights, *sum_);
+}
+
+double PartedLearning::learn(std::span<const std::size_t> batch, std::uint64_t iteration,
+                             const LossOf& loss_of) {
+  const auto follow = [&](const BatchPart& part) {
+    const at::Tensor loss = loss_of(part);
+    return loss.defined() ? follow_back(loss) : 0;
+  };
+  if (!sum_) {
+    const double value = follow({batch, iteration});
+    optimizer_.update(weights_);  // where nothing was learnt the rate has one step less to go
+    return value;
+  }
+  const BatchParts& own = sum_->parts();
+  for (std::size_t k = own.first; k < own.first + own.count; ++k) {
+    const auto episodes = part_of(batch, k, own.parts);
+    sum_->begin_part(static_cast<double>(episodes.size()) / static_cast<double>(batch.size()));
+    const double loss = episodes.empty() ? 0 : follow({episodes, iteration * own.parts + k});
+    std::vector<at::Tensor> gradients;
+    for (const auto& [name, weight] : weights_) gradients.push_back(weight.grad());
+    sum_->end_part(gradients, loss);
+    clear_gradients(weights_);
+  }
+  const GradientSum::Sums sums = sum_->finish();
+  std::size_t k = 0;
+  for (const auto& [name, weight] : weights_) {
+    const at::Tensor& sum = sums.gradients[k++];
+    if (!sum.defined()) continue;
+    at::Tensor(weight).mutable_grad() = sum.view(weight.sizes());
+  }
+  optimizer_.update(weights_);
+  return sums.loss;
 }
 
 }  // namespace enfilade::neural::core

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "enfilade/neural/core/optimizer.h"
 #include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/ranks.h"
 
@@ -137,8 +139,36 @@ class ReadyWatch {
   ReadyWatch& operator=(const ReadyWatch&) = delete;
 
  private:
-  struct Accumulators;
-  std::unique_ptr<Accumulators> accumulators_;
+  std::vector<std::function<void()>> undo_;
+};
+
+/// The episodes of a loss.
+struct BatchPart {
+  std::span<const std::size_t> episodes;
+  /// Names the random numbers: no other part or iteration has the same. For a batch in one part,
+  /// the iteration.
+  std::uint64_t stream = 0;
+};
+/// The mean over the episodes; undefined: there is nothing to learn.
+using LossOf = std::function<at::Tensor(const BatchPart&)>;
+
+/// Learns from batches, in parts where there are several. One thread at a time.
+class PartedLearning {
+ public:
+  /// All outlive *this, and the weights stay the same tensors. \param parts of TrainConfig
+  /// \throws ArgumentError as share_parts()
+  PartedLearning(Ranks& ranks, std::size_t parts, const Weights& weights,
+                 WeightOptimizer& optimizer);
+
+  /// Follows the losses back and updates the weights. The mean of parts of unlike sizes is
+  /// weighted by these. \return the loss of the batch \throws Error if it is not finite; LostRank
+  double learn(std::span<const std::size_t> batch, std::uint64_t iteration, const LossOf& loss_of);
+
+ private:
+  const Weights& weights_;
+  WeightOptimizer& optimizer_;
+  std::optional<GradientSum> sum_;  // none: one part, one process
+  std::optional<ReadyWatch> watch_;
 };
 
 }  // namespace enfilade::neural::core

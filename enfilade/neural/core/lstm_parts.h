@@ -1,7 +1,13 @@
-/// \file  Common parts of EnvDrop's listener and speaker.
+/// \file  Common parts of networks with LSTMs: EnvDrop's listener and speaker, the continuous
+/// agent.
 #pragma once
 #include <ATen/core/Tensor.h>
+#include <c10/core/Device.h>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,16 +21,46 @@ namespace enfilade::neural::core {
 
 /// The arrays of one direction of an LSTM. \param prefix of their names, "encoder.lstm."
 /// \param suffix likewise, "_l0"
-void add_lstm(std::vector<core::ArraySpec>& specs, const std::string& prefix,
-              const std::string& suffix, std::int64_t input, std::int64_t hidden);
+void add_lstm(std::vector<ArraySpec>& specs, const std::string& prefix, const std::string& suffix,
+              std::int64_t input, std::int64_t hidden);
 
-/// Initial values of an array, drawn by the seed and the array's name, as PyTorch's modules have
-/// them. They are uniform within +-`bound`. A table of words is normal, with zeros in the row of
-/// padding.
-at::Tensor first_values(const core::ArraySpec& spec, bool words, double bound, std::uint64_t seed);
+/// The arrays of an attention of `hidden` numbers to vectors of `context` numbers; it has no bias.
+void add_attention(std::vector<ArraySpec>& specs, const std::string& name, std::int64_t hidden,
+                   std::int64_t context);
 
-/// The array of that name. \throws LookupError
-const at::Tensor& weight_of(const core::Weights& weights, std::string_view name);
+/// Weights by name on one device, and dropout. Autograd follows every call, unless a guard is set.
+/// In float32; inputs may be on any device. One thread at a time.
+class LstmNetwork {
+ public:
+  /// By the published names. Handles to the network's own memory.
+  const Weights& weights() const noexcept { return weights_; }
+  c10::Device device() const noexcept { return device_; }
+  /// \throws LookupError for an unknown name
+  const at::Tensor& weight(std::string_view name) const;
+  /// Turns dropout on, drawing from this seed. No value: off, as at first.
+  void set_dropout(std::optional<std::uint64_t> seed);
+
+ protected:
+  /// What PyTorch draws an array by: uniform numbers within +-1 / sqrt(of this). 0: a table of
+  /// words, which is normal, with zeros in the row of padding.
+  using FanOf = std::function<std::int64_t(const ArraySpec&)>;
+  /// Random weights as PyTorch's modules begin with, by the seed and the arrays' names.
+  LstmNetwork(std::span<const ArraySpec> arrays, const FanOf& fan_of, std::uint64_t seed,
+              c10::Device device);
+  /// Those of a file. \throws as read_weights()
+  LstmNetwork(std::span<const ArraySpec> arrays, const features::TensorFile& file,
+              c10::Device device, bool (*ignored)(std::string_view) = nothing);
+
+  at::Tensor drop(const at::Tensor& x, double rate);
+  /// Views with dropped numbers of their pictures; directions stay.
+  /// \param features (..., image + angle)
+  at::Tensor drop_pictures(const at::Tensor& features, std::size_t image, double rate);
+
+ private:
+  Weights weights_;
+  c10::Device device_;
+  std::optional<Dropout> dropout_;
+};
 
 /// Output of an LSTM for rows of steps.
 struct LstmOutput {
@@ -34,41 +70,7 @@ struct LstmOutput {
 /// Reads rows in one or both directions, none behind its end.
 /// \param x (n, longest, input) \param lengths (n) int64, falling, from 1
 /// \param name "encoder.lstm": of the arrays `name`.weight_ih_l0 and so on
-LstmOutput read_rows(const core::Weights& weights, const std::string& name, bool bidirectional,
+LstmOutput read_rows(const Weights& weights, const std::string& name, bool bidirectional,
                      const at::Tensor& x, const at::Tensor& lengths);
-
-/// Views with dropped numbers of their pictures; directions stay.
-/// \param features (..., image + angle)
-at::Tensor drop_pictures(const at::Tensor& features, std::size_t image, double rate,
-                         core::Dropout& dropout);
-
-/// Finds sizes in the matrices of a file.
-class MatrixSides {
- public:
-  /// \param network the network of the arrays, for messages: "EnvDrop's speaker"
-  MatrixSides(const features::TensorFile& file, std::string_view network)
-      : file_(file), network_(network) {}
-
-  /// A side of a matrix; 0 after a fault. \pre at < 2
-  std::size_t side(std::string_view name, std::size_t at);
-  /// The rest of `feature` numbers, which side() found in the array `name`, beside those of an
-  /// angle.
-  /// \throws InvalidInput for faults so far, or if there are fewer than `angle`
-  std::size_t image(std::string_view name, std::size_t feature, std::size_t angle);
-  /// \throws InvalidInput if a network cannot have the sizes
-  template <class Config>
-  void validate_all(const Config& config) const {
-    try {
-      validate(config);
-    } catch (const ArgumentError& wrong) {
-      refuse(file_.path().string(), "", "wrong-shape", wrong.what());
-    }
-  }
-
- private:
-  const features::TensorFile& file_;
-  std::string_view network_;
-  std::vector<Diagnostic> faults_;
-};
 
 }  // namespace enfilade::neural::core

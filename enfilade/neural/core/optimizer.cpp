@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "enfilade/core/errors.h"
 
@@ -52,17 +51,15 @@ double follow_back(const at::Tensor& loss) {
 }
 
 OptimizerConfig optimizer_of(const models::TrainConfig& config, std::vector<std::string> parts) {
-  OptimizerConfig own;
-  own.kind = config.optimizer;
-  own.rates = config.adam;
-  own.clip = config.clip;
-  own.parts = std::move(parts);
-  own.warm_up = config.warm_up;
-  own.end = config.schedule == models::Schedule::kLinear ? config.iterations : 0;
-  return own;
+  return {.kind = config.optimizer,
+          .rates = config.adam,
+          .clip = config.clip,
+          .parts = std::move(parts),
+          .warm_up = config.warm_up,
+          .end = config.schedule == models::Schedule::kLinear ? config.iterations : 0};
 }
 
-double Optimizer::rate() const noexcept {
+double WeightOptimizer::rate() const noexcept {
   const auto next = static_cast<double>(updates_ + 1);
   double share = 1;
   if (updates_ < config_.warm_up) {
@@ -75,7 +72,7 @@ double Optimizer::rate() const noexcept {
   return share * config_.rates.learning_rate;
 }
 
-void Optimizer::clip(const Weights& weights) const {
+void WeightOptimizer::clip(const Weights& weights) const {
   constexpr double kSmall = 1e-6;  // as in torch.nn.utils.clip_grad_norm_
   for (const std::string& part : config_.parts) {
     const double share = config_.clip / (gradient_norm(weights, part) + kSmall);
@@ -84,7 +81,7 @@ void Optimizer::clip(const Weights& weights) const {
   }
 }
 
-double Optimizer::update(const Weights& weights) {
+double WeightOptimizer::update(const Weights& weights) {
   const c10::NoGradGuard no_gradients;
   const double norm = gradient_norm(weights);
   if (!std::isfinite(norm)) {
@@ -103,7 +100,7 @@ double Optimizer::update(const Weights& weights) {
 
 // Over all weights at once: a card gets a few operations in place of thousands. On the CPU these
 // are loops over the same operations, weight by weight.
-void Optimizer::step(const Weights& weights) {
+void WeightOptimizer::step(const Weights& weights) {
   const models::AdamConfig& rates = config_.rates;
   const double rate = this->rate();
   std::vector<at::Tensor> learning, gradients, first, second;
@@ -141,7 +138,7 @@ void Optimizer::step(const Weights& weights) {
   at::_foreach_addcdiv_(learning, first, scales, -rate / first_share);
 }
 
-Weights Optimizer::state(const Weights& weights) const {
+Weights WeightOptimizer::state(const Weights& weights) const {
   Weights all;
   const auto add = [&](const Weights& moments, const char* prefix, const std::string& name,
                        const at::Tensor& weight) {
@@ -158,7 +155,7 @@ Weights Optimizer::state(const Weights& weights) const {
   return all;
 }
 
-void Optimizer::load(const Weights& weights, const features::TensorFile& file) {
+void WeightOptimizer::load(const Weights& weights, const features::TensorFile& file) {
   std::vector<ArraySpec> wanted;
   for (const auto& [name, weight] : weights) {
     const std::vector<std::int64_t> shape = weight.sizes().vec();
@@ -167,7 +164,7 @@ void Optimizer::load(const Weights& weights, const features::TensorFile& file) {
     wanted.push_back({kSecond + name, shape});
   }
   wanted.push_back({kUpdates, {2}});
-  const Weights read = read_weights(file, wanted, [](std::string_view) { return false; });
+  const Weights read = read_weights(file, wanted);
   const c10::NoGradGuard no_gradients;
   first_.clear();
   second_.clear();

@@ -39,9 +39,9 @@ OptimizerConfig optimizer_of(const models::TrainConfig& config, std::vector<std:
 
 /// Moments and the number of updates. Weights without a gradient stay as they are. One thread at a
 /// time.
-class Optimizer {
+class WeightOptimizer {
  public:
-  explicit Optimizer(OptimizerConfig config) : config_(std::move(config)) {}
+  explicit WeightOptimizer(OptimizerConfig config) : config_(std::move(config)) {}
 
   /// Clips the gradients, updates the weights, forgets the gradients. \return the norm of all
   /// gradients before clipping

@@ -1,5 +1,6 @@
 /// \file  Values as bytes that go to other processes of the same program and kind of computer.
 #pragma once
+#include <ATen/core/Tensor.h>
 #include <cstddef>
 #include <cstring>
 #include <optional>
@@ -10,11 +11,12 @@
 #include <vector>
 
 #include "enfilade/core/check.h"
+#include "enfilade/neural/ranks.h"
 
 namespace enfilade::neural::core {
 
 /// Writes values one behind the other.
-class Packer {
+class ValuePacker {
  public:
   template <class T>
     requires(std::is_trivially_copyable_v<T>)
@@ -85,7 +87,7 @@ class Unpacker {
 /// One value.
 template <class T>
 std::string packed(const T& value) {
-  Packer packer;
+  ValuePacker packer;
   packer.add(value);
   return packer.take();
 }
@@ -93,5 +95,18 @@ template <class T>
 T unpacked(std::string_view bytes) {
   return Unpacker(bytes).get<T>();
 }
+
+/// Connects the cards of the ranks, if each has one of its own, all have been built with NCCL, and
+/// the variable ENFILADE_NCCL is not "0". Connected once.
+/// \param card of this rank; that of later tensors
+/// \throws Error with the way to do without NCCL, if it fails
+void connect_cards(Ranks& ranks, c10::Device card);
+
+/// Sends the k-th of size() equal parts of `given` to rank k. \return what all sent here, by rank
+at::Tensor exchange(Ranks& ranks, const at::Tensor& given);
+/// Puts the tensors of all ranks one behind the other.
+void collect(Ranks& ranks, const at::Tensor& given, const at::Tensor& out);
+/// Adds the tensors of all ranks in an order that depends on their number.
+void add_up(Ranks& ranks, const at::Tensor& values);
 
 }  // namespace enfilade::neural::core

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 #include <torch/version.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -17,7 +16,6 @@
 #include <utility>
 
 #include "enfilade/neural/core/packing.h"
-#include "enfilade/neural/core/rank_tensors.h"
 #ifdef EN_WITH_C10D
 #include <arpa/inet.h>
 #include <netdb.h>
@@ -67,14 +65,6 @@ std::string text_of(const Variables& variables, const char* name, std::string ot
   return text != nullptr ? text : std::move(otherwise);
 }
 
-RankPlace place_by(const char* launcher, int rank, int size) {
-  RankPlace place;
-  place.rank = rank;
-  place.size = size;
-  place.launcher = launcher;
-  return place;
-}
-
 RankPlace checked(RankPlace place) {
   if (place.size < 1 || place.rank >= place.size) {
     throw ArgumentError(fmt::format("{}: rank {} of {} processes; ranks are from 0 to one less",
@@ -95,7 +85,7 @@ std::optional<RankPlace> place_of_torchrun(const Variables& variables) {
   const auto rank = number_of<int>(variables, "RANK");
   const auto size = number_of<int>(variables, "WORLD_SIZE");
   if (!rank || !size) return std::nullopt;
-  RankPlace place = place_by("torchrun", *rank, *size);
+  RankPlace place{.rank = *rank, .size = *size, .launcher = "torchrun"};
   place.local_rank = number_of<int>(variables, "LOCAL_RANK").value_or(0);
   place.local_size = number_of<int>(variables, "LOCAL_WORLD_SIZE").value_or(1);
   place.host = text_of(variables, "MASTER_ADDR");
@@ -133,7 +123,7 @@ std::optional<RankPlace> place_of_mpi(const Variables& variables, const MpiNames
   const auto rank = number_of<int>(variables, names.rank);
   const auto size = number_of<int>(variables, names.size);
   if (!rank || !size) return std::nullopt;
-  RankPlace place = place_by("mpirun", *rank, *size);
+  RankPlace place{.rank = *rank, .size = *size, .launcher = "mpirun"};
   place.local_rank = number_of<int>(variables, names.local_rank).value_or(*rank);
   place.local_size = number_of<int>(variables, names.local_size).value_or(*size);
   place.host = text_of(variables, "MASTER_ADDR");
@@ -155,7 +145,7 @@ std::optional<RankPlace> place_of_slurm(const Variables& variables) {
   const auto rank = number_of<int>(variables, "SLURM_PROCID");
   const auto step = number_of<std::uint64_t>(variables, "SLURM_STEP_ID");
   if (!size || !rank || !step || *size < 2) return std::nullopt;
-  RankPlace place = place_by("srun", *rank, *size);
+  RankPlace place{.rank = *rank, .size = *size, .launcher = "srun"};
   place.local_rank = number_of<int>(variables, "SLURM_LOCALID").value_or(0);
   const std::string nodes = text_of(variables, "SLURM_STEP_NODELIST");
   // "4(x2)" or "4,3": tasks of each machine. Only their order of size is wanted, for threads.
@@ -194,10 +184,6 @@ std::optional<RankPlace> find_place(const Variables& variables) {
     if (auto place = place_of_mpi(variables, names)) return place;
   }
   return place_of_slurm(variables);
-}
-
-std::optional<RankPlace> find_place() {
-  return find_place([](const char* name) -> const char* { return std::getenv(name); });
 }
 
 #ifdef EN_WITH_C10D
@@ -552,7 +538,7 @@ std::vector<std::string> Ranks::gather(std::string_view bytes) {
 
 void Ranks::agree(const RankFacts& facts) {
   if (alone()) return;
-  core::Packer packer;
+  core::ValuePacker packer;
   for (const auto& [name, value] : facts) {
     packer.add(name);
     packer.add(value);

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "enfilade/core/check.h"
-#include "enfilade/neural/core/leaf_gradients.h"
 #include "enfilade/neural/core/raw_tensors.h"
 #include "enfilade/neural/core/simd_kernels.h"
 
@@ -17,7 +16,7 @@ namespace {
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
-Rows rows_of(const at::Tensor& x, std::int64_t first = 0) {
+MatrixRows rows_of(const at::Tensor& x, std::int64_t first = 0) {
   return {numbers(x) + first * x.stride(0), size(x.stride(0))};
 }
 
@@ -77,7 +76,7 @@ class Lstm : public torch::autograd::Function<Lstm> {
       if (t > 0) {
         gates.narrow(0, first, rows).addmm_(outputs.narrow(0, before, rows), hidden.t());
       }
-      const Rows previous = t == 0 ? rows_of(nothing) : rows_of(cells, before);
+      const MatrixRows previous = t == 0 ? rows_of(nothing) : rows_of(cells, before);
       simd_kernels().lstm_forward(
           {{rows_of(gates, first), previous, rows_of(cells, first), size(h)},
            numbers(bias),
@@ -109,7 +108,8 @@ class Lstm : public torch::autograd::Function<Lstm> {
     const at::Tensor nothing = at::zeros({n, h}, at::kFloat);
     for (std::int64_t t = packing.steps() - 1; t >= 0; --t) {
       const std::int64_t first = packing.first[size(t)], rows = packing.rows(t);
-      const Rows previous = t == 0 ? rows_of(nothing) : rows_of(cells, packing.first[size(t) - 1]);
+      const MatrixRows previous =
+          t == 0 ? rows_of(nothing) : rows_of(cells, packing.first[size(t) - 1]);
       simd_kernels().lstm_backward(
           {{rows_of(to_gates, first), previous, rows_of(cells, first), size(h)},
            rows_of(from_outputs, first),
@@ -201,8 +201,8 @@ class Asked : public torch::autograd::Function<Asked> {
     const auto* const lengths = constants.lengths.data_ptr<std::int64_t>();
     at::parallel_for(0, n, 1, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t r = begin; r < end; ++r) {
-        const Rows memory{numbers(values) + r * longest * width, size(width)};
-        const Rows share = rows_of(shares, r);
+        const MatrixRows memory{numbers(values) + r * longest * width, size(width)};
+        const MatrixRows share = rows_of(shares, r);
         simd_kernels().scores(rows_of(query, r), memory, share, 1, size(lengths[r]), size(width));
         simd_kernels().softmax(share[0], size(lengths[r]));
         simd_kernels().combine(
@@ -225,8 +225,8 @@ class Asked : public torch::autograd::Function<Asked> {
       std::vector<float> to_scores(size(longest)), both(size(2 * longest)), pair(size(2 * width));
       for (std::int64_t r = begin; r < end; ++r) {
         const std::size_t length = size(lengths[r]);
-        const Rows memory{numbers(values) + r * longest * width, size(width)};
-        const Rows from = rows_of(gradient, r), asked = rows_of(query, r);
+        const MatrixRows memory{numbers(values) + r * longest * width, size(width)};
+        const MatrixRows from = rows_of(gradient, r), asked = rows_of(query, r);
         const float* share = rows_of(shares, r)[0];
         simd_kernels().scores(from, memory, {to_scores.data(), size(longest)}, 1, length,
                               size(width));
@@ -306,14 +306,14 @@ std::pair<at::Tensor, at::Tensor> lstm_step(const at::Tensor& x, const at::Tenso
   return {read[0], read[1]};
 }
 
-Memory::Memory(const at::Tensor& values, const at::Tensor& lengths)
+AttentionMemory::AttentionMemory(const at::Tensor& values, const at::Tensor& lengths)
     : values_(values.contiguous()), lengths_(lengths) {
   if (!values_.device().is_cpu() || !values_.requires_grad()) return;
   sum_ = at::zeros(values_.sizes(), at::kFloat);
   link_ = Link::apply(values_, Constants{{}, {}, sum_});
 }
 
-std::pair<at::Tensor, at::Tensor> Memory::attend(const at::Tensor& query) const {
+std::pair<at::Tensor, at::Tensor> AttentionMemory::attend(const at::Tensor& query) const {
   if (!values_.device().is_cpu()) return attend_by_parts(query);
   const at::Tensor link = link_.defined() ? link_ : at::empty({0}, at::kFloat);
   const variable_list found =
@@ -321,7 +321,7 @@ std::pair<at::Tensor, at::Tensor> Memory::attend(const at::Tensor& query) const 
   return {found[0], found[1]};
 }
 
-std::pair<at::Tensor, at::Tensor> Memory::attend_by_parts(const at::Tensor& query) const {
+std::pair<at::Tensor, at::Tensor> AttentionMemory::attend_by_parts(const at::Tensor& query) const {
   const at::Tensor behind =
       at::arange(values_.size(1), lengths_.options()).unsqueeze(0).ge(lengths_.unsqueeze(1));
   const at::Tensor shares =

@@ -35,11 +35,11 @@ std::pair<at::Tensor, at::Tensor> lstm_step(const at::Tensor& x, const at::Tenso
                                             const at::Tensor& cell, const LstmWeights& weights);
 
 /// Sequences that are attended to many times, with one gradient for all of these.
-class Memory {
+class AttentionMemory {
  public:
-  Memory() = default;
+  AttentionMemory() = default;
   /// \param values (n, longest, width) \param lengths (n) int64, from 1: later values are not used
-  Memory(const at::Tensor& values, const at::Tensor& lengths);
+  AttentionMemory(const at::Tensor& values, const at::Tensor& lengths);
 
   /// softmax(values query) values, over the own length. \param query (n, width)
   /// \return the sums (n, width), and the shares (n, longest), which have no gradient

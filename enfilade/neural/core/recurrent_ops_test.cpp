@@ -134,7 +134,7 @@ TEST(MemoryTest, IsAttendedToAsByParts) {
   const at::Tensor lengths = at::tensor({9, 4, 1}, at::kLong);
   // The second question depends on the first answer, as those of a walk do.
   const auto ask = [&](bool fused) {
-    const Memory memory(values * 0.5, lengths);
+    const AttentionMemory memory(values * 0.5, lengths);
     const auto once = [&](const at::Tensor& asked) {
       return fused ? memory.attend(asked) : memory.attend_by_parts(asked);
     };
@@ -151,7 +151,7 @@ TEST(MemoryTest, IsAttendedToAsByParts) {
 TEST(MemoryTest, WithoutGradientsGivesTheSame) {
   const at::Tensor values = random({2, 5, 8}, 1).detach(), query = random({2, 8}, 2);
   const at::Tensor lengths = at::tensor({5, 2}, at::kLong);
-  const Memory memory(values, lengths);
+  const AttentionMemory memory(values, lengths);
   expect_same(all_of({query}, [&] { return std::vector{memory.attend(query).first}; }),
               all_of({query}, [&] { return std::vector{memory.attend_by_parts(query).first}; }));
   const c10::NoGradGuard no_gradients;

@@ -169,7 +169,8 @@ float dot(const float* a, const float* b, std::size_t n) {
 }
 
 // Four rows of a by two of b: eight sums in registers. Each is dot()'s in the same order.
-void scores_4x2(Rows a, Rows b, Rows out, std::size_t i, std::size_t j, std::size_t k) {
+void scores_4x2(MatrixRows a, MatrixRows b, MatrixRows out, std::size_t i, std::size_t j,
+                std::size_t k) {
   const Full d;
   const std::size_t lanes = hn::Lanes(d);
   auto s00 = hn::Zero(d), s01 = s00, s10 = s00, s11 = s00;
@@ -193,7 +194,8 @@ void scores_4x2(Rows a, Rows b, Rows out, std::size_t i, std::size_t j, std::siz
   put(i + 2, j, s20), put(i + 2, j + 1, s21), put(i + 3, j, s30), put(i + 3, j + 1, s31);
 }
 
-void scores(Rows a, Rows b, Rows out, std::size_t m, std::size_t n, std::size_t k) {
+void scores(MatrixRows a, MatrixRows b, MatrixRows out, std::size_t m, std::size_t n,
+            std::size_t k) {
   const std::size_t whole_m = m - m % 4, whole_n = n - n % 2;
   for (std::size_t j = 0; j < whole_n; j += 2) {
     for (std::size_t i = 0; i < whole_m; i += 4) scores_4x2(a, b, out, i, j, k);

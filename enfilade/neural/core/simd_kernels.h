@@ -6,7 +6,7 @@
 namespace enfilade::neural::core {
 
 /// A matrix with contiguous rows.
-struct Rows {
+struct MatrixRows {
   float* data = nullptr;
   std::size_t stride = 0;  ///< from a row to the next
 
@@ -15,21 +15,22 @@ struct Rows {
 
 /// n rows of an LSTM cell; gates are in PyTorch's order: i, f, g, o.
 struct LstmRows {
-  Rows gates;     ///< (n, 4 h) forward: sums in, activations out; backward: those in, gradient out
-  Rows previous;  ///< (n, h) cells before
-  Rows cells;     ///< (n, h) after
+  MatrixRows
+      gates;  ///< (n, 4 h) forward: sums in, activations out; backward: those in, gradient out
+  MatrixRows previous;  ///< (n, h) cells before
+  MatrixRows cells;     ///< (n, h) after
   std::size_t hidden = 0;
 };
 struct LstmForward {
   LstmRows rows;
   const float* bias = nullptr;  ///< (4 h) added to the sums
-  Rows outputs;                 ///< (n, h) written
+  MatrixRows outputs;           ///< (n, h) written
 };
 struct LstmBackward {
   LstmRows rows;
-  Rows from_outputs;  ///< (n, h) gradient of the outputs from outside
-  Rows from_next;     ///< (n, h) and from the next step
-  Rows cells;         ///< (n, h) gradient of the cells, in: after; out: before
+  MatrixRows from_outputs;  ///< (n, h) gradient of the outputs from outside
+  MatrixRows from_next;     ///< (n, h) and from the next step
+  MatrixRows cells;         ///< (n, h) gradient of the cells, in: after; out: before
 };
 
 /// out (m, n) = sum over k of a(i, k) b(k, j), with any strides of a.
@@ -37,8 +38,8 @@ struct Combination {
   const float* a = nullptr;
   std::size_t a_row = 0;  ///< from a(i, k) to a(i + 1, k)
   std::size_t a_column = 0;
-  Rows b;
-  Rows out;
+  MatrixRows b;
+  MatrixRows out;
   std::size_t m = 0, n = 0, k = 0;
   bool add = false;  ///< to the values in `out`
 };
@@ -87,7 +88,8 @@ struct SimdKernels {
   void (*tanh)(float* x, std::size_t n);
   void (*tanh_backward)(const float* y, float* gradient, std::size_t n);  ///< times 1 - y^2
   /// out (m, n) = a (m, k) times the transpose of b (n, k)
-  void (*scores)(Rows a, Rows b, Rows out, std::size_t m, std::size_t n, std::size_t k);
+  void (*scores)(MatrixRows a, MatrixRows b, MatrixRows out, std::size_t m, std::size_t n,
+                 std::size_t k);
   void (*combine)(const Combination&);
   void (*softmax)(float* x, std::size_t n);  ///< \pre n > 0
   /// gradient -> y (gradient - sum(y gradient))

@@ -10,7 +10,6 @@
 #include <tuple>
 #include <vector>
 
-#include "enfilade/neural/core/leaf_gradients.h"
 #include "enfilade/neural/core/raw_tensors.h"
 #include "enfilade/neural/core/simd_kernels.h"
 
@@ -29,7 +28,9 @@ bool is_ours(const at::Tensor& x) { return x.device().is_cpu() && x.scalar_type(
 struct Heads {
   explicit Heads(const at::Tensor& x)
       : data(x.data_ptr<float>()), sequence(x.stride(0)), row(size(x.stride(1))) {}
-  Rows of(std::int64_t n, std::int64_t column) const { return {data + n * sequence + column, row}; }
+  MatrixRows of(std::int64_t n, std::int64_t column) const {
+    return {data + n * sequence + column, row};
+  }
 
   float* data;
   std::int64_t sequence;
@@ -54,7 +55,7 @@ struct Sizes {
 };
 
 // Rows of one head as columns, each `stride` long; zeros behind.
-void transpose(Rows from, float factor, const Sizes& s, std::vector<float>& out) {
+void transpose(MatrixRows from, float factor, const Sizes& s, std::vector<float>& out) {
   out.assign(size(s.width * s.stride), 0);
   for (std::int64_t j = 0; j < s.b; ++j) {
     const float* row = from[size(j)];
@@ -173,7 +174,7 @@ class Attention : public torch::autograd::Function<Attention> {
 
  private:
   // (a, width) times columns (width, stride)
-  static void multiply(Rows rows, Rows columns, float* out, const Sizes& s) {
+  static void multiply(MatrixRows rows, MatrixRows columns, float* out, const Sizes& s) {
     simd_kernels().combine({rows.data,
                             rows.stride,
                             1,

@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 #include <xxhash.h>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -12,8 +14,6 @@
 
 namespace enfilade::neural::core {
 namespace {
-
-constexpr std::string_view kWrapper = "module.";
 
 std::optional<at::ScalarType> floating_type(features::DType type) {
   if (type == features::DType::kFloat16) return at::kHalf;
@@ -28,9 +28,15 @@ class Reader {
   Reader(const features::TensorFile& file, bool (*ignored)(std::string_view))
       : file_(file), ignored_(ignored) {
     for (const features::NamedArray& array : file.arrays()) {
-      std::string_view name = array.name;
-      if (name.starts_with(kWrapper)) name.remove_prefix(kWrapper.size());
-      arrays_.emplace(name, &array);
+      const auto& [other, fits] = arrays_.emplace(features::bare_name(array.name), &array);
+      if (!fits && !ignored_(other->first)) {
+        fault(array.name, "repeated-array",
+              fmt::format("the same array of the network as {:?}, by another prefix",
+                          other->second->name));
+      }
+    }
+    for (const auto& [name, reason] : file.left_out()) {
+      left_out_.emplace(features::bare_name(name), reason);
     }
   }
 
@@ -56,10 +62,14 @@ class Reader {
   }
 
   at::Tensor take(const ArraySpec& spec) {
-    const auto found = arrays_.find(spec.name);
+    const std::string name = features::bare_name(spec.name);
+    const auto found = arrays_.find(name);
     if (found == arrays_.end()) {
+      const auto reason = left_out_.find(name);
       fault(spec.name, "missing-array",
-            fmt::format("not in the file; shape [{}] is expected", fmt::join(spec.shape, ", ")));
+            fmt::format("{}; shape [{}] is expected",
+                        reason == left_out_.end() ? "not in the file" : reason->second,
+                        fmt::join(spec.shape, ", ")));
       return {};
     }
     const features::NamedArray& array = *found->second;
@@ -71,7 +81,7 @@ class Reader {
                         fmt::join(spec.shape, ", ")));
     } else if (!type) {
       fault(array.name, "wrong-type",
-            fmt::format("{}; floating-point numbers are expected", to_string(array.type)));
+            fmt::format("{}; floating-point numbers are expected", enum_name(array.type)));
     } else {
       return values(array, *type);
     }
@@ -92,11 +102,47 @@ class Reader {
 
   const features::TensorFile& file_;
   bool (*ignored_)(std::string_view);
-  std::map<std::string, const features::NamedArray*, std::less<>> arrays_;
+  std::map<std::string, const features::NamedArray*, std::less<>> arrays_;  ///< by bare names
+  std::map<std::string, std::string, std::less<>> left_out_;
   std::vector<Diagnostic> faults_;
 };
 
 }  // namespace
+
+Shapes::Shapes(const features::TensorFile& file) : file_(file) {
+  for (const features::NamedArray& array : file.arrays()) {
+    arrays_.emplace(features::bare_name(array.name), &array);
+  }
+}
+
+const features::NamedArray* Shapes::find(std::string_view name) const {
+  const auto found = arrays_.find(name);
+  return found == arrays_.end() ? nullptr : found->second;
+}
+
+std::int64_t Shapes::side(const std::string& name, std::size_t which) {
+  const features::NamedArray* const array = find(name);
+  if (array != nullptr && array->shape.size() == 2) return array->shape[which];
+  std::string reason = array == nullptr ? "not in the file; a matrix is expected"
+                                        : fmt::format("{} sides, not 2", array->shape.size());
+  for (const auto& [one, why] : file_.left_out()) {
+    if (features::bare_name(one) == name) reason = why;
+  }
+  faults_.push_back({Severity::kError, file_.path().string(), name,
+                     array == nullptr ? "missing-array" : "wrong-shape", std::move(reason)});
+  return 1;
+}
+
+void Shapes::check() {
+  if (!faults_.empty()) throw InvalidInput(std::move(faults_));
+}
+
+void add_layer(std::vector<ArraySpec>& specs, const std::string& name,
+               std::vector<std::int64_t> shape) {
+  const std::int64_t out = shape[0];
+  specs.push_back({name + ".weight", std::move(shape)});
+  specs.push_back({name + ".bias", {out}});
+}
 
 Weights read_weights(const features::TensorFile& file, std::span<const ArraySpec> wanted,
                      bool (*ignored)(std::string_view)) {
@@ -133,8 +179,8 @@ std::string hash_of(const Weights& weights) {
   return fmt::format("{:016x}", hash);
 }
 
-State as_state(const Weights& weights) {
-  State state;
+SavedState as_state(const Weights& weights) {
+  SavedState state;
   const Weights values = on_cpu(weights);
   for (features::NamedArray& array : as_arrays(values)) {
     state.storage.emplace_back(array.bytes.begin(), array.bytes.end());
@@ -142,6 +188,25 @@ State as_state(const Weights& weights) {
     state.arrays.push_back(std::move(array));
   }
   return state;
+}
+
+at::Tensor normal(const std::vector<std::int64_t>& shape, double deviation, Rng& rng) {
+  at::Tensor tensor = at::empty(shape, at::kFloat);
+  const std::span<float> numbers(tensor.data_ptr<float>(),
+                                 static_cast<std::size_t>(tensor.numel()));
+  for (std::size_t i = 0; i < numbers.size(); i += 2) {  // Box and Muller: two at a time
+    const double radius = deviation * std::sqrt(-2 * std::log1p(-rng.uniform()));
+    const double angle = 2 * std::numbers::pi * rng.uniform();
+    numbers[i] = static_cast<float>(radius * std::cos(angle));
+    if (i + 1 < numbers.size()) numbers[i + 1] = static_cast<float>(radius * std::sin(angle));
+  }
+  return tensor;
+}
+
+at::Tensor he_normal(const std::vector<std::int64_t>& shape, Rng& rng) {
+  std::int64_t inputs = 1;
+  for (std::size_t i = 1; i < shape.size(); ++i) inputs *= shape[i];
+  return normal(shape, std::sqrt(2.0 / static_cast<double>(inputs)), rng);
 }
 
 }  // namespace enfilade::neural::core

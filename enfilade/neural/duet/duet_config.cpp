@@ -1,4 +1,4 @@
-#include "enfilade/neural/duet/duet_config.h"
+#include "enfilade/neural/duet/duet_network.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -35,13 +35,9 @@ class Specs {
     specs_.push_back({std::move(name), std::move(shape)});
   }
   void linear(const std::string& name, std::int64_t out, std::int64_t in) {
-    add(name + ".weight", {out, in});
-    add(name + ".bias", {out});
+    core::add_layer(specs_, name, {out, in});
   }
-  void norm(const std::string& name) {
-    add(name + ".weight", {c_.hidden});
-    add(name + ".bias", {c_.hidden});
-  }
+  void norm(const std::string& name) { core::add_layer(specs_, name, {c_.hidden}); }
   void attention(const std::string& inner, const std::string& output) {
     for (const char* part : {".query", ".key", ".value"})
       linear(inner + part, c_.hidden, c_.hidden);
@@ -113,47 +109,19 @@ class Specs {
   std::vector<core::ArraySpec> specs_;
 };
 
-// Looks up shapes by published names, with or without the wrapper's prefix.
-class Shapes {
- public:
-  explicit Shapes(const features::TensorFile& file) : file_(file) {}
-
-  const features::NamedArray* find(const std::string& name) const {
-    const auto* found = file_.find(name);
-    return found != nullptr ? found : file_.find("module." + name);
-  }
-  bool has(const std::string& name) const { return find(name) != nullptr; }
-
-  // A side of a matrix; 1 after a fault.
-  std::int64_t side(const std::string& name, std::size_t which) {
-    const auto* array = find(name);
-    if (array != nullptr && array->shape.size() == 2) return array->shape[which];
-    faults_.push_back(
-        {Severity::kError, file_.path().string(), name,
-         array == nullptr ? "missing-array" : "wrong-shape",
-         array == nullptr ? "not in the file; a matrix is expected" : "is not a matrix"});
-    return 1;
-  }
-  // How many layers there are: the first number that `pattern` has no array for.
-  std::int64_t count(const std::string& before, const std::string& after) const {
-    std::int64_t n = 0;
-    while (has(fmt::format("{}{}{}", before, n, after))) ++n;
-    return n;
-  }
-  void check() {
-    if (!faults_.empty()) throw InvalidInput(std::move(faults_));
-  }
-
- private:
-  const features::TensorFile& file_;
-  std::vector<Diagnostic> faults_;
-};
+// How many layers there are: the first number that the pattern has no array for.
+std::int64_t count(const core::Shapes& shapes, const std::string& before,
+                   const std::string& after) {
+  std::int64_t n = 0;
+  while (shapes.has(fmt::format("{}{}{}", before, n, after))) ++n;
+  return n;
+}
 
 }  // namespace
 
 DuetConfig infer_config(const features::TensorFile& file, std::int64_t heads) {
   const std::string image = "vln_bert.img_embeddings", map = "vln_bert.global_encoder";
-  Shapes shapes(file);
+  core::Shapes shapes(file);
   DuetConfig c;
   c.vocabulary = shapes.side("vln_bert.embeddings.word_embeddings.weight", 0);
   c.hidden = shapes.side("vln_bert.embeddings.word_embeddings.weight", 1);
@@ -161,9 +129,9 @@ DuetConfig infer_config(const features::TensorFile& file, std::int64_t heads) {
   c.token_types = shapes.side("vln_bert.embeddings.token_type_embeddings.weight", 0);
   c.image = shapes.side(image + ".img_linear.weight", 1);
   c.steps = shapes.side(map + ".gmap_step_embeddings.weight", 0);
-  c.text_layers = shapes.count("vln_bert.lang_encoder.layer.", ".output.dense.weight");
-  c.cross_layers = shapes.count(map + ".encoder.x_layers.", ".visn_output.dense.weight");
-  c.panorama_layers = shapes.count(image + ".pano_encoder.layers.", ".linear1.weight");
+  c.text_layers = count(shapes, "vln_bert.lang_encoder.layer.", ".output.dense.weight");
+  c.cross_layers = count(shapes, map + ".encoder.x_layers.", ".visn_output.dense.weight");
+  c.panorama_layers = count(shapes, image + ".pano_encoder.layers.", ".linear1.weight");
   c.feed_forward = shapes.side(map + ".encoder.x_layers.0.visn_inter.dense.weight", 0);
   c.panorama_feed_forward = c.panorama_layers > 0
                                 ? shapes.side(image + ".pano_encoder.layers.0.linear1.weight", 0)

@@ -1,13 +1,12 @@
-#include "enfilade/neural/duet/duet_learner.h"
+#include "enfilade/neural/core/learner.h"
 
 #include <ATen/ATen.h>
 #include <c10/core/GradMode.h>
-#include <utility>
-#include <vector>
+#include <chrono>
 
-#include "enfilade/neural/core/batches.h"
-#include "enfilade/neural/core/split_learner.h"
+#include "enfilade/core/rng.h"
 #include "enfilade/neural/duet/duet_split.h"
+#include "enfilade/neural/duet/pretraining_tasks.h"
 
 namespace enfilade::neural::duet {
 namespace {
@@ -16,8 +15,8 @@ using models::Feedback;
 
 class DuetLearner : public core::SplitLearner<DuetNetwork, DuetSplit> {
  public:
-  DuetLearner(const models::TrainConfig& config, models::InstructionWords words, c10::Device device)
-      : SplitLearner(config, std::move(words), DuetNetwork(duet_sizes(config), config.seed, device),
+  explicit DuetLearner(const core::LearnerParts& parts)
+      : SplitLearner(parts, DuetNetwork(duet_sizes(parts.config), parts.config.seed, parts.device),
                      {""}) {}
 
   void begin_with(const features::TensorFile& weights) override {
@@ -28,7 +27,7 @@ class DuetLearner : public core::SplitLearner<DuetNetwork, DuetSplit> {
     double environment_seconds = 0;
     const double loss = learn(iteration, [&](const core::BatchPart& part) {
       const std::vector<RolloutEpisode> episodes = training().batch(part.episodes);
-      RolloutLosses losses =
+      DuetLosses losses =
           rollout_for_loss(network(), training().runner(), rollouts_of(episodes, part));
       environment_seconds += losses.environment_seconds;
       return losses.sum;
@@ -38,9 +37,7 @@ class DuetLearner : public core::SplitLearner<DuetNetwork, DuetSplit> {
 
   core::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
                            const models::ModelFiles& files) override {
-    return core::ValidationRollout{
-        validation_loss(split),
-        rollout_and_write(network(), validation(split), rollout_of(split, files))};
+    return validated(split, validation_loss(split), network(), files);
   }
 
  private:
@@ -63,40 +60,117 @@ class DuetLearner : public core::SplitLearner<DuetNetwork, DuetSplit> {
   double validation_loss(std::size_t split) {
     const c10::NoGradGuard no_gradients;
     DuetSplit& prepared = validation(split);
-    const std::size_t total = prepared.episodes().episodes.size();
-    const double sum = core::sum_of_batches(
-        ranks(), total, config().batch_size, [&](std::span<const std::size_t> episodes) {
-          const Rollout rollout =
-              prepared.runner().run(network(), prepared.batch(episodes), along_the_path());
-          return rollout.loss.defined() ? rollout.loss.item<double>() : 0;
-        });
-    return sum / static_cast<double>(total);
+    return core::mean_of_batches(ranks(), prepared.episodes().episodes.size(), config().batch_size,
+                                 [&](std::span<const std::size_t> episodes) {
+                                   const Rollout rollout = prepared.runner().run(
+                                       network(), prepared.batch(episodes), along_the_path());
+                                   return rollout.loss.defined() ? rollout.loss.item<double>() : 0;
+                                 });
   }
 
-  RolloutOptions along_the_path() const {
-    RolloutOptions options;
-    options.feedback = RolloutFeedback::kTeacher;
-    options.expert = Expert::kReference;
-    options.seed = config().seed;
-    return options;
+  DuetRolloutOptions along_the_path() const {
+    return {
+        .feedback = RolloutFeedback::kTeacher, .expert = Expert::kReference, .seed = config().seed};
   }
 
-  RolloutOptions on_its_own() const {
-    RolloutOptions options;
-    options.feedback = RolloutFeedback::kSample;
-    options.expert =
-        config().map_teacher == models::MapTeacher::kSpl ? Expert::kSpl : Expert::kNdtw;
-    options.seed = config().seed;
-    return options;
+  DuetRolloutOptions on_its_own() const {
+    return {
+        .feedback = RolloutFeedback::kSample,
+        .expert = config().map_teacher == models::MapTeacher::kSpl ? Expert::kSpl : Expert::kNdtw,
+        .seed = config().seed};
   }
+};
+
+// Names of random streams beside those of batches, which are iterations.
+constexpr std::uint64_t kTaskStream = ~std::uint64_t{0}, kDropoutStream = kTaskStream - 1;
+
+class PretrainingLearner : public core::SplitLearner<PretrainingNetwork, DuetSplit> {
+ public:
+  explicit PretrainingLearner(const core::LearnerParts& parts)
+      : SplitLearner(parts,
+                     PretrainingNetwork(duet_sizes(parts.config), parts.config.seed, parts.device),
+                     {""}),
+        tasks_(pretraining_tasks(network().config(), parts.config.network.inputs)) {}
+
+  void begin_with(const features::TensorFile& weights) override {
+    network() = PretrainingNetwork(network().config(), weights, config().seed, network().device());
+  }
+
+  core::Update update(std::uint64_t iteration) override {
+    const std::uint64_t seed = config().seed;
+    const PretrainingTask task = tasks_[Rng(seed, kTaskStream, iteration).below(tasks_.size())];
+    double data_seconds = 0;
+    const double loss = learn(iteration, [&](const core::BatchPart& part) {
+      const auto begin = std::chrono::steady_clock::now();
+      PretrainingDraws draws;
+      draws.seed = seed;
+      draws.stream = part.stream;
+      const PretrainingBatch guesses =
+          batch_of(training(), training().batch(part.episodes), task, draws);
+      const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+      data_seconds += spent.count();
+      RateDropout dropout(Rng(seed, kDropoutStream, part.stream).next(), network().config().dropout,
+                          network().device());
+      return pretraining_loss(network(), guesses, &dropout);
+    });
+    return {loss, data_seconds};
+  }
+
+  core::Evaluated evaluate(std::size_t split, std::uint64_t /*iteration*/,
+                           const models::ModelFiles& files) override {
+    return validated(split, validation_loss(split), network().agent(), files);
+  }
+
+ private:
+  PretrainingBatch batch_of(DuetSplit& split, const std::vector<RolloutEpisode>& episodes,
+                            PretrainingTask task, const PretrainingDraws& draws) {
+    return pretraining_batch(split.runner(), network().config(), words(), episodes, task, draws);
+  }
+
+  // Without dropout; the gaps are the same after each iteration.
+  double validation_loss(std::size_t split) {
+    const c10::NoGradGuard no_gradients;
+    double sum = 0;
+    for (const PretrainingTask task : tasks_) sum += validation_loss(validation(split), task);
+    return sum / static_cast<double>(tasks_.size());
+  }
+
+  double validation_loss(DuetSplit& split, PretrainingTask task) {
+    const std::string& name = split.episodes().split;
+    PretrainingDraws draws;
+    draws.seed = config().seed ^ stream_of(name.data(), name.size());
+    const std::size_t total = split.episodes().episodes.size();
+    std::size_t guessed = 0;
+    const auto loss_of = [&](std::span<const std::size_t> which) -> std::optional<double> {
+      draws.stream = which.front();
+      const at::Tensor loss =
+          pretraining_loss(network(), batch_of(split, split.batch(which), task, draws));
+      if (!loss.defined()) return std::nullopt;
+      return loss.item<double>();
+    };
+    double sum = 0;
+    std::size_t first = 0;
+    for (const std::string& packed : core::share_batches(
+             ranks(), total, config().batch_size,
+             [&](std::span<const std::size_t> which) { return core::packed(loss_of(which)); })) {
+      const std::size_t count = std::min(config().batch_size, total - first);
+      first += count;
+      const auto loss = core::unpacked<std::optional<double>>(packed);
+      if (!loss) continue;
+      sum += *loss * static_cast<double>(count);
+      guessed += count;
+    }
+    return guessed > 0 ? sum / static_cast<double>(guessed) : 0;
+  }
+
+  std::vector<PretrainingTask> tasks_;
 };
 
 }  // namespace
 
-RolloutLosses rollout_for_loss(const DuetNetwork& network, RolloutRunner& runner,
-                               std::span<const WeightedRollout> rollouts,
-                               const StepWatcher& watcher) {
-  RolloutLosses result;
+DuetLosses rollout_for_loss(const DuetNetwork& network, RolloutRunner& runner,
+                            std::span<const WeightedRollout> rollouts, const StepWatcher& watcher) {
+  DuetLosses result;
   for (const WeightedRollout& part : rollouts) {
     const Rollout rollout = runner.run(network, part.episodes, part.options, watcher);
     result.environment_seconds += rollout.environment_seconds;
@@ -108,10 +182,16 @@ RolloutLosses rollout_for_loss(const DuetNetwork& network, RolloutRunner& runner
   return result;
 }
 
-std::unique_ptr<core::Learner> make_duet_learner(const models::TrainConfig& config,
-                                                 models::InstructionWords words,
-                                                 c10::Device device) {
-  return std::make_unique<DuetLearner>(config, std::move(words), device);
+}  // namespace enfilade::neural::duet
+
+namespace enfilade::neural::core {
+
+std::unique_ptr<Learner> make_duet_learner(const LearnerParts& parts) {
+  return std::make_unique<duet::DuetLearner>(parts);
 }
 
-}  // namespace enfilade::neural::duet
+std::unique_ptr<Learner> make_pretraining_learner(const LearnerParts& parts) {
+  return std::make_unique<duet::PretrainingLearner>(parts);
+}
+
+}  // namespace enfilade::neural::core

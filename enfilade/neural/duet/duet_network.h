@@ -1,19 +1,110 @@
-/// \file  The dual-scale graph transformer DUET: text, panorama, map and viewpoint.
+/// \file  The dual-scale graph transformer DUET: text, panorama, map and viewpoint; its arrays and
+/// layers.
 #pragma once
 #include <ATen/core/Tensor.h>
 #include <c10/core/Device.h>
 #include <cstdint>
-#include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "enfilade/core/rng.h"
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/models/network_config.h"
+#include "enfilade/neural/core/dropout.h"
 #include "enfilade/neural/core/weights.h"
-#include "enfilade/neural/duet/duet_config.h"
-#include "enfilade/neural/duet/layers.h"
 
 namespace enfilade::neural::duet {
+
+using models::duet_preset;
+using models::DuetConfig;
+using models::Fusion;
+
+/// Numbers of a token's location: an angle feature of 4, and height, width and area of a box.
+inline constexpr std::int64_t kLocation = 7;
+/// Numbers of a position on the map: an angle feature of 4, two distances, hops.
+inline constexpr std::int64_t kPosition = 7;
+
+/// The sizes behind a file of weights, from its arrays' names and shapes. The number of heads is in
+/// no shape: it is hidden / 64, as in all published networks, unless `heads` is given.
+/// \throws InvalidInput naming every array that is needed for it and missing or of another rank
+DuetConfig infer_config(const features::TensorFile& file, std::int64_t heads = 0);
+
+/// The arrays of a network by their published names ("vln_bert.embeddings.LayerNorm.weight").
+std::vector<core::ArraySpec> arrays_of(const DuetConfig& config);
+
+/// Dropout at the network's rate, or at another one.
+class RateDropout {
+ public:
+  /// \param rate share of numbers that become 0, in [0, 1)
+  RateDropout(std::uint64_t seed, double rate, c10::Device device = c10::kCPU)
+      : drop_(seed, device), rate_(rate) {}
+  at::Tensor operator()(const at::Tensor& values) { return drop_(values, rate_); }
+  at::Tensor operator()(const at::Tensor& values, double rate) { return drop_(values, rate); }
+  at::Tensor mask(at::IntArrayRef sizes) { return drop_.mask(sizes, rate_); }
+  double rate() const noexcept { return rate_; }
+
+ private:
+  core::Dropout drop_;
+  double rate_;
+};
+
+inline constexpr double kBertEpsilon = 1e-12;  ///< of BERT's norms
+
+/// Summand of an attention's scores of padding.
+inline constexpr double kSoftMask = -10000;
+/// Summand of an attention's scores: 0 for tokens, `padding` elsewhere.
+/// \param mask (n, length) bool, true for a token
+/// \return (n, 1, 1, length)
+at::Tensor bias_of(const at::Tensor& mask, double padding);
+
+/// Keys and values of an attention, as its layer needs them.
+struct Attended {
+  at::Tensor keys, values;  ///< (n, b, hidden)
+};
+
+/// The layers of one network. `dropout` may be null: then there is none.
+class Layers {
+ public:
+  Layers(const core::Weights& weights, std::int64_t heads, RateDropout* dropout)
+      : weights_(weights), heads_(heads), dropout_(dropout) {}
+
+  const at::Tensor& weight(const std::string& name) const;
+  at::Tensor drop(const at::Tensor& values) const;
+  at::Tensor linear(const at::Tensor& x, const std::string& name) const;
+  at::Tensor norm(const at::Tensor& x, const std::string& name, double eps = kBertEpsilon) const;
+
+  /// Attention of `x` (n, a, hidden) to `to` (n, b, hidden), then sum and norm.
+  /// \param bias added to the scores, as (n, 1, a or 1, b)
+  at::Tensor attention(const at::Tensor& x, const at::Tensor& to, const at::Tensor& bias,
+                       const std::string& inner, const std::string& output) const;
+  /// The same in two parts: keys and values may be the same in many calls.
+  Attended attended(const at::Tensor& to, const std::string& inner) const;
+  at::Tensor attention(const at::Tensor& x, const Attended& to, const at::Tensor& bias,
+                       const std::string& inner, const std::string& output) const;
+  /// Two linear maps with GELU (of erf) between them, then sum and norm.
+  at::Tensor feed_forward(const at::Tensor& x, const std::string& inner,
+                          const std::string& output) const;
+  /// A layer that norms first, with torch.nn.MultiheadAttention's parameters.
+  /// \param bias as in attention(); minus infinity for padding
+  at::Tensor pre_norm_layer(const at::Tensor& x, const at::Tensor& bias,
+                            const std::string& name) const;
+  /// Linear, ReLU, norm, linear to one number: (..., hidden) -> (...).
+  at::Tensor head(const at::Tensor& x, const std::string& name) const;
+
+ private:
+  at::Tensor attend(const at::Tensor& query, const at::Tensor& key, const at::Tensor& value,
+                    const at::Tensor& bias) const;
+  // norm(drop(y) + x)
+  at::Tensor sum_norm(const at::Tensor& y, const at::Tensor& x, const std::string& name) const;
+  // Factors of dropout; undefined: none.
+  at::Tensor mask(at::IntArrayRef sizes) const;
+
+  const core::Weights& weights_;
+  std::int64_t heads_;
+  RateDropout* dropout_;
+};
 
 /// Vectors of n rows padded to a common length, and how many of each row are there.
 struct Tokens {
@@ -79,8 +170,8 @@ class DuetNetwork {
   /// Random weights by `seed`: normal of deviation 0.02 as in BERT; the packed maps of the
   /// panorama's attention uniform as in PyTorch. \throws ArgumentError as validate()
   DuetNetwork(const DuetConfig& config, std::uint64_t seed, c10::Device device = c10::kCPU);
-  /// The weights of a checkpoint of the published code, of arrays by the same names, or of
-  /// save()'s file. Arrays of its critic are ignored.
+  /// The weights of a checkpoint of the published code, or of arrays by the
+  /// same names. Arrays of its critic are ignored.
   /// \throws InvalidInput naming every missing, surplus and wrong-shaped array
   DuetNetwork(const DuetConfig& config, const features::TensorFile& file,
               c10::Device device = c10::kCPU);
@@ -88,19 +179,18 @@ class DuetNetwork {
   const DuetConfig& config() const noexcept { return config_; }
   const core::Weights& weights() const noexcept { return weights_; }
   c10::Device device() const noexcept { return device_; }
-  void save(const std::filesystem::path& file) const;  ///< safetensors. \throws FileError
 
   /// \param ids (n, longest) int64, any value at padding that is in the vocabulary
   /// \param lengths (n) int64
   Tokens encode_text(const at::Tensor& ids, const at::Tensor& lengths,
-                     Dropout* dropout = nullptr) const;
-  Tokens encode_panorama(const PanoramaInput& input, Dropout* dropout = nullptr) const;
+                     RateDropout* dropout = nullptr) const;
+  Tokens encode_panorama(const PanoramaInput& input, RateDropout* dropout = nullptr) const;
   /// A third of a step's work on the text is the same in every step of an episode.
   PreparedText prepare(const Tokens& text) const;
   NavigationOutput navigate(const PreparedText& text, const NavigationInput& input,
-                            Dropout* dropout = nullptr) const;
+                            RateDropout* dropout = nullptr) const;
   NavigationOutput navigate(const Tokens& text, const NavigationInput& input,
-                            Dropout* dropout = nullptr) const {
+                            RateDropout* dropout = nullptr) const {
     return navigate(prepare(text), input, dropout);
   }
   /// Input of a branch's first layer, each with its position: nodes of the map (n, g, hidden), or

@@ -17,7 +17,7 @@
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/features/tensor_file.h"
 #include "enfilade/neural/core/optimizer.h"
-#include "enfilade/neural/core/random_weights.h"
+#include "enfilade/neural/core/weights.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_duet.h"
 #include "tests/support/temporary_folder.h"
@@ -104,7 +104,7 @@ TEST(DuetNetworkTest, DropoutFollowsItsSeed) {
   const Batch batch;
   const c10::NoGradGuard no_gradients;
   const auto run = [&](std::uint64_t seed) {
-    Dropout dropout(seed, 0.3);
+    RateDropout dropout(seed, 0.3);
     return batch.run(network, &dropout).local_scores;
   };
   EXPECT_TRUE(at::equal(run(5), run(5)));
@@ -114,7 +114,8 @@ TEST(DuetNetworkTest, DropoutFollowsItsSeed) {
 TEST(DuetNetworkTest, SavedWeightsAreTheSameAndSayTheirSizes) {
   const TemporaryFolder folder("duet");
   const DuetNetwork network(tiny_duet(), 1);
-  network.save(folder.path() / "weights.safetensors");
+  features::write_safetensors(folder.path() / "weights.safetensors",
+                              core::as_arrays(network.weights()));
   const auto file = features::TensorFile::open(folder.path() / "weights.safetensors");
   const DuetConfig config = infer_config(file, 2);
   EXPECT_EQ(config.hidden, 8);
@@ -137,7 +138,8 @@ TEST(DuetNetworkTest, SavedWeightsAreTheSameAndSayTheirSizes) {
 TEST(DuetNetworkTest, WeightsOfAnotherNetworkAreRefusedByName) {
   const TemporaryFolder folder("duet");
   const DuetNetwork network(tiny_duet(), 1);
-  network.save(folder.path() / "weights.safetensors");
+  features::write_safetensors(folder.path() / "weights.safetensors",
+                              core::as_arrays(network.weights()));
   const auto file = features::TensorFile::open(folder.path() / "weights.safetensors");
   DuetConfig other = tiny_duet();
   other.text_layers = 2;
@@ -163,7 +165,7 @@ TEST(DuetTrainingTest, AnUpdateIsAdamWs) {
   const at::Tensor before = weight.detach().clone();
   add_gradients(network);
   const at::Tensor gradient = weight.grad().clone();
-  EXPECT_LT(core::Optimizer(config).update(network.weights()), config.clip)
+  EXPECT_LT(core::WeightOptimizer(config).update(network.weights()), config.clip)
       << "so nothing is scaled down";
   // Of the first update the moments' quotient is g / (|g| + epsilon).
   const at::Tensor expected =
@@ -181,13 +183,13 @@ TEST(DuetTrainingTest, GoesOnFromAFileAsIfNothingHadHappened) {
     config.kind = kind;
     config.warm_up = 3;
     config.end = 9;
-    core::Optimizer optimizer(config);
+    core::WeightOptimizer optimizer(config);
     add_gradients(network);
     optimizer.update(network.weights());
     features::write_safetensors(folder.path() / "state.safetensors",
                                 core::as_arrays(optimizer.state(network.weights())));
     const DuetNetwork other(tiny_duet(), 2);
-    core::Optimizer resumed(config);
+    core::WeightOptimizer resumed(config);
     resumed.load(other.weights(), features::TensorFile::open(folder.path() / "state.safetensors"));
     EXPECT_EQ(resumed.updates(), 1U);
     EXPECT_EQ(resumed.rate(), optimizer.rate());
@@ -207,7 +209,7 @@ TEST(OptimizerTest, TheRateRisesThenFallsToNothing) {
   config.end = 6;
   config.rates.learning_rate = 8;
   core::Weights weights{{"w", at::zeros({1}).set_requires_grad(true)}};
-  core::Optimizer optimizer(config);
+  core::WeightOptimizer optimizer(config);
   std::vector<double> rates;
   for (int i = 0; i < 7; ++i) {
     rates.push_back(optimizer.rate());

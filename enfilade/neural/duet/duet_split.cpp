@@ -5,40 +5,20 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <iterator>
 #include <map>
-#include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/geometry/angle.h"
-#include "enfilade/models/decision_recorder.h"
-#include "enfilade/neural/core/split_rollout.h"
+#include "enfilade/models/decisions.h"
+#include "enfilade/neural/core/batches.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::neural::duet {
 namespace {
-
-// Records the steps of rollout_episodes(). One thread at a time.
-class DuetRecording {
- public:
-  // Of all episodes of a split.
-  explicit DuetRecording(const DuetSplit& split);
-
-  // An observer of a walk of these episodes, which have to stay as long as it is used.
-  StepWatcher observer(std::span<const std::size_t> episodes);
-  const models::DecisionRecorder& recorder() const noexcept { return recorder_; }
-
- private:
-  void add(const StepOfAll& step, std::size_t row, std::size_t episode);
-
-  models::DecisionRecorder recorder_;
-  std::map<std::size_t, std::map<ViewpointIndex, float>> stops_;  // by episode
-};
 
 std::vector<float> row_of(const at::Tensor& values, std::size_t row) {
   const at::Tensor one = values.select(0, static_cast<std::int64_t>(row))
@@ -81,53 +61,65 @@ std::string likeliest_object(const StepOfAll& step, std::size_t row) {
   return seen.objects[static_cast<std::size_t>(object)].id;
 }
 
-DuetRecording::DuetRecording(const DuetSplit& split)
-    : recorder_(models::AgentKind::kDuet, split.episodes().episodes.size()) {
-  for (std::size_t i = 0; i < split.episodes().episodes.size(); ++i) {
-    std::vector<std::string> text;
-    for (const std::int64_t id : split.episode(i).words) text.push_back(split.words().word(id));
-    recorder_.read(i, std::move(text));
-  }
-}
-
-StepWatcher DuetRecording::observer(std::span<const std::size_t> episodes) {
-  return [this, episodes](const StepOfAll& step) {
-    for (std::size_t row = 0; row < step.rows.size(); ++row) {
-      add(step, row, episodes[step.rows[row].episode]);
+// Records the steps of rollout_episodes(). One thread at a time.
+class DuetRecording {
+ public:
+  // Of all episodes of a split.
+  explicit DuetRecording(const DuetSplit& split)
+      : recorder_(models::AgentKind::kDuet, split.episodes().episodes.size()) {
+    for (std::size_t i = 0; i < split.episodes().episodes.size(); ++i) {
+      std::vector<std::string> text;
+      for (const std::int64_t id : split.episode(i).words) text.push_back(split.words().word(id));
+      recorder_.read(i, std::move(text));
     }
-  };
-}
-
-void DuetRecording::add(const StepOfAll& step, std::size_t row, std::size_t episode) {
-  const StepRow& seen = step.rows[row];
-  const TopologicalMap& map = *seen.map;
-  const std::vector<float> fused = row_of(step.output->fused_logits, row);
-  const std::vector<float> common = models::probabilities(fused);
-  const std::vector<float> global = models::probabilities(row_of(step.output->global_logits, row));
-  const auto local = local_probabilities(step, row, common.size());
-  std::map<ViewpointIndex, float>& stops = stops_[episode];
-  stops[seen.pose.viewpoint] = common[0];
-
-  models::RecordedStep recorded{seen.pose.viewpoint, seen.pose.heading(), seen.pose.elevation()};
-  recorded.map_share = row_of(step.output->fuse_weight, row).at(0);
-  recorded.choices.push_back({std::nullopt, common[0], global[0], local[0]});
-  for (std::size_t i = 0; i < seen.nodes.size(); ++i) {
-    const ViewpointIndex there = map.viewpoint(seen.nodes[i]);
-    const bool visited = map.visited(seen.nodes[i]);
-    const auto stop = stops.find(there);
-    recorded.nodes.push_back(
-        {there, visited,
-         visited && stop != stops.end() ? std::optional(stop->second) : std::nullopt});
-    if (!std::isfinite(fused[i + 1])) continue;
-    if (seen.goes_to == there) recorded.chosen = recorded.choices.size();
-    recorded.choices.push_back({there, common[i + 1], global[i + 1], local[i + 1]});
   }
-  if (seen.goes_to) {
-    map.path(*map.find(seen.pose.viewpoint), *map.find(*seen.goes_to), recorded.way);
+  const models::DecisionRecorder& recorder() const noexcept { return recorder_; }
+
+  // An observer of a walk of these episodes, which have to stay as long as it is used.
+  StepWatcher observer(std::span<const std::size_t> episodes) {
+    return [this, episodes](const StepOfAll& step) {
+      for (std::size_t row = 0; row < step.rows.size(); ++row) {
+        add(step, row, episodes[step.rows[row].episode]);
+      }
+    };
   }
-  recorded.object = likeliest_object(step, row);
-  recorder_.add(episode, std::move(recorded));
-}
+
+ private:
+  void add(const StepOfAll& step, std::size_t row, std::size_t episode) {
+    const StepRow& seen = step.rows[row];
+    const TopologicalMap& map = *seen.map;
+    const std::vector<float> fused = row_of(step.output->fused_logits, row);
+    const std::vector<float> common = models::probabilities(fused);
+    const std::vector<float> global =
+        models::probabilities(row_of(step.output->global_logits, row));
+    const auto local = local_probabilities(step, row, common.size());
+    std::map<ViewpointIndex, float>& stops = stops_[episode];
+    stops[seen.pose.viewpoint] = common[0];
+
+    models::RecordedStep recorded{seen.pose.viewpoint, seen.pose.heading(), seen.pose.elevation()};
+    recorded.map_share = row_of(step.output->fuse_weight, row).at(0);
+    recorded.choices.push_back({std::nullopt, common[0], global[0], local[0]});
+    for (std::size_t i = 0; i < seen.nodes.size(); ++i) {
+      const ViewpointIndex there = map.viewpoint(seen.nodes[i]);
+      const bool visited = map.visited(seen.nodes[i]);
+      const auto stop = stops.find(there);
+      recorded.nodes.push_back(
+          {there, visited,
+           visited && stop != stops.end() ? std::optional(stop->second) : std::nullopt});
+      if (!std::isfinite(fused[i + 1])) continue;
+      if (seen.goes_to == there) recorded.chosen = recorded.choices.size();
+      recorded.choices.push_back({there, common[i + 1], global[i + 1], local[i + 1]});
+    }
+    if (seen.goes_to) {
+      map.path(*map.find(seen.pose.viewpoint), *map.find(*seen.goes_to), recorded.way);
+    }
+    recorded.object = likeliest_object(step, row);
+    recorder_.add(episode, std::move(recorded));
+  }
+
+  models::DecisionRecorder recorder_;
+  std::map<std::size_t, std::map<ViewpointIndex, float>> stops_;  // by episode
+};
 
 void check(const features::ObjectSet* objects, std::int64_t wanted) {
   constexpr std::size_t kClasses = 1000;  // scores that published files have behind the features

@@ -1,4 +1,4 @@
-/// \file  A split for DUET.
+/// \file  A split for DUET, and the loss of its rollouts.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -61,5 +61,20 @@ std::vector<tasks::Trajectory> rollout_episodes(const DuetNetwork& network, Duet
 std::vector<tasks::Trajectory> rollout_and_write(const DuetNetwork& network, DuetSplit& split,
                                                  const SplitRollout& options,
                                                  const Progress& progress = {});
+
+/// A part of an iteration: one batch, rolled out in one way.
+struct WeightedRollout {
+  std::span<const RolloutEpisode> episodes;
+  DuetRolloutOptions options;  ///< with an expert
+  double weight = 1;  ///< of its loss, which is summed over steps and averaged over episodes
+};
+/// The losses of rollouts, which autograd can follow back.
+struct DuetLosses {
+  at::Tensor sum;                  ///< weights included; undefined: there is nothing to learn
+  double environment_seconds = 0;  ///< as Rollout's, of all rollouts
+};
+DuetLosses rollout_for_loss(const DuetNetwork& network, RolloutRunner& runner,
+                            std::span<const WeightedRollout> rollouts,
+                            const StepWatcher& watcher = {});
 
 }  // namespace enfilade::neural::duet

@@ -2,7 +2,6 @@
 
 #include <ATen/ATen.h>
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include "enfilade/core/check.h"
@@ -43,8 +42,8 @@ at::Tensor padded(const std::vector<at::Tensor>& rows) {
 }
 
 // Angle feature relative to a pose, then the box.
-void write_location(float* to, Radians heading, Radians elevation, const Pose& pose, float height,
-                    float width) {
+void write_location(float* to, Radians heading, Radians elevation, const ViewpointPose& pose,
+                    float height, float width) {
   const agents::AngleFeature angles =
       agents::angle_feature(heading - pose.heading(), elevation - pose.elevation());
   std::ranges::copy(angles, to);
@@ -52,81 +51,6 @@ void write_location(float* to, Radians heading, Radians elevation, const Pose& p
   to[5] = width;
   to[6] = height * width;
 }
-
-}  // namespace
-
-EpisodeState::EpisodeState(const RolloutEpisode& walked, std::size_t place_in_batch,
-                           const graph::NavGraph& scan)
-    : episode(&walked),
-      number(place_in_batch),
-      graph(&scan),
-      pose{walked.start, walked.start_view} {
-  walk.path = {{walked.start}};
-}
-
-void EpisodeState::look(const RolloutRunner::Place& seen, std::size_t step) {
-  place = &seen;
-  map.arrive(*graph, pose.viewpoint, seen.panorama->candidates, static_cast<std::uint32_t>(step));
-  embeddings.resize(map.size());
-  objects.resize(map.size());
-}
-
-void EpisodeState::embed(std::int64_t mean, std::int64_t first) {
-  embeddings[node()] = {mean};
-  for (std::size_t i = 0; i < place->panorama->candidates.size(); ++i) {
-    const TopologicalMap::Node seen = *map.find(place->panorama->candidates[i].viewpoint);
-    if (!map.visited(seen)) embeddings[seen].push_back(first + static_cast<std::int64_t>(i));
-  }
-}
-
-void EpisodeState::go(TopologicalMap::Node to, RolloutRunner& runner, const DuetConfig& config) {
-  std::vector<ViewpointIndex> way;
-  map.path(node(), to, way);
-  const ViewpointIndex before = way.size() > 1 ? way[way.size() - 2] : pose.viewpoint;
-  const RolloutRunner::Place& last = runner.place(config, {episode->scan, before});
-  const auto view = agents::arrival_view(*last.panorama, way.back());
-  EN_CHECK(view.has_value());
-  pose = {way.back(), *view};
-  walk.path.push_back(way);
-}
-
-void EpisodeState::remember(ViewpointIndex viewpoint, double stop_probability,
-                            std::string best_object) {
-  const TopologicalMap::Node visited = *map.find(viewpoint);
-  walk.stop_probabilities.emplace_back(viewpoint, stop_probability);
-  stops.remember(visited, stop_probability);
-  objects[visited] = std::move(best_object);
-}
-
-void EpisodeState::finish(agents::FinalStop rule) {
-  const TopologicalMap::Node stop = rule == agents::FinalStop::kAlways ? *stops.best() : node();
-  walk.stop = map.viewpoint(stop);
-  walk.object = objects[stop];
-  std::vector<ViewpointIndex> way;
-  agents::final_walk(map, node(), stops, agents::LastAction::kStop, rule, way);
-  if (!way.empty()) walk.path.push_back(std::move(way));
-}
-
-std::vector<ViewpointIndex> EpisodeState::walked() const {
-  std::vector<ViewpointIndex> all;
-  for (const auto& part : walk.path) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
-
-std::pair<at::Tensor, at::Tensor> words_of(std::span<const RolloutEpisode> episodes,
-                                           const DuetConfig& config) {
-  std::vector<at::Tensor> rows;
-  std::vector<std::int64_t> lengths;
-  for (const RolloutEpisode& episode : episodes) {
-    const auto n =
-        std::min(std::ssize(episode.words), static_cast<std::ptrdiff_t>(config.max_words));
-    lengths.push_back(n);
-    rows.push_back(at::tensor(episode.words, at::kLong).narrow(0, 0, n).unsqueeze(1));
-  }
-  return {padded(rows).squeeze(2), at::tensor(lengths, at::kLong)};
-}
-
-namespace {
 
 // Angle features and kinds of one panorama's tokens.
 void write_tokens(const Stand& stand, std::int64_t i, Filled<float>& locations,
@@ -138,7 +62,7 @@ void write_tokens(const Stand& stand, std::int64_t i, Filled<float>& locations,
   }
   const auto& all = stand.place->panorama->token_views;
   for (const std::uint32_t view : std::span(all).subspan(static_cast<std::size_t>(j))) {
-    const Pose centre{{}, view};
+    const ViewpointPose centre{{}, view};
     write_location(locations.at(i, j++), centre.heading(), centre.elevation(), stand.pose, 1, 1);
   }
   for (const features::ObjectView& object : stand.place->objects) {
@@ -197,45 +121,14 @@ std::int64_t most_views(std::span<const Stand> stands) {
   return most;
 }
 
-std::vector<Stand> stands_of(std::span<EpisodeState* const> states) {
+std::vector<Stand> stands_of(std::span<DuetEpisodeState* const> states) {
   std::vector<Stand> stands;
-  for (const EpisodeState* state : states) stands.push_back({state->place, state->pose});
+  for (const DuetEpisodeState* state : states) stands.push_back({state->place, state->pose});
   return stands;
 }
 
-}  // namespace
-
-PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& config) {
-  PanoramaInput input = tokens_of(stands, config);
-  input.views = views_of(stands, most_views(stands), config.image);
-  return input;
-}
-
-PanoramaInput panorama_of(std::span<EpisodeState* const> states, const DuetConfig& config) {
-  return panorama_of(stands_of(states), config);
-}
-
-PanoramaInput panorama_of(std::span<EpisodeState* const> states, const DuetConfig& config,
-                          core::ResidentViews& views) {
-  const std::vector<Stand> stands = stands_of(states);
-  PanoramaInput input = tokens_of(stands, config);
-  const std::int64_t n = std::ssize(states), longest = most_views(stands);
-  std::vector<std::int64_t> rows(static_cast<std::size_t>(n * longest),
-                                 core::ResidentViews::kNothing);
-  for (std::int64_t i = 0; i < n; ++i) {
-    const EpisodeState& state = *states[static_cast<std::size_t>(i)];
-    const std::int64_t first = views.first_row({state.episode->scan, state.pose.viewpoint});
-    std::ranges::transform(state.place->panorama->token_views, rows.begin() + i * longest,
-                           [first](std::uint32_t view) { return first + view; });
-  }
-  input.views = views.gather(rows).view({n, longest, config.image});
-  return input;
-}
-
-namespace {
-
 // Where a node is for an agent.
-agents::MapFeature feature_of(const EpisodeState& state, TopologicalMap::Node node) {
+agents::MapFeature feature_of(const DuetEpisodeState& state, TopologicalMap::Node node) {
   return agents::map_feature(state.map, *state.map.find(state.pose.viewpoint), node,
                              state.pose.heading(), state.pose.elevation());
 }
@@ -248,7 +141,7 @@ struct MapRows {
   Filled<bool>& mask;
   Filled<bool>& visited;
 
-  void write(std::int64_t i, const EpisodeState& state,
+  void write(std::int64_t i, const DuetEpisodeState& state,
              std::span<const TopologicalMap::Node> rows) {
     std::ranges::copy(agents::kStopFeature, positions.at(i, 0));
     *mask.at(i, 0) = true;
@@ -267,7 +160,7 @@ struct MapRows {
 
 // Embeddings of the maps' rows, zeros for stop and padding: a few large operations in place of many
 // small ones, which autograd would have to follow back one by one.
-at::Tensor node_embeddings(std::span<EpisodeState* const> states,
+at::Tensor node_embeddings(std::span<DuetEpisodeState* const> states,
                            std::span<const std::vector<TopologicalMap::Node>> rows,
                            std::int64_t longest, const at::Tensor& pool) {
   std::vector<std::int64_t> from, to;
@@ -298,7 +191,7 @@ struct TokenRows {
   Filled<bool>& objects;
   Filled<std::int64_t>& nodes;
 
-  void write(std::int64_t i, std::int64_t length, const EpisodeState& state,
+  void write(std::int64_t i, std::int64_t length, const DuetEpisodeState& state,
              std::span<const TopologicalMap::Node> rows) {
     const agents::MapFeature start = feature_of(state, 0);
     for (std::int64_t j = 0; j < length; ++j) {
@@ -322,7 +215,106 @@ struct TokenRows {
 
 }  // namespace
 
-NavigationInput places_of(std::span<EpisodeState* const> states,
+DuetEpisodeState::DuetEpisodeState(const RolloutEpisode& walked, std::size_t place_in_batch,
+                                   const graph::NavGraph& scan)
+    : episode(&walked),
+      number(place_in_batch),
+      graph(&scan),
+      pose{walked.start, walked.start_view} {
+  walk.path = {{walked.start}};
+}
+
+void DuetEpisodeState::look(const RolloutRunner::SeenViewpoint& seen, std::size_t step) {
+  place = &seen;
+  map.arrive(*graph, pose.viewpoint, seen.panorama->candidates, static_cast<std::uint32_t>(step));
+  embeddings.resize(map.size());
+  objects.resize(map.size());
+}
+
+void DuetEpisodeState::embed(std::int64_t mean, std::int64_t first) {
+  embeddings[node()] = {mean};
+  for (std::size_t i = 0; i < place->panorama->candidates.size(); ++i) {
+    const TopologicalMap::Node seen = *map.find(place->panorama->candidates[i].viewpoint);
+    if (!map.visited(seen)) embeddings[seen].push_back(first + static_cast<std::int64_t>(i));
+  }
+}
+
+void DuetEpisodeState::go(TopologicalMap::Node to, RolloutRunner& runner,
+                          const DuetConfig& config) {
+  std::vector<ViewpointIndex> way;
+  map.path(node(), to, way);
+  const ViewpointIndex before = way.size() > 1 ? way[way.size() - 2] : pose.viewpoint;
+  const RolloutRunner::SeenViewpoint& last = runner.place(config, {episode->scan, before});
+  const auto view = agents::arrival_view(*last.panorama, way.back());
+  EN_CHECK(view.has_value());
+  pose = {way.back(), *view};
+  walk.path.push_back(way);
+}
+
+void DuetEpisodeState::remember(ViewpointIndex viewpoint, double stop_probability,
+                                std::string best_object) {
+  const TopologicalMap::Node visited = *map.find(viewpoint);
+  walk.stop_probabilities.emplace_back(viewpoint, stop_probability);
+  stops.remember(visited, stop_probability);
+  objects[visited] = std::move(best_object);
+}
+
+void DuetEpisodeState::finish(agents::FinalStop rule) {
+  const TopologicalMap::Node stop = rule == agents::FinalStop::kAlways ? *stops.best() : node();
+  walk.stop = map.viewpoint(stop);
+  walk.object = objects[stop];
+  std::vector<ViewpointIndex> way;
+  agents::final_walk(map, node(), stops, agents::LastAction::kStop, rule, way);
+  if (!way.empty()) walk.path.push_back(std::move(way));
+}
+
+std::vector<ViewpointIndex> DuetEpisodeState::walked() const {
+  std::vector<ViewpointIndex> all;
+  for (const auto& part : walk.path) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+std::pair<at::Tensor, at::Tensor> words_of(std::span<const RolloutEpisode> episodes,
+                                           const DuetConfig& config) {
+  std::vector<at::Tensor> rows;
+  std::vector<std::int64_t> lengths;
+  for (const RolloutEpisode& episode : episodes) {
+    const auto n =
+        std::min(std::ssize(episode.words), static_cast<std::ptrdiff_t>(config.max_words));
+    lengths.push_back(n);
+    rows.push_back(at::tensor(episode.words, at::kLong).narrow(0, 0, n).unsqueeze(1));
+  }
+  return {padded(rows).squeeze(2), at::tensor(lengths, at::kLong)};
+}
+
+PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& config) {
+  PanoramaInput input = tokens_of(stands, config);
+  input.views = views_of(stands, most_views(stands), config.image);
+  return input;
+}
+
+PanoramaInput panorama_of(std::span<DuetEpisodeState* const> states, const DuetConfig& config) {
+  return panorama_of(stands_of(states), config);
+}
+
+PanoramaInput panorama_of(std::span<DuetEpisodeState* const> states, const DuetConfig& config,
+                          core::ResidentViews& views) {
+  const std::vector<Stand> stands = stands_of(states);
+  PanoramaInput input = tokens_of(stands, config);
+  const std::int64_t n = std::ssize(states), longest = most_views(stands);
+  std::vector<std::int64_t> rows(static_cast<std::size_t>(n * longest),
+                                 core::ResidentViews::kNothing);
+  for (std::int64_t i = 0; i < n; ++i) {
+    const DuetEpisodeState& state = *states[static_cast<std::size_t>(i)];
+    const std::int64_t first = views.first_row({state.episode->scan, state.pose.viewpoint});
+    std::ranges::transform(state.place->panorama->token_views, rows.begin() + i * longest,
+                           [first](std::uint32_t view) { return first + view; });
+  }
+  input.views = views.gather(rows).view({n, longest, config.image});
+  return input;
+}
+
+NavigationInput places_of(std::span<DuetEpisodeState* const> states,
                           std::span<const std::vector<TopologicalMap::Node>> rows,
                           std::int64_t longest, const DuetConfig& config) {
   const auto n = std::ssize(states);
@@ -354,7 +346,7 @@ NavigationInput places_of(std::span<EpisodeState* const> states,
   return input;
 }
 
-NavigationInput navigation_of(std::span<EpisodeState* const> states,
+NavigationInput navigation_of(std::span<DuetEpisodeState* const> states,
                               std::span<const std::vector<TopologicalMap::Node>> rows,
                               const Tokens& panorama, const at::Tensor& pool,
                               const DuetConfig& config) {

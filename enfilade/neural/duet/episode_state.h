@@ -7,18 +7,18 @@
 #include <string>
 #include <vector>
 
-#include "enfilade/agents/final_stop.h"
+#include "enfilade/agents/topological_map.h"
 #include "enfilade/neural/duet/rollout.h"
 
 namespace enfilade::neural::duet {
 
 /// One episode. Embeddings are by the map's nodes.
-class EpisodeState {
+class DuetEpisodeState {
  public:
-  EpisodeState(const RolloutEpisode& episode, std::size_t number, const graph::NavGraph& graph);
+  DuetEpisodeState(const RolloutEpisode& episode, std::size_t number, const graph::NavGraph& graph);
 
   /// What it sees where it stands becomes part of the map; `step` is that of the visit.
-  void look(const RolloutRunner::Place& place, std::size_t step);
+  void look(const RolloutRunner::SeenViewpoint& place, std::size_t step);
   /// The node where it stands, and the open ones that are seen from it, have embeddings now.
   /// \param mean row of the pool with the mean of its panorama's tokens
   /// \param first row of the pool with its first token
@@ -34,9 +34,9 @@ class EpisodeState {
   const RolloutEpisode* episode;
   std::size_t number;
   const graph::NavGraph* graph;
-  Pose pose;
+  ViewpointPose pose;
   TopologicalMap map;
-  const RolloutRunner::Place* place = nullptr;
+  const RolloutRunner::SeenViewpoint* place = nullptr;
   /// Per node, rows of the pool; their mean is the node's embedding. A visited node has one row,
   /// which is a mean itself. An open node has the rows of the tokens that have shown it.
   std::vector<std::vector<std::int64_t>> embeddings;
@@ -52,24 +52,24 @@ class EpisodeState {
 /// Word ids and their numbers, padded. At most config.max_words of each episode are taken.
 std::pair<at::Tensor, at::Tensor> words_of(std::span<const RolloutEpisode> episodes,
                                            const DuetConfig& config);
-PanoramaInput panorama_of(std::span<EpisodeState* const> states, const DuetConfig& config);
+PanoramaInput panorama_of(std::span<DuetEpisodeState* const> states, const DuetConfig& config);
 /// Someone who looks around.
 struct Stand {
-  const RolloutRunner::Place* place = nullptr;
-  Pose pose;
+  const RolloutRunner::SeenViewpoint* place = nullptr;
+  ViewpointPose pose;
 };
 PanoramaInput panorama_of(std::span<const Stand> stands, const DuetConfig& config);
 /// The same with the views on a card; all else is on the CPU.
-PanoramaInput panorama_of(std::span<EpisodeState* const> states, const DuetConfig& config,
+PanoramaInput panorama_of(std::span<DuetEpisodeState* const> states, const DuetConfig& config,
                           core::ResidentViews& views);
 /// All of navigation_of() but what is learned: nodes, tokens and their mask stay undefined.
 /// \param tokens of the longest panorama \param rows each map's rows()
-NavigationInput places_of(std::span<EpisodeState* const> states,
+NavigationInput places_of(std::span<DuetEpisodeState* const> states,
                           std::span<const std::vector<TopologicalMap::Node>> rows,
                           std::int64_t tokens, const DuetConfig& config);
 /// \param rows each map's rows()
 /// \param pool (rows, hidden) what EpisodeState::embeddings name
-NavigationInput navigation_of(std::span<EpisodeState* const> states,
+NavigationInput navigation_of(std::span<DuetEpisodeState* const> states,
                               std::span<const std::vector<TopologicalMap::Node>> rows,
                               const Tokens& panorama, const at::Tensor& pool,
                               const DuetConfig& config);

@@ -1,4 +1,4 @@
-#include "enfilade/neural/duet/pretraining_network.h"
+#include "enfilade/neural/duet/pretraining_tasks.h"
 
 #include <ATen/ATen.h>
 #include <c10/core/GradMode.h>
@@ -108,7 +108,7 @@ TEST(PretrainingNetworkTest, ItsFileIsThatOfAnAgentToo) {
     EXPECT_TRUE(at::equal(values, network.weights().at(name))) << name;
   }
   const PretrainingNetwork again(tiny_duet(), file, 2);
-  EXPECT_EQ(again.arrays().size(), network.weights().size());
+  EXPECT_EQ(again.weights().size(), network.weights().size());
   for (const auto& [name, values] : network.weights()) {
     EXPECT_TRUE(at::equal(values, again.weights().at(name))) << name;
   }

@@ -4,22 +4,21 @@
 #include <ATen/core/Reduction.h>
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <optional>
+#include <string>
 #include <tuple>
 #include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/neural/core/transformer_ops.h"
 #include "enfilade/neural/duet/episode_state.h"
-#include "enfilade/neural/duet/labels.h"
 
 namespace enfilade::neural::duet {
 namespace {
 
-constexpr std::array<std::string_view, 4> kTasks{"words", "views", "action", "object"};
 constexpr double kLeastNorm = 1e-6;
 
 using Ids = std::vector<std::int64_t>;
@@ -65,8 +64,8 @@ class Builder {
     std::tie(batch_.ids, batch_.lengths) = words_of(episodes_, config_);
     batch_.panoramas = panorama_of(stands_, config_);
     longest_ = batch_.panoramas.locations.size(1);
-    std::vector<EpisodeState*> states;
-    for (EpisodeState& state : states_) {
+    std::vector<DuetEpisodeState*> states;
+    for (DuetEpisodeState& state : states_) {
       states.push_back(&state);
       nodes_.emplace_back(state.map.rows().begin(), state.map.rows().end());
     }
@@ -96,7 +95,7 @@ class Builder {
     const graph::NavGraph& graph = runner_.graph(episode.scan);
     const std::vector<ViewpointIndex> path = walkable(graph, episode);
     const std::size_t walked = visits(path.size(), random_[i]);
-    EpisodeState& state = states_.emplace_back(episode, i, graph);
+    DuetEpisodeState& state = states_.emplace_back(episode, i, graph);
     first_.push_back(stands_.size());
     for (std::size_t t = 0; t < walked; ++t) {
       if (t > 0) state.go(*state.map.find(path[t]), runner_, config_);
@@ -133,12 +132,12 @@ class Builder {
 
   // A visited node is the mean of what was seen there last, an open one that of its views.
   void write_node(std::size_t i, TopologicalMap::Node node, float* shares) const {
-    const EpisodeState& state = states_[i];
+    const DuetEpisodeState& state = states_[i];
     const ViewpointIndex viewpoint = state.map.viewpoint(node);
     if (state.map.visited(node)) {
       std::size_t s = end(i) - 1;
       while (stands_[s].pose.viewpoint != viewpoint) --s;
-      const RolloutRunner::Place& place = *stands_[s].place;
+      const RolloutRunner::SeenViewpoint& place = *stands_[s].place;
       const std::size_t tokens = place.panorama->token_views.size() + place.objects.size();
       std::fill_n(shares + (s - first_[i]) * static_cast<std::size_t>(longest_), tokens,
                   1 / static_cast<float>(tokens));
@@ -162,7 +161,7 @@ class Builder {
       tokens.push_back(nodes.back());
       if (next_[i]) label(i, *next_[i], nodes.back(), tokens.back());
       objects.push_back(kNoLabel);
-      const RolloutRunner::Place& place = *states_[i].place;
+      const RolloutRunner::SeenViewpoint& place = *states_[i].place;
       const auto found =
           std::ranges::find(place.objects, episodes_[i].object, &features::ObjectView::id);
       if (episodes_[i].object.empty() || found == place.objects.end()) continue;
@@ -176,7 +175,7 @@ class Builder {
 
   // A path that comes back to a viewpoint has no node to go to there: visited ones are closed.
   void label(std::size_t i, ViewpointIndex next, std::int64_t& node, std::int64_t& token) const {
-    const EpisodeState& state = states_[i];
+    const DuetEpisodeState& state = states_[i];
     const TopologicalMap::Node goes_to = *state.map.find(next);
     if (!state.map.visited(goes_to)) {
       node = std::ranges::find(nodes_[i], goes_to) - nodes_[i].begin() + 1;
@@ -269,8 +268,8 @@ class Builder {
   std::span<const RolloutEpisode> episodes_;
   PretrainingDraws draws_;
   PretrainingBatch batch_;
-  std::vector<Rng> random_;           // by episode
-  std::vector<EpisodeState> states_;  // likewise
+  std::vector<Rng> random_;               // by episode
+  std::vector<DuetEpisodeState> states_;  // likewise
   std::vector<std::vector<TopologicalMap::Node>> nodes_;
   std::vector<std::optional<ViewpointIndex>> next_;  // of its path; none at its end
   std::vector<std::size_t> first_;                   // its first stand
@@ -298,11 +297,38 @@ at::Tensor contrast(const at::Tensor& guesses, const PretrainingBatch& batch) {
       at::arange(k, shown.options()));
 }
 
-}  // namespace
+constexpr const char* kBranches[] = {"local_encoder", "global_encoder"};
 
-std::string_view to_string(PretrainingTask task) noexcept {
-  return kTasks[static_cast<std::size_t>(task)];
+// Published code saves its pretraining's language layers below "bert.", not "vln_bert.".
+std::string language_layer(std::string_view branch, std::int64_t i) {
+  return fmt::format("bert.{}.encoder.x_layers.{}", branch, i);
 }
+
+bool no_head(std::string_view name) {
+  return !name.starts_with("bert.") && !name.starts_with("mlm_head.") &&
+         !name.starts_with("image_classifier.");
+}
+
+core::Weights heads_of(const DuetConfig& config, const features::TensorFile& file,
+                       std::uint64_t seed) {
+  const std::vector<core::ArraySpec> specs = pretraining_arrays_of(config);
+  const bool any = std::ranges::any_of(
+      specs, [&](const core::ArraySpec& spec) { return file.find(spec.name) != nullptr; });
+  if (!any) return random_weights(specs, Rng(seed, 1));
+  return core::read_weights(file, specs, no_head);
+}
+
+core::Weights together(const DuetNetwork& network, core::Weights heads) {
+  core::make_trainable(heads, network.device());
+  heads.insert(network.weights().begin(), network.weights().end());
+  return heads;
+}
+
+at::Tensor rows_of(const at::Tensor& values, const at::Tensor& which) {
+  return values.reshape({-1, values.size(2)}).index_select(0, which.to(values.device()));
+}
+
+}  // namespace
 
 std::vector<PretrainingTask> pretraining_tasks(const DuetConfig& config,
                                                const models::Inputs& inputs) {
@@ -322,7 +348,7 @@ PretrainingBatch pretraining_batch(RolloutRunner& runner, const DuetConfig& conf
 }
 
 NavigationInput navigation_of(const DuetNetwork& network, const PretrainingBatch& batch,
-                              Dropout* dropout) {
+                              RateDropout* dropout) {
   const c10::Device device = network.device();
   PanoramaInput panoramas = batch.panoramas.on(device);
   if (dropout != nullptr) {
@@ -344,7 +370,7 @@ NavigationInput navigation_of(const DuetNetwork& network, const PretrainingBatch
 }
 
 at::Tensor pretraining_loss(const PretrainingNetwork& network, const PretrainingBatch& batch,
-                            Dropout* dropout) {
+                            RateDropout* dropout) {
   const bool masks = batch.masked.defined();
   if (masks && batch.masked.numel() == 0) return {};
   const DuetNetwork& agent = network.agent();
@@ -367,6 +393,82 @@ at::Tensor pretraining_loss(const PretrainingNetwork& network, const Pretraining
     if (part.defined()) loss = loss + part;
   }
   return loss;
+}
+
+std::vector<core::ArraySpec> pretraining_arrays_of(const DuetConfig& config) {
+  const std::int64_t hidden = config.hidden;
+  std::vector<core::ArraySpec> specs;
+  for (const char* branch : kBranches) {
+    for (std::int64_t i = 0; i < config.cross_layers; ++i) {
+      const std::string layer = language_layer(branch, i);
+      for (const char* part : {".self.query", ".self.key", ".self.value", ".output.dense"}) {
+        core::add_layer(specs, layer + ".lang_self_att" + part, {hidden, hidden});
+      }
+      core::add_layer(specs, layer + ".lang_self_att.output.LayerNorm", {hidden});
+      core::add_layer(specs, layer + ".lang_inter.dense", {config.feed_forward, hidden});
+      core::add_layer(specs, layer + ".lang_output.dense", {hidden, config.feed_forward});
+      core::add_layer(specs, layer + ".lang_output.LayerNorm", {hidden});
+    }
+  }
+  const std::string words = "mlm_head.predictions";
+  core::add_layer(specs, words + ".transform.dense", {hidden, hidden});
+  core::add_layer(specs, words + ".transform.LayerNorm", {hidden});
+  specs.push_back({words + ".bias", {config.vocabulary}});
+  if (config.image > 0) {
+    core::add_layer(specs, "image_classifier.net.0", {hidden, hidden});
+    core::add_layer(specs, "image_classifier.net.2", {hidden});
+    core::add_layer(specs, "image_classifier.net.3", {config.image, hidden});
+  }
+  return specs;
+}
+
+PretrainingNetwork::PretrainingNetwork(const DuetConfig& config, std::uint64_t seed,
+                                       c10::Device device)
+    : agent_(config, seed, device),
+      weights_(together(agent_, random_weights(pretraining_arrays_of(config), Rng(seed, 1)))) {}
+
+PretrainingNetwork::PretrainingNetwork(const DuetConfig& config, const features::TensorFile& file,
+                                       std::uint64_t seed, c10::Device device)
+    : agent_(config, file, device), weights_(together(agent_, heads_of(config, file, seed))) {}
+
+at::Tensor PretrainingNetwork::text_side(const Layers& layers, const Tokens& text,
+                                         const at::Tensor& vision, const at::Tensor& mask,
+                                         const char* branch) const {
+  const at::Tensor words = bias_of(text.mask, kSoftMask), seen = bias_of(mask, kSoftMask);
+  at::Tensor x = text.values;
+  for (std::int64_t i = 0; i < config().cross_layers; ++i) {
+    // The same weights that take vision to the text.
+    const std::string cross =
+        fmt::format("vln_bert.{}.encoder.x_layers.{}.visual_attention", branch, i);
+    const std::string own = language_layer(branch, i);
+    x = layers.attention(x, vision, seen, cross + ".att", cross + ".output");
+    x = layers.attention(x, x, words, own + ".lang_self_att.self", own + ".lang_self_att.output");
+    x = layers.feed_forward(x, own + ".lang_inter", own + ".lang_output");
+  }
+  return x;
+}
+
+at::Tensor PretrainingNetwork::guess_words(const Tokens& text, const NavigationInput& input,
+                                           const at::Tensor& masked, RateDropout* dropout) const {
+  const Layers layers(weights_, config().heads, dropout);
+  const at::Tensor both =
+      text_side(layers, text, agent_.embed_nodes(input), input.node_mask, "global_encoder") +
+      text_side(layers, text, agent_.embed_tokens(input), input.token_mask, "local_encoder");
+  const std::string head = "mlm_head.predictions";
+  const at::Tensor inner =
+      core::gelu(layers.linear(rows_of(both, masked), head + ".transform.dense"));
+  return at::linear(layers.norm(inner, head + ".transform.LayerNorm"),
+                    layers.weight("vln_bert.embeddings.word_embeddings.weight"),
+                    layers.weight(head + ".bias"));
+}
+
+at::Tensor PretrainingNetwork::guess_views(const NavigationOutput& output,
+                                           const at::Tensor& masked) const {
+  EN_CHECK(config().image > 0);
+  const Layers layers(weights_, config().heads, nullptr);
+  const std::string head = "image_classifier.net";
+  const at::Tensor inner = core::gelu(layers.linear(rows_of(output.tokens, masked), head + ".0"));
+  return layers.linear(layers.norm(inner, head + ".2"), head + ".3");
 }
 
 }  // namespace enfilade::neural::duet

@@ -122,7 +122,7 @@ std::map<std::pair<std::size_t, std::size_t>, Led> led(RolloutRunner& runner,
                                                        const DuetNetwork& network,
                                                        std::span<const RolloutEpisode> episodes) {
   std::map<std::pair<std::size_t, std::size_t>, Led> all;
-  RolloutOptions options;
+  DuetRolloutOptions options;
   options.feedback = RolloutFeedback::kTeacher;
   options.expert = Expert::kReference;
   runner.run(network, episodes, options, [&](const StepOfAll& step) {
@@ -154,7 +154,7 @@ TEST_F(PretrainingTasksTest, ATeachersWalkAsOneBatchIsThatOfItsSteps) {
   for (const std::int64_t limit : {1, 3, 15}) {
     config_.max_actions = limit;
     const DuetNetwork network(config_, 1);
-    RolloutOptions options;
+    DuetRolloutOptions options;
     options.feedback = RolloutFeedback::kTeacher;
     options.expert = Expert::kReference;
     options.three_losses = true;
@@ -324,7 +324,7 @@ TEST_F(PretrainingTasksTest, TheSameDrawsGiveTheSameBatch) {
       other = other || !next.ids.equal(one.ids) || next.rows.numel() != one.rows.numel() ||
               !next.panoramas.views.equal(one.panoramas.views);
     }
-    EXPECT_TRUE(other) << to_string(task);
+    EXPECT_TRUE(other) << enum_name(task);
   }
 }
 
@@ -356,7 +356,7 @@ TEST_F(PretrainingTasksTest, ANetworkHasTheTasksThatItCanLearn) {
   EXPECT_EQ(tasks(), 2U);
   config_.object = 0;
   EXPECT_THAT(pretraining_tasks(config_, inputs), ElementsAre(PretrainingTask::kAction));
-  EXPECT_EQ(to_string(PretrainingTask::kObject), "object");
+  EXPECT_EQ(enum_name(PretrainingTask::kObject), "object");
 }
 
 TEST_F(PretrainingTasksTest, NothingToGuessIsNoLoss) {
@@ -380,7 +380,7 @@ int updates_until(const PretrainingNetwork& network, const std::vector<Pretraini
   core::OptimizerConfig config;
   // At 0.02 some first values never leave the mean of all views.
   config.rates.learning_rate = 0.005;
-  core::Optimizer optimizer(config);
+  core::WeightOptimizer optimizer(config);
   const double wanted = mean_loss(network, batches) * share;
   int updates = 0;
   while (updates < most && mean_loss(network, batches) >= wanted) {
@@ -406,7 +406,7 @@ TEST_F(PretrainingTasksTest, EachTaskIsLearned) {
     for (std::uint64_t seed = 1; seed <= 3 && least == kMost; ++seed) {
       least = updates_until(PretrainingNetwork(config_, seed), batches, share, kMost);
     }
-    EXPECT_LT(least, kMost) << to_string(task);
+    EXPECT_LT(least, kMost) << enum_name(task);
   }
 }
 

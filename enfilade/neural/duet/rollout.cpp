@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <limits>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
@@ -31,11 +31,40 @@ at::Tensor on_cpu(const at::Tensor& values) {
   return values.detach().to(at::kCPU, at::kFloat).contiguous();
 }
 
+// Place + 1 of the neighbour with the least way there and on to the goal, in the whole graph; the
+// first of equals. 0 on the goal, kNoLabel without a neighbour.
+std::int64_t neighbour_label(const graph::NavGraph& graph, ViewpointIndex here, ViewpointIndex goal,
+                             std::span<const ViewpointIndex> neighbours) {
+  if (here == goal) return 0;
+  std::int64_t best = kNoLabel;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    // In this order, as agents::map_expert(): the last bit decides between nodes of one way.
+    const double way = graph.distance(neighbours[i], goal) + graph.distance(here, neighbours[i]);
+    if (way < least) {
+      least = way;
+      best = static_cast<std::int64_t>(i) + 1;
+    }
+  }
+  return best;
+}
+
+// The viewpoint after the reference's number `step`; `here` itself at its end.
+ViewpointIndex next_on_reference(const graph::NavGraph& graph, ViewpointIndex here,
+                                 std::size_t step, std::span<const ViewpointIndex> reference) {
+  if (step >= reference.size() || reference[step] != here) {
+    throw ArgumentError(
+        fmt::format("the agent is at {:?} at step {}, which is not where the annotated path is",
+                    graph.id(here), step));
+  }
+  return reference[step + 1 == reference.size() ? step : step + 1];
+}
+
 // One rollout.
 class Run {
  public:
   Run(RolloutRunner& runner, const graph::GraphSet& graphs, const DuetNetwork& network,
-      std::span<const RolloutEpisode> episodes, const RolloutOptions& options,
+      std::span<const RolloutEpisode> episodes, const DuetRolloutOptions& options,
       const StepWatcher& watcher)
       : runner_(runner),
         network_(network),
@@ -44,7 +73,7 @@ class Run {
         watcher_(watcher) {
     for (const RolloutEpisode& episode : episodes) {
       states_.push_back(
-          std::make_unique<EpisodeState>(episode, states_.size(), graphs.graph(episode.scan)));
+          std::make_unique<DuetEpisodeState>(episode, states_.size(), graphs.graph(episode.scan)));
       look(*states_.back(), 0);
     }
     if (options.dropout) {
@@ -85,16 +114,16 @@ class Run {
     return !active_.empty();
   }
 
-  Dropout* dropout() { return dropout_ ? &*dropout_ : nullptr; }
+  RateDropout* dropout() { return dropout_ ? &*dropout_ : nullptr; }
 
-  void look(EpisodeState& state, std::size_t t) {
+  void look(DuetEpisodeState& state, std::size_t t) {
     state.look(runner_.place(config_, {state.episode->scan, state.pose.viewpoint}), t);
   }
 
   PreparedText text_of_active() const {
     if (active_.size() == states_.size()) return text_;
     std::vector<std::int64_t> which;
-    for (const EpisodeState* state : active_) {
+    for (const DuetEpisodeState* state : active_) {
       which.push_back(static_cast<std::int64_t>(state->number));
     }
     return text_.rows(at::tensor(which, at::kLong).to(network_.device()));
@@ -145,7 +174,7 @@ class Run {
     return seen;
   }
 
-  static Nodes nodes_of(const EpisodeState& state) {
+  static Nodes nodes_of(const DuetEpisodeState& state) {
     return {state.map.rows().begin(), state.map.rows().end()};
   }
 
@@ -153,7 +182,7 @@ class Run {
     const Tokens seen = see();
     const Clock::time_point begin = Clock::now();
     std::vector<Nodes> nodes;
-    for (const EpisodeState* state : active_) nodes.push_back(nodes_of(*state));
+    for (const DuetEpisodeState* state : active_) nodes.push_back(nodes_of(*state));
     const NavigationInput input = navigation_of(active_, nodes, seen, pool_, config_);
     spent_ += Clock::now() - begin;
     const NavigationOutput output = network_.navigate(text_of_active(), input, dropout());
@@ -185,13 +214,14 @@ class Run {
   void follow(Rollout& result) {
     const Clock::time_point begin = Clock::now();
     const std::int64_t stride = longest_panorama() + 1;
-    std::vector<std::unique_ptr<EpisodeState>> stands;  // the states as they were at each step
+    std::vector<std::unique_ptr<DuetEpisodeState>> stands;  // the states as they were at each step
     std::vector<Nodes> nodes;
     std::vector<StepRow> rows;
     for (std::size_t t = 0; t < most_steps() && find_active(); ++t) {
-      for (EpisodeState* state : active_) {
+      for (DuetEpisodeState* state : active_) {
         state->embed(std::ssize(stands) * stride, std::ssize(stands) * stride + 1);
-        const EpisodeState& stand = *stands.emplace_back(std::make_unique<EpisodeState>(*state));
+        const DuetEpisodeState& stand =
+            *stands.emplace_back(std::make_unique<DuetEpisodeState>(*state));
         nodes.push_back(nodes_of(stand));
         StepRow& row = rows.emplace_back();
         begin_row(stand, nodes.back(), row);
@@ -226,7 +256,7 @@ class Run {
     std::size_t longest = 0;
     for (const auto& state : states_) {
       for (const ViewpointIndex viewpoint : state->episode->reference) {
-        const RolloutRunner::Place& place =
+        const RolloutRunner::SeenViewpoint& place =
             runner_.place(config_, {state->episode->scan, viewpoint});
         longest = std::max(longest, place.panorama->token_views.size() + place.objects.size());
       }
@@ -234,8 +264,8 @@ class Run {
     return static_cast<std::int64_t>(longest);
   }
 
-  static void begin_row(const EpisodeState& state, const std::vector<TopologicalMap::Node>& nodes,
-                        StepRow& row) {
+  static void begin_row(const DuetEpisodeState& state,
+                        const std::vector<TopologicalMap::Node>& nodes, StepRow& row) {
     row.episode = state.number;
     row.pose = state.pose;
     row.map = &state.map;
@@ -263,7 +293,7 @@ class Run {
     }
   }
 
-  static std::int64_t expert_label(const EpisodeState& state, agents::ExpertRule rule) {
+  static std::int64_t expert_label(const DuetEpisodeState& state, agents::ExpertRule rule) {
     const std::vector<ViewpointIndex> walked = state.walked();
     const auto goes_to =
         agents::map_expert({*state.graph, state.map, walked, state.episode->reference}, rule);
@@ -271,7 +301,7 @@ class Run {
   }
 
   // 0 for the one where the agent stands.
-  static std::int64_t row_of_viewpoint(const EpisodeState& state, ViewpointIndex viewpoint) {
+  static std::int64_t row_of_viewpoint(const DuetEpisodeState& state, ViewpointIndex viewpoint) {
     if (viewpoint == state.pose.viewpoint) return 0;
     const auto node = state.map.find(viewpoint);
     if (!node) {
@@ -282,20 +312,15 @@ class Run {
     return std::ranges::find(rows, *node) - rows.begin() + 1;
   }
 
-  void label(const EpisodeState& state, std::size_t t, StepRow& row) const {
+  void label(const DuetEpisodeState& state, std::size_t t, StepRow& row) const {
     std::vector<ViewpointIndex> neighbours;
     const std::span<const ViewpointIndex> reference = state.episode->reference;
-    switch (*options_.expert) {
-      case Expert::kReference:
-        row.label = row_of_viewpoint(
-            state, next_on_reference(*state.graph, state.pose.viewpoint, t, reference));
-        break;
-      case Expert::kSpl:
-        row.label = expert_label(state, agents::ExpertRule::kSpl);
-        break;
-      case Expert::kNdtw:
-        row.label = expert_label(state, agents::ExpertRule::kNdtw);
-        break;
+    if (*options_.expert == Expert::kReference) {
+      row.label = row_of_viewpoint(
+          state, next_on_reference(*state.graph, state.pose.viewpoint, t, reference));
+    } else {
+      row.label = expert_label(state, *options_.expert == Expert::kSpl ? agents::ExpertRule::kSpl
+                                                                       : agents::ExpertRule::kNdtw);
     }
     for (const sim::Candidate& candidate : row.candidates) {
       neighbours.push_back(candidate.viewpoint);
@@ -340,7 +365,7 @@ class Run {
   void choose(std::size_t t, std::vector<StepRow>& rows) const {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto r = static_cast<std::int64_t>(i);
-      const EpisodeState& state = *active_[i];
+      const DuetEpisodeState& state = *active_[i];
       const auto best = static_cast<std::int64_t>(first_of_the_greatest(row_of(logits_, r)));
       Rng rng(options_.seed, options_.stream,
               stream_of(state.episode->id.data(), state.episode->id.size()) + 2 * t);
@@ -371,7 +396,7 @@ class Run {
   }
 
   // Where it goes, and whether it ends here.
-  void decide(const EpisodeState& state, bool last, StepRow& row) const {
+  void decide(const DuetEpisodeState& state, bool last, StepRow& row) const {
     const bool training = options_.feedback == RolloutFeedback::kTeacher ||
                           options_.feedback == RolloutFeedback::kSample;
     const bool on_goal = !state.episode->reference.empty() &&
@@ -384,12 +409,12 @@ class Run {
     }
   }
 
-  void finish(EpisodeState& state, const StepRow& row) const {
+  void finish(DuetEpisodeState& state, const StepRow& row) const {
     const bool own = row.choice == 0 && config_.stays_where_it_stops;
     state.finish(own ? agents::FinalStop::kUnlessOwn : agents::FinalStop::kAlways);
   }
 
-  void move(EpisodeState& state, std::size_t t, const StepRow& row) {
+  void move(DuetEpisodeState& state, std::size_t t, const StepRow& row) {
     if (!row.goes_to) {
       state.ended = true;
       return;
@@ -401,11 +426,11 @@ class Run {
   RolloutRunner& runner_;
   const DuetNetwork& network_;
   const DuetConfig& config_;
-  const RolloutOptions& options_;
+  const DuetRolloutOptions& options_;
   const StepWatcher& watcher_;
-  std::vector<std::unique_ptr<EpisodeState>> states_;
-  std::vector<EpisodeState*> active_;
-  std::optional<Dropout> dropout_;
+  std::vector<std::unique_ptr<DuetEpisodeState>> states_;
+  std::vector<DuetEpisodeState*> active_;
+  std::optional<RateDropout> dropout_;
   PreparedText text_;
   at::Tensor pool_;                    // all means and tokens of panoramas so far: (rows, hidden)
   at::Tensor logits_, probabilities_;  // of the last step, on the CPU
@@ -414,23 +439,15 @@ class Run {
 
 }  // namespace
 
-std::vector<features::ObjectView> Surroundings::objects(const graph::NavGraph&, ViewpointIndex) {
-  return {};
-}
-
-void Surroundings::object(const graph::NavGraph&, ViewpointIndex, std::size_t, std::span<float>) {}
-
 RolloutRunner::RolloutRunner(std::shared_ptr<const graph::GraphSet> graphs,
                              Surroundings& surroundings)
     : graphs_(std::move(graphs)), surroundings_(surroundings), panoramas_(graphs_) {}
 
-RolloutRunner::~RolloutRunner() = default;
-
-const RolloutRunner::Place& RolloutRunner::place(const DuetConfig& config,
-                                                 graph::Location location) {
+const RolloutRunner::SeenViewpoint& RolloutRunner::place(const DuetConfig& config,
+                                                         graph::Location location) {
   auto& known = places_[{location.scan.value, location.viewpoint.value}];
   if (known) return *known;
-  auto place = std::make_unique<Place>();
+  auto place = std::make_unique<SeenViewpoint>();
   const graph::NavGraph& graph = graphs_->graph(location.scan);
   place->panorama = &panoramas_.at(location);
   const auto floats = [](const at::Tensor& values) {
@@ -462,7 +479,7 @@ core::ResidentViews& RolloutRunner::views_on(c10::Device device, const DuetConfi
 }
 
 Rollout RolloutRunner::run(const DuetNetwork& network, std::span<const RolloutEpisode> episodes,
-                           const RolloutOptions& options, const StepWatcher& watcher) {
+                           const DuetRolloutOptions& options, const StepWatcher& watcher) {
   return Run(*this, *graphs_, network, episodes, options, watcher).run();
 }
 

@@ -19,17 +19,20 @@
 #include "enfilade/core/ids.h"
 #include "enfilade/features/object_set.h"
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/neural/core/resident_views.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/neural/core/view_features.h"
 #include "enfilade/neural/duet/duet_network.h"
-#include "enfilade/neural/duet/labels.h"
 #include "enfilade/sim/candidates.h"
 
 namespace enfilade::neural::duet {
 
 using agents::TopologicalMap;
 
+/// No label: adds nothing to a loss.
+inline constexpr std::int64_t kNoLabel = -100;
+
 /// Viewpoint of an agent, and its view of the 36.
-struct Pose {
+struct ViewpointPose {
   ViewpointIndex viewpoint;
   std::uint32_t view = 12;
 
@@ -45,11 +48,13 @@ class Surroundings {
   virtual void views(const graph::NavGraph& graph, ViewpointIndex viewpoint,
                      std::span<float> out) = 0;
   /// The objects of a viewpoint, in their order; the network sees the first 20. None by default.
-  virtual std::vector<features::ObjectView> objects(const graph::NavGraph& graph,
-                                                    ViewpointIndex viewpoint);
+  virtual std::vector<features::ObjectView> objects(const graph::NavGraph& /*graph*/,
+                                                    ViewpointIndex /*viewpoint*/) {
+    return {};
+  }
   /// \param out (config.object) of object `i` of objects()
-  virtual void object(const graph::NavGraph& graph, ViewpointIndex viewpoint, std::size_t i,
-                      std::span<float> out);
+  virtual void object(const graph::NavGraph& /*graph*/, ViewpointIndex /*viewpoint*/,
+                      std::size_t /*i*/, std::span<float> /*out*/) {}
 };
 
 /// What is walked.
@@ -77,7 +82,7 @@ enum class Expert : std::uint8_t {
   kNdtw,       ///< agents::ExpertRule::kNdtw
 };
 
-struct RolloutOptions {
+struct DuetRolloutOptions {
   RolloutFeedback feedback = RolloutFeedback::kGreedy;
   std::optional<Expert> expert;  ///< none: no labels, no loss
   bool three_losses = false;  ///< map and viewpoint have losses of their own beside the common one
@@ -90,7 +95,7 @@ struct RolloutOptions {
 /// One agent's part of a step.
 struct StepRow {
   std::size_t episode = 0;  ///< its place in the batch
-  Pose pose;
+  ViewpointPose pose;
   const TopologicalMap* map = nullptr;
   std::vector<TopologicalMap::Node> nodes;  ///< of the map's rows from 1
   std::span<const sim::Candidate> candidates;
@@ -132,23 +137,22 @@ struct Rollout {
 class RolloutRunner {
  public:
   RolloutRunner(std::shared_ptr<const graph::GraphSet> graphs, Surroundings& surroundings);
-  ~RolloutRunner();
   RolloutRunner(const RolloutRunner&) = delete;
   RolloutRunner& operator=(const RolloutRunner&) = delete;
 
   /// Autograd follows it, unless a guard is set.
   /// \throws ArgumentError for kReference off the annotated path, or without a reference
   Rollout run(const DuetNetwork& network, std::span<const RolloutEpisode> episodes,
-              const RolloutOptions& options, const StepWatcher& watcher = {});
+              const DuetRolloutOptions& options, const StepWatcher& watcher = {});
 
   /// What it knows of a viewpoint; valid as long as the runner.
-  struct Place {
+  struct SeenViewpoint {
     const agents::Panorama* panorama = nullptr;
     at::Tensor views;                           ///< (36, image)
     std::vector<features::ObjectView> objects;  ///< 20 at most
     at::Tensor object_features;                 ///< (objects, object)
   };
-  const Place& place(const DuetConfig& config, graph::Location location);
+  const SeenViewpoint& place(const DuetConfig& config, graph::Location location);
   const graph::NavGraph& graph(ScanIndex scan) const { return graphs_->graph(scan); }
   /// The views of places, on a device that is not the CPU; the first one asked for.
   core::ResidentViews& views_on(c10::Device device, const DuetConfig& config);
@@ -157,7 +161,7 @@ class RolloutRunner {
   std::shared_ptr<const graph::GraphSet> graphs_;
   Surroundings& surroundings_;
   agents::PanoramaCache panoramas_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::unique_ptr<Place>> places_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::unique_ptr<SeenViewpoint>> places_;
   std::optional<core::ResidentViews> resident_;
 };
 

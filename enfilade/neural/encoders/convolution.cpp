@@ -12,12 +12,13 @@ void fold(const BatchNorm& norm, Convolution& convolution) {
   convolution.bias = (norm.bias.to(at::kDouble) - norm.mean.to(at::kDouble) * scale).to(at::kFloat);
 }
 
-Layout best_layout(c10::Device device) {
-  return device.is_cpu() && at::hasMKLDNN() ? Layout::kOneDnn : Layout::kChannelsLast;
+ActivationLayout best_layout(c10::Device device) {
+  return device.is_cpu() && at::hasMKLDNN() ? ActivationLayout::kOneDnn
+                                            : ActivationLayout::kChannelsLast;
 }
 
-void prepare(Convolution& c, c10::Device device, Layout layout) {
-  if (layout == Layout::kOneDnn) {
+void prepare(Convolution& c, c10::Device device, ActivationLayout layout) {
+  if (layout == ActivationLayout::kOneDnn) {
     c.weight = at::mkldnn_reorder_conv2d_weight(c.weight.to_mkldnn(), {c.padding, c.padding},
                                                 {c.stride, c.stride}, {c.dilation, c.dilation});
     c.bias = c.bias.to_mkldnn();
@@ -27,8 +28,8 @@ void prepare(Convolution& c, c10::Device device, Layout layout) {
   c.bias = c.bias.to(device);
 }
 
-at::Tensor prepare(const at::Tensor& pictures, c10::Device device, Layout layout) {
-  if (layout == Layout::kOneDnn) return pictures.to_mkldnn();
+at::Tensor prepare(const at::Tensor& pictures, c10::Device device, ActivationLayout layout) {
+  if (layout == ActivationLayout::kOneDnn) return pictures.to_mkldnn();
   return pictures.to(device).contiguous(at::MemoryFormat::ChannelsLast);
 }
 

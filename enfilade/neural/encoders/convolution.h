@@ -23,16 +23,16 @@ inline constexpr double kBatchNormEpsilon = 1e-5;  ///< PyTorch's default, also 
 void fold(const BatchNorm& norm, Convolution& convolution);
 
 /// Memory layout of activations and weights.
-enum class Layout {
+enum class ActivationLayout {
   kOneDnn,        ///< oneDNN's own, in blocks of channels: the fastest on CPUs
   kChannelsLast,  ///< the fastest on GPUs
 };
-Layout best_layout(c10::Device device);
+ActivationLayout best_layout(c10::Device device);
 
 /// Converts weights to a device and layout, once.
-void prepare(Convolution& convolution, c10::Device device, Layout layout);
+void prepare(Convolution& convolution, c10::Device device, ActivationLayout layout);
 /// Copies pictures (n, 3, h, w) to a device and layout.
-at::Tensor prepare(const at::Tensor& pictures, c10::Device device, Layout layout);
+at::Tensor prepare(const at::Tensor& pictures, c10::Device device, ActivationLayout layout);
 
 /// Applies a convolution. \pre both were prepared with the same layout
 at::Tensor apply(const Convolution& convolution, const at::Tensor& x);

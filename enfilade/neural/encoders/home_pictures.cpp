@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include "enfilade/core/rng.h"
 #include "enfilade/neural/encoders/home_network.h"
@@ -116,17 +115,19 @@ LabelledPictures empty_labels(std::size_t pictures) {
 
 }  // namespace
 
-std::vector<LabelledPlace> places_of(const scan::PanoramaSet& panoramas, const std::string& scan,
-                                     const RoomOf& room) {
-  const ScanIndex index = panoramas.at(scan);
-  const scan::PanoramaSource& source = panoramas.source(index);
+std::vector<LabelledPlace> places_of(const scan::PanoramaSet& panoramas,
+                                     std::span<const std::string> scans, const RoomOf& room) {
   std::vector<LabelledPlace> places;
-  for (std::size_t v = 0; v < source.size(); ++v) {
-    const scan::PanoramaPose& pose = source.poses()[v];
-    const std::size_t faces =
-        source.face_sizes(ViewpointIndex(v))[scan::index(scan::Layer::kColour)];
-    if (!pose.included || faces == 0) continue;
-    places.push_back({index, ViewpointIndex(v), room ? room(scan, pose.viewpoint) : '-'});
+  for (const std::string& name : scans) {
+    const ScanIndex index = panoramas.at(name);
+    const scan::PanoramaSource& source = panoramas.source(index);
+    for (std::size_t v = 0; v < source.size(); ++v) {
+      const scan::PanoramaPose& pose = source.poses()[v];
+      const std::size_t faces =
+          source.face_sizes(ViewpointIndex(v))[scan::index(scan::Layer::kColour)];
+      if (!pose.included || faces == 0) continue;
+      places.push_back({index, ViewpointIndex(v), room ? room(name, pose.viewpoint) : '-'});
+    }
   }
   return places;
 }

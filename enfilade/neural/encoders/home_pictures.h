@@ -27,10 +27,10 @@ struct LabelledPlace {
 /// Letter of the room of a viewpoint; '-': unknown.
 using RoomOf = std::function<char(const std::string& scan, const std::string& viewpoint)>;
 
-/// The included viewpoints of a scan that have pictures, in its order. An empty function: rooms are
-/// unknown.
-std::vector<LabelledPlace> places_of(const scan::PanoramaSet& panoramas, const std::string& scan,
-                                     const RoomOf& room);
+/// The included viewpoints of scans that have pictures, in their order. An empty function: rooms
+/// are unknown.
+std::vector<LabelledPlace> places_of(const scan::PanoramaSet& panoramas,
+                                     std::span<const std::string> scans, const RoomOf& room);
 /// Keeps at most `most` of them, evenly from all.
 void thin_out(std::vector<LabelledPlace>& places, std::size_t most);
 

@@ -1,4 +1,4 @@
-#include "enfilade/neural/encoders/picture_resize.h"
+#include "enfilade/neural/encoders/transformer_encoder.h"
 
 #include <ATen/ATen.h>
 #include <ATen/Parallel.h>
@@ -37,14 +37,14 @@ PictureResize::PictureResize(const Camera& from, std::uint32_t shorter, std::uin
   rows_ = taps(from.height, side(from.height), crop);
 }
 
-std::vector<PictureResize::Taps> PictureResize::taps(std::size_t from, std::size_t to,
-                                                     std::size_t crop) {
+std::vector<PictureResize::ResizeTaps> PictureResize::taps(std::size_t from, std::size_t to,
+                                                           std::size_t crop) {
   const double scale = static_cast<double>(from) / static_cast<double>(to);
   const double wide = std::max(scale, 1.0);  // pictures that grow are interpolated
   const double reach = 2 * wide;
   // torchvision rounds as Python does, halves to the even number.
   const double margin = std::nearbyint(static_cast<double>(to - crop) / 2);
-  std::vector<Taps> all(crop);
+  std::vector<ResizeTaps> all(crop);
   for (std::size_t i = 0; i < crop; ++i) {
     const double centre = (static_cast<double>(i) + margin + 0.5) * scale;
     const auto first = static_cast<std::size_t>(std::max(0.0, centre - reach + 0.5));
@@ -73,7 +73,7 @@ void PictureResize::resize_plane(std::span<const float> plane, std::span<float> 
     std::ranges::transform(row, bytes.begin(),
                            [](float v) { return static_cast<std::int32_t>(v + 0.5F); });
     for (std::size_t i = 0; i < crop_; ++i) {
-      const Taps& taps = columns_[i];
+      const ResizeTaps& taps = columns_[i];
       std::int32_t sum = 0;
       for (std::size_t t = 0; t < taps.weights.size(); ++t) {
         sum += taps.weights[t] * bytes[taps.first + t];

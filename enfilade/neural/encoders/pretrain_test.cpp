@@ -9,7 +9,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/neural/encoder.h"
-#include "enfilade/neural/encoders/home_score.h"
+#include "enfilade/neural/encoders/home_network.h"
 #include "tests/support/patchworks.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "enfilade/neural/probe.h"
+#include "enfilade/neural/pretrain.h"
 
 #include <ATen/ATen.h>
 #include <gmock/gmock.h>
@@ -44,8 +44,8 @@ features::FeatureSet features_of(const std::shared_ptr<const scan::PanoramaSet>&
                                  std::size_t left_out = 0) {
   std::vector<features::FeatureKey> keys;
   std::vector<at::Tensor> rows;
-  for (const char* scan : {"known", "other"}) {
-    for (const auto& place : encoders::places_of(*set, scan, room_of)) {
+  for (const std::string& scan : std::vector<std::string>{"known", "other"}) {
+    for (const auto& place : encoders::places_of(*set, {&scan, 1}, room_of)) {
       const auto labels = encoders::label_views(set, {&place, 1}, degrees(60), 1);
       rows.push_back(rows_of(labels).to(at::kFloat).contiguous());
       keys.push_back({scan, set->source(place.scan).poses()[place.viewpoint.at()].viewpoint});

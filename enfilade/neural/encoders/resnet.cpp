@@ -6,12 +6,10 @@
 #include <optional>
 
 #include "enfilade/core/check.h"
-#include "enfilade/neural/core/random_weights.h"
 #include "enfilade/neural/core/torch_device.h"
 #include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/encoders/convolution.h"
 #include "enfilade/neural/encoders/encoder_input.h"
-#include "enfilade/neural/encoders/make_encoders.h"
 
 namespace enfilade::neural::encoders {
 namespace {
@@ -134,13 +132,14 @@ core::Weights random_weights(Plan& plan, std::uint64_t seed) {
   return weights;
 }
 
-class ResNet final : public ImageEncoder {
+class ResNet final : public CheckedEncoder {
  public:
-  explicit ResNet(const EncoderConfig& config)
-      : preprocessing_(config.preprocessing),
-        device_(core::open_device(config.device)),
-        plan_(plan_network(architecture(config.name))),
-        input_(device_) {
+  explicit ResNet(const EncoderConfig& config) : ResNet(config, core::open_device(config.device)) {}
+  ResNet(const EncoderConfig& config, c10::Device device)
+      : CheckedEncoder(device),
+        preprocessing_(config.preprocessing),
+        device_(device),
+        plan_(plan_network(architecture(config.name))) {
     const core::Weights weights =
         config.weights.empty() ? random_weights(plan_, config.seed)
                                : core::read_weights(features::TensorFile::open(config.weights),
@@ -152,12 +151,7 @@ class ResNet final : public ImageEncoder {
 
   std::size_t dimensions() const override { return static_cast<std::size_t>(plan_.features); }
   Camera camera() const override { return {640, 480, degrees(60)}; }
-  std::span<float> memory(std::size_t n, const Camera& camera) override {
-    return input_.take(n, camera);
-  }
-  bool on_card() const override { return input_.on_card(); }
-  std::string weights_hash() const override { return hash_; }
-  std::string preprocessing() const override { return std::string(to_string(preprocessing_)); }
+  std::string preprocessing() const override { return std::string(enum_name(preprocessing_)); }
 
   render::Normalisation normalisation() const override {
     if (preprocessing_ == Preprocessing::kTorchvision) return render::kImageNet;
@@ -165,17 +159,11 @@ class ResNet final : public ImageEncoder {
     return {{123.2F / kFull, 115.9F / kFull, 103.1F / kFull}, {1 / kFull, 1 / kFull, 1 / kFull}};
   }
 
-  void encode(std::span<const float> pictures, std::size_t n, const Camera& camera,
-              std::span<float> features) override {
-    check_sizes(pictures.size(), n, camera, dimensions(), features.size());
-    if (n == 0) return;
-    const c10::InferenceMode no_gradients;
-    const at::Tensor input = input_.tensor(pictures, n, camera);
-    const at::Tensor output = forward(prepare(input, device_, layout_));
-    std::ranges::copy_n(output.data_ptr<float>(), output.numel(), features.begin());
+ private:
+  at::Tensor run(std::span<const float> pictures, std::size_t n, const Camera& camera) override {
+    return forward(prepare(tensor(pictures, n, camera), device_, layout_));
   }
 
- private:
   Convolution make(const Layer& layer, const core::Weights& weights) const {
     const auto norm = [&](const char* array) { return weights.at(layer.norm + array); };
     Convolution c;
@@ -199,21 +187,18 @@ class ResNet final : public ImageEncoder {
     return at::relu_(y);
   }
 
-  // (n, dimensions), in memory of the processor, contiguous.
   at::Tensor forward(at::Tensor x) const {
     x = apply(plan_.stem.loaded, x);
     x = at::max_pool2d(at::relu_(x), {3, 3}, {2, 2}, {1, 1});
     for (const Block& block : plan_.blocks) x = run(block, x);
-    if (layout_ == Layout::kOneDnn) x = x.to_dense();
-    return x.mean({2, 3}).cpu().contiguous();
+    if (layout_ == ActivationLayout::kOneDnn) x = x.to_dense();
+    return x.mean({2, 3});
   }
 
   Preprocessing preprocessing_;
   c10::Device device_;
-  Layout layout_ = best_layout(device_);
+  ActivationLayout layout_ = best_layout(device_);
   Plan plan_;
-  PictureMemory input_;
-  std::string hash_;
 };
 
 }  // namespace

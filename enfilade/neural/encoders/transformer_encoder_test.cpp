@@ -13,7 +13,6 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/encoders/picture_resize.h"
 #include "tests/support/encoders.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"

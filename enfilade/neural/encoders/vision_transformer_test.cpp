@@ -1,5 +1,5 @@
 // The network against loops in double precision, of sizes that loops manage.
-#include "enfilade/neural/encoders/vision_transformer.h"
+#include "enfilade/neural/encoders/transformer_encoder.h"
 
 #include <ATen/ATen.h>
 #include <c10/core/InferenceMode.h>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/core/random_weights.h"
+#include "enfilade/neural/core/weights.h"
 
 namespace enfilade::neural::encoders {
 namespace EN_UNIT {

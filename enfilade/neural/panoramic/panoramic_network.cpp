@@ -2,33 +2,30 @@
 
 #include <ATen/ATen.h>
 #include <fmt/format.h>
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/neural/core/lstm_parts.h"
 #include "enfilade/neural/core/transformer_ops.h"
 
 namespace enfilade::neural::panoramic {
 namespace {
 
+std::int64_t as_int(std::size_t size) { return static_cast<std::int64_t>(size); }
+
 constexpr double kNone = -std::numeric_limits<double>::infinity();
 
-bool is_embedding(std::string_view name) { return name == "encoder.embedding.weight"; }
-
-// The bound of the uniform distribution that PyTorch's modules draw from: of LSTMs by their hidden
-// size, of linear layers by their inputs.
-double bound_of(const PanoramicConfig& config, const core::ArraySpec& spec) {
-  std::int64_t size = static_cast<std::int64_t>(config.hidden);
-  if (spec.name.starts_with("encoder.lstm.") && config.bidirectional) size /= 2;
-  if (spec.name.find(".lstm.") == std::string::npos) {
-    if (spec.shape.size() == 2) size = spec.shape[1];
-    if (spec.name == "decoder.embedding.0.bias") size = static_cast<std::int64_t>(config.angle);
-  }
-  return 1 / std::sqrt(static_cast<double>(size));
+// PyTorch's modules draw uniformly within +-1 / sqrt(of this): of LSTMs their hidden size,
+// of linear layers their inputs. 0: a table of words.
+std::int64_t fan_of(const PanoramicConfig& config, const core::ArraySpec& spec) {
+  if (spec.name == "encoder.embedding.weight") return 0;
+  const std::int64_t hidden = as_int(config.hidden);
+  if (spec.name.starts_with("encoder.lstm.") && config.bidirectional) return hidden / 2;
+  if (spec.name.find(".lstm.") != std::string::npos) return hidden;
+  if (spec.shape.size() == 2) return spec.shape[1];
+  return spec.name == "decoder.embedding.0.bias" ? as_int(config.angle) : hidden;
 }
 
 // Scores of vectors against a query: (n, k, d) and (n, d) to (n, k).
@@ -60,41 +57,67 @@ void check_words(const WordBatch& words, const PanoramicConfig& config) {
 
 }  // namespace
 
+std::vector<core::ArraySpec> array_specs(const PanoramicConfig& config) {
+  const std::int64_t hidden = as_int(config.hidden), words = as_int(config.word_embedding);
+  const std::int64_t action = as_int(config.action_embedding), feature = as_int(config.feature());
+  const std::int64_t direction = config.bidirectional ? hidden / 2 : hidden;
+  std::vector<core::ArraySpec> specs{
+      {"encoder.embedding.weight", {as_int(config.vocabulary), words}}};
+  core::add_lstm(specs, "encoder.lstm.", "_l0", words, direction);
+  if (config.bidirectional) core::add_lstm(specs, "encoder.lstm.", "_l0_reverse", words, direction);
+  core::add_layer(specs, "encoder.encoder2decoder", {hidden, hidden});
+  core::add_layer(specs, "decoder.embedding.0", {action, as_int(config.angle)});
+  core::add_lstm(specs, "decoder.lstm.", "", action + feature, hidden);
+  core::add_attention(specs, "decoder.feat_att_layer", hidden, feature);
+  core::add_attention(specs, "decoder.attention_layer", hidden, hidden);
+  core::add_attention(specs, "decoder.candidate_att_layer", hidden, feature);
+  core::add_layer(specs, "critic.state2value.0", {hidden, hidden});
+  core::add_layer(specs, "critic.state2value.3", {1, hidden});
+  return specs;
+}
+
+PanoramicConfig config_of(const features::TensorFile& file, const PanoramicConfig& defaults) {
+  PanoramicConfig config = defaults;
+  const std::string views = "decoder.feat_att_layer.linear_in.weight";
+  core::Shapes shapes(file);
+  const auto side = [&shapes](const std::string& name, std::size_t which) {
+    return static_cast<std::size_t>(shapes.side(name, which));
+  };
+  config.vocabulary = side("encoder.embedding.weight", 0);
+  config.word_embedding = side("encoder.embedding.weight", 1);
+  config.action_embedding = side("decoder.embedding.0.weight", 0);
+  config.angle = side("decoder.embedding.0.weight", 1);
+  config.hidden = side("decoder.lstm.weight_hh", 1);
+  const std::size_t feature = side(views, 0);
+  shapes.check();
+  if (feature < config.angle) {
+    refuse(file.path().string(), views, "wrong-shape",
+           fmt::format("{} numbers a view, fewer than the {} of its angle", feature, config.angle));
+  }
+  config.image = feature - config.angle;
+  config.bidirectional = shapes.has("encoder.lstm.weight_ih_l0_reverse");
+  try {
+    validate(config);
+  } catch (const ArgumentError& wrong) {
+    refuse(file.path().string(), "", "wrong-shape", wrong.what());
+  }
+  return config;
+}
+
 PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, std::uint64_t seed,
                                    c10::Device device)
-    : config_(config), device_(device) {
-  validate(config);
-  for (const core::ArraySpec& spec : array_specs(config)) {
-    weights_.emplace(
-        spec.name, core::first_values(spec, is_embedding(spec.name), bound_of(config, spec), seed));
-  }
-  core::make_trainable(weights_, device);
-}
+    : LstmNetwork(
+          array_specs(core::checked(config)),
+          [&](const core::ArraySpec& spec) { return fan_of(config, spec); }, seed, device),
+      config_(config) {}
 
 PanoramicNetwork::PanoramicNetwork(const PanoramicConfig& config, const features::TensorFile& file,
                                    c10::Device device)
-    : config_(config), device_(device) {
-  validate(config);
-  weights_ = core::read_weights(file, array_specs(config), [](std::string_view) { return false; });
-  core::make_trainable(weights_, device);
-}
-
-const at::Tensor& PanoramicNetwork::weight(std::string_view name) const {
-  return core::weight_of(weights_, name);
-}
-
-void PanoramicNetwork::set_dropout(std::optional<std::uint64_t> seed) {
-  dropout_.reset();
-  if (seed) dropout_.emplace(*seed, device_);
-}
-
-at::Tensor PanoramicNetwork::drop(const at::Tensor& x, double rate) {
-  return dropout_ ? (*dropout_)(x, rate) : x;
-}
+    : LstmNetwork(array_specs(core::checked(config)), file, device), config_(config) {}
 
 at::Tensor PanoramicNetwork::drop_images(const at::Tensor& features, FeaturesDropped dropped) {
-  if (!dropout_ || dropped == FeaturesDropped::kBefore) return features;
-  return core::drop_pictures(features, config_.image, config_.feature_dropout, *dropout_);
+  if (dropped == FeaturesDropped::kBefore) return features;
+  return drop_pictures(features, config_.image, config_.feature_dropout);
 }
 
 at::Tensor PanoramicNetwork::linear(const at::Tensor& x, const std::string& name) const {
@@ -105,14 +128,15 @@ Encoding PanoramicNetwork::encode(const WordBatch& words) {
   check_words(words, config_);
   const std::int64_t longest = words.ids.size(1);
   const at::Tensor lengths = at::tensor(words.lengths, at::kLong);
-  const at::Tensor embedded = drop(
-      at::embedding(weight("encoder.embedding.weight"), words.ids.to(device_), 0), config_.dropout);
+  const at::Tensor embedded =
+      drop(at::embedding(weight("encoder.embedding.weight"), words.ids.to(device()), 0),
+           config_.dropout);
   const auto [context, hidden, cells] =
-      core::read_rows(weights_, "encoder.lstm", config_.bidirectional, embedded, lengths);
+      core::read_rows(weights(), "encoder.lstm", config_.bidirectional, embedded, lengths);
   const auto joined = [&](const at::Tensor& state) {
     return config_.bidirectional ? at::cat({state[1], state[0]}, 1) : state[0];
   };
-  const at::Tensor ends = lengths.to(device_);
+  const at::Tensor ends = lengths.to(device());
   Encoding encoding;
   encoding.mask = at::arange(longest, ends.options()).unsqueeze(0).ge(ends.unsqueeze(1));
   at::Tensor from = joined(hidden);
@@ -123,7 +147,7 @@ Encoding PanoramicNetwork::encode(const WordBatch& words) {
   encoding.start = at::tanh(linear(from, "encoder.encoder2decoder"));
   encoding.cell = joined(cells);
   encoding.context = drop(context, config_.dropout);
-  encoding.words = core::Memory(encoding.context, ends);
+  encoding.words = core::AttentionMemory(encoding.context, ends);
   return encoding;
 }
 
@@ -131,11 +155,11 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
                                   const StepInput& input) {
   StepOutput out;
   const at::Tensor own =
-      drop(at::tanh(linear(input.action.to(device_), "decoder.embedding.0")), config_.dropout);
-  const at::Tensor views = drop_images(input.views.to(device_), input.dropped);
+      drop(at::tanh(linear(input.action.to(device()), "decoder.embedding.0")), config_.dropout);
+  const at::Tensor views = drop_images(input.views.to(device()), input.dropped);
   const at::Tensor query = core::linear(drop(state.tilde, config_.dropout),
                                         weight("decoder.feat_att_layer.linear_in.weight"));
-  const core::Memory panorama(
+  const core::AttentionMemory panorama(
       views, at::full({views.size(0)}, views.size(1), views.options().dtype(at::kLong)));
   std::tie(out.attended_view, out.view_attention) = panorama.attend(query);
   // The hidden state of the LSTM is the one after attention: the published code never uses the
@@ -153,8 +177,8 @@ StepOutput PanoramicNetwork::step(const Encoding& encoding, const DecoderState& 
                                          weight("decoder.attention_layer.linear_out.weight")));
   const at::Tensor choice = core::linear(drop(out.next.tilde, config_.dropout),
                                          weight("decoder.candidate_att_layer.linear_in.weight"));
-  out.logits = scores(drop_images(input.candidates.to(device_), input.dropped), choice)
-                   .masked_fill(input.closed.to(device_), kNone);
+  out.logits = scores(drop_images(input.candidates.to(device()), input.dropped), choice)
+                   .masked_fill(input.closed.to(device()), kNone);
   return out;
 }
 

@@ -3,16 +3,26 @@
 #include <ATen/core/Tensor.h>
 #include <c10/core/Device.h>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "enfilade/features/tensor_file.h"
-#include "enfilade/neural/core/dropout.h"
+#include "enfilade/models/network_config.h"
+#include "enfilade/neural/core/lstm_parts.h"
 #include "enfilade/neural/core/recurrent_ops.h"
 #include "enfilade/neural/core/weights.h"
-#include "enfilade/neural/panoramic/panoramic_config.h"
 
 namespace enfilade::neural::panoramic {
+
+using models::PanoramicConfig;
+using models::Subout;
+
+/// The arrays of encoder, decoder and critic, by the names of the published code.
+std::vector<core::ArraySpec> array_specs(const PanoramicConfig& config);
+
+/// The sizes of a file of weights, from the shapes of its arrays. Dropout and `subout` are those of
+/// `defaults`, as no shape gives them.
+/// \throws InvalidInput naming each array that is missing or of another number of sides
+PanoramicConfig config_of(const features::TensorFile& file, const PanoramicConfig& defaults);
 
 /// Sentences as the encoder reads them: rows by falling number of words.
 struct WordBatch {
@@ -22,11 +32,11 @@ struct WordBatch {
 
 /// Output of the encoder.
 struct Encoding {
-  at::Tensor context;  ///< (n, longest, hidden): forward, then backward; zeros at padding
-  at::Tensor mask;     ///< (n, longest) bool: true at padding
-  core::Memory words;  ///< the context, to attend to
-  at::Tensor start;    ///< (n, hidden) the decoder's first state
-  at::Tensor cell;     ///< (n, hidden) its first cell state: backward, then forward
+  at::Tensor context;           ///< (n, longest, hidden): forward, then backward; zeros at padding
+  at::Tensor mask;              ///< (n, longest) bool: true at padding
+  core::AttentionMemory words;  ///< the context, to attend to
+  at::Tensor start;             ///< (n, hidden) the decoder's first state
+  at::Tensor cell;              ///< (n, hidden) its first cell state: backward, then forward
 };
 
 /// Which code drops a part of the pictures' numbers.
@@ -62,12 +72,11 @@ struct StepOutput {
   at::Tensor word_attention;  ///< (n, longest), of sum 1, 0 at padding
 };
 
-/// Parameters, and the functions of the network. Autograd follows every call, unless a guard is
-/// set. In float32, on one device; inputs may be on any. One thread at a time.
+/// Parameters, and the functions of the network.
 ///
 /// The maximum of Subout::kMax runs over the padded length with zeros there, as in the published
 /// code. So an episode's results depend on the longest sentence of its batch.
-class PanoramicNetwork {
+class PanoramicNetwork : public core::LstmNetwork {
  public:
   /// Random weights as PyTorch's modules begin with, from a seed. \throws ArgumentError as
   /// validate()
@@ -79,14 +88,6 @@ class PanoramicNetwork {
                    c10::Device device = c10::kCPU);
 
   const PanoramicConfig& config() const noexcept { return config_; }
-  /// By the published names. Handles to the network's own memory.
-  const core::Weights& weights() const noexcept { return weights_; }
-  c10::Device device() const noexcept { return device_; }
-  /// \throws LookupError for an unknown name
-  const at::Tensor& weight(std::string_view name) const;
-
-  /// Turns dropout on, drawing from this seed. No value: off, as at first.
-  void set_dropout(std::optional<std::uint64_t> seed);
 
   /// \throws ArgumentError for lengths that do not fall, or ids beyond the vocabulary
   Encoding encode(const WordBatch& words);
@@ -96,14 +97,10 @@ class PanoramicNetwork {
   at::Tensor value(const at::Tensor& hidden);
 
  private:
-  at::Tensor drop(const at::Tensor& x, double rate);
   at::Tensor drop_images(const at::Tensor& features, FeaturesDropped dropped);
   at::Tensor linear(const at::Tensor& x, const std::string& name) const;
 
   PanoramicConfig config_;
-  core::Weights weights_;
-  c10::Device device_;
-  std::optional<core::Dropout> dropout_;
 };
 
 }  // namespace enfilade::neural::panoramic

@@ -185,6 +185,12 @@ TEST(PanoramicNetwork, FilesTellTheirSizesOrWhatIsWrong) {
   for (const auto& [name, values] : network.weights()) {
     EXPECT_TRUE(values.equal(loaded.weight(name))) << name;
   }
+  const PanoramicNetwork both_ways(small(), 4);
+  auto wrapped = core::as_arrays(both_ways.weights());
+  for (auto& array : wrapped) array.name = "module._orig_mod." + array.name;
+  features::write_safetensors(folder.path() / "wrapped.safetensors", wrapped);
+  EXPECT_EQ(config_of(features::TensorFile::open(folder.path() / "wrapped.safetensors"), {}),
+            small());
   config.hidden = 10;
   EXPECT_THAT(tests::refusal<InvalidInput>([&] { PanoramicNetwork(config, read); }),
               AllOf(HasSubstr("decoder.lstm.weight_hh"), HasSubstr("[40, 10] is expected"),

@@ -1,4 +1,4 @@
-#include "enfilade/neural/panoramic/panoramic_rollout.h"
+#include "enfilade/neural/panoramic/panoramic_episode.h"
 
 #include <ATen/ATen.h>
 #include <c10/core/GradMode.h>
@@ -251,7 +251,7 @@ TEST_F(PanoramicRolloutTest, ALearnerLearnsToStop) {
   PanoramicNetwork network(small(), 1);
   models::TrainConfig fast = recipe(models::AgentKind::kPanoramic);
   fast.adam.learning_rate = 1e-2;
-  core::Optimizer optimizer(core::optimizer_of(fast, {"encoder.", "decoder."}));
+  core::WeightOptimizer optimizer(core::optimizer_of(fast, {"encoder.", "decoder."}));
   const std::vector<std::vector<std::int64_t>> sentences{{4, 5, 2}, {7, 2}};
   double first = 0, last = 0;
   for (int i = 0; i < 40; ++i) {

@@ -31,17 +31,17 @@ at::Tensor mask_tensor(const Masks& masks, std::int64_t width, const at::Tensor&
 }
 
 // (n, words): where there is no word
-at::Tensor past_lengths(const Context& context) {
+at::Tensor past_lengths(const SentenceContext& context) {
   const at::Tensor length = indices(context.lengths, context.words).unsqueeze(1);
   return at::arange(context.words.size(1), length.options()).unsqueeze(0).ge(length);
 }
 
 // With 0 past the lengths, where memory may hold anything: 0 times NaN is NaN.
-at::Tensor words_of(const Context& context) {
+at::Tensor words_of(const SentenceContext& context) {
   return context.words.masked_fill(past_lengths(context).unsqueeze(2), 0);
 }
 
-class AtenKernels final : public Kernels {
+class AtenKernels final : public NetworkKernels {
  public:
   void lstm_forward(const at::Tensor& gates, const at::Tensor& bias,
                     const at::Tensor& previous_cells, const at::Tensor& cells,
@@ -97,7 +97,7 @@ class AtenKernels final : public Kernels {
     gradient.mul_(1 - y * y);
   }
 
-  void attend(const Context& context, const at::Tensor& query, const at::Tensor& weights,
+  void attend(const SentenceContext& context, const at::Tensor& query, const at::Tensor& weights,
               const at::Tensor& mixed) const override {
     const at::Tensor words = words_of(context);
     const at::Tensor scores = at::bmm(query.transpose(0, 1), words.transpose(1, 2))
@@ -107,8 +107,9 @@ class AtenKernels final : public Kernels {
     mixed.copy_(at::bmm(softmax, words).transpose(0, 1));
   }
 
-  void attend_backward(const Context& context, const at::Tensor& query, const at::Tensor& weights,
-                       const at::Tensor& mixed_gradient, const at::Tensor& query_gradient,
+  void attend_backward(const SentenceContext& context, const at::Tensor& query,
+                       const at::Tensor& weights, const at::Tensor& mixed_gradient,
+                       const at::Tensor& query_gradient,
                        const at::Tensor& words_gradient) const override {
     const at::Tensor weight = weights.transpose(0, 1), mixed = mixed_gradient.transpose(0, 1);
     const at::Tensor words = words_of(context);
@@ -146,6 +147,6 @@ void multiply_add(const at::Tensor& a, const at::Tensor& b, const at::Tensor& ou
   out.addmm_(a, b);
 }
 
-std::unique_ptr<Kernels> make_aten_kernels() { return std::make_unique<AtenKernels>(); }
+std::unique_ptr<NetworkKernels> make_aten_kernels() { return std::make_unique<AtenKernels>(); }
 
 }  // namespace enfilade::neural::seq2seq

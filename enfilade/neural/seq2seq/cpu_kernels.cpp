@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "enfilade/core/rng.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/neural/core/simd_kernels.h"
 #include "enfilade/neural/core/torch_device.h"
@@ -14,7 +15,7 @@ using core::AdamStep;
 using core::LstmBackward;
 using core::LstmForward;
 using core::LstmRows;
-using core::Rows;
+using core::MatrixRows;
 using core::simd_kernels;
 using core::SimdKernels;
 
@@ -26,7 +27,7 @@ std::size_t extent(const at::Tensor& x, std::int64_t dimension) {
 }
 
 // The last two dimensions; callers loop over those before them.
-Rows rows_of(const at::Tensor& x) {
+MatrixRows rows_of(const at::Tensor& x) {
   return {x.data_ptr<float>(), static_cast<std::size_t>(x.stride(-2))};
 }
 
@@ -53,7 +54,7 @@ LstmRows lstm_rows(const at::Tensor& gates, const at::Tensor& previous, const at
 
 // Does not use libtorch's own threads: idle OpenMP threads spin, on the cores that the BLAS's
 // threads need next.
-class CpuKernels final : public Kernels {
+class CpuKernels final : public NetworkKernels {
  public:
   void lstm_forward(const at::Tensor& gates, const at::Tensor& bias,
                     const at::Tensor& previous_cells, const at::Tensor& cells,
@@ -78,7 +79,7 @@ class CpuKernels final : public Kernels {
     const std::size_t width = extent(out, 1);
     const std::size_t rows =
         !from.empty() ? from.size() : (!to.empty() ? to.size() : extent(in, 0));
-    const Rows source = rows_of(in), target = rows_of(out);
+    const MatrixRows source = rows_of(in), target = rows_of(out);
     for_rows(rows, width, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint64_t> kept(mask_words(width));
       for (std::size_t i = begin; i < end; ++i) {
@@ -95,7 +96,7 @@ class CpuKernels final : public Kernels {
   }
 
   void add_rows(const at::Tensor& in, const at::Tensor& out, RowList to) const override {
-    const Rows source = rows_of(in), target = rows_of(out);
+    const MatrixRows source = rows_of(in), target = rows_of(out);
     // Threads divide the columns, so the order of each sum is always the same.
     for_rows(extent(in, 1), to.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = 0; i < to.size(); ++i) {
@@ -106,7 +107,7 @@ class CpuKernels final : public Kernels {
   }
 
   void column_sums(const at::Tensor& in, const at::Tensor& out) const override {
-    const Rows source = rows_of(in);
+    const MatrixRows source = rows_of(in);
     float* sums = out.data_ptr<float>();
     const std::size_t rows = extent(in, 0);
     for_rows(extent(in, 1), rows, [&](std::size_t begin, std::size_t end) {
@@ -118,7 +119,7 @@ class CpuKernels final : public Kernels {
   }
 
   void add_bias(const at::Tensor& x, const at::Tensor& bias) const override {
-    const Rows rows = rows_of(x);
+    const MatrixRows rows = rows_of(x);
     const float* in = bias.data_ptr<float>();
     for_each_row(x, [&](std::size_t i) { simd_.add_row(in, rows[i], extent(x, 1)); });
   }
@@ -131,24 +132,24 @@ class CpuKernels final : public Kernels {
   }
 
   void tanh(const at::Tensor& x) const override {
-    const Rows rows = rows_of(x);
+    const MatrixRows rows = rows_of(x);
     for_each_row(x, [&](std::size_t i) { simd_.tanh(rows[i], extent(x, 1)); });
   }
 
   void tanh_backward(const at::Tensor& y, const at::Tensor& gradient) const override {
-    const Rows values = rows_of(y), gradients = rows_of(gradient);
+    const MatrixRows values = rows_of(y), gradients = rows_of(gradient);
     for_each_row(
         y, [&](std::size_t i) { simd_.tanh_backward(values[i], gradients[i], extent(y, 1)); });
   }
 
-  void attend(const Context& context, const at::Tensor& query, const at::Tensor& weights,
+  void attend(const SentenceContext& context, const at::Tensor& query, const at::Tensor& weights,
               const at::Tensor& mixed) const override {
     const std::size_t steps = extent(query, 0), h = extent(query, 2), words = extent(weights, 2);
     for_rows(context.lengths.size(), words * h, [&](std::size_t begin, std::size_t end) {
       for (std::size_t r = begin; r < end; ++r) {
         const auto length = static_cast<std::size_t>(context.lengths[r]);
-        const Rows memory = words_of(context.words, r);
-        const Rows weight = steps_of(weights, r);
+        const MatrixRows memory = words_of(context.words, r);
+        const MatrixRows weight = steps_of(weights, r);
         simd_.scores(steps_of(query, r), memory, weight, steps, length, h);
         for (std::size_t t = 0; t < steps; ++t) {
           simd_.softmax(weight[t], length);
@@ -160,18 +161,19 @@ class CpuKernels final : public Kernels {
     });
   }
 
-  void attend_backward(const Context& context, const at::Tensor& query, const at::Tensor& weights,
-                       const at::Tensor& mixed_gradient, const at::Tensor& query_gradient,
+  void attend_backward(const SentenceContext& context, const at::Tensor& query,
+                       const at::Tensor& weights, const at::Tensor& mixed_gradient,
+                       const at::Tensor& query_gradient,
                        const at::Tensor& words_gradient) const override {
     const std::size_t steps = extent(query, 0), h = extent(query, 2), words = extent(weights, 2);
     for_rows(context.lengths.size(), words * h, [&](std::size_t begin, std::size_t end) {
       std::vector<float> scores(steps * words);
-      const Rows score{scores.data(), words};
+      const MatrixRows score{scores.data(), words};
       for (std::size_t r = begin; r < end; ++r) {
         const auto length = static_cast<std::size_t>(context.lengths[r]);
-        const Rows memory = words_of(context.words, r), weight = steps_of(weights, r);
-        const Rows mixed = steps_of(mixed_gradient, r), queries = steps_of(query, r);
-        const Rows out = words_of(words_gradient, r);
+        const MatrixRows memory = words_of(context.words, r), weight = steps_of(weights, r);
+        const MatrixRows mixed = steps_of(mixed_gradient, r), queries = steps_of(query, r);
+        const MatrixRows out = words_of(words_gradient, r);
         simd_.scores(mixed, memory, score, steps, length, h);
         for (std::size_t t = 0; t < steps; ++t) {
           simd_.softmax_backward(weight[t], score[t], length);
@@ -213,11 +215,11 @@ class CpuKernels final : public Kernels {
 
  private:
   // One episode's rows of (n, words, h), and of (steps, n, x).
-  static Rows words_of(const at::Tensor& x, std::size_t r) {
+  static MatrixRows words_of(const at::Tensor& x, std::size_t r) {
     return {x.data_ptr<float>() + r * static_cast<std::size_t>(x.stride(0)),
             static_cast<std::size_t>(x.stride(1))};
   }
-  static Rows steps_of(const at::Tensor& x, std::size_t r) {
+  static MatrixRows steps_of(const at::Tensor& x, std::size_t r) {
     return {x.data_ptr<float>() + r * static_cast<std::size_t>(x.stride(1)),
             static_cast<std::size_t>(x.stride(0))};
   }
@@ -225,8 +227,38 @@ class CpuKernels final : public Kernels {
   const SimdKernels& simd_ = simd_kernels();
 };
 
+// Steps are far below 2^24.
+std::uint64_t substream(DropoutSite site, MaskRow at) noexcept {
+  return (std::uint64_t{static_cast<std::uint8_t>(site)} << 56U) | (std::uint64_t{at.step} << 32U) |
+         at.row;
+}
+
 }  // namespace
 
-std::unique_ptr<Kernels> make_cpu_kernels() { return std::make_unique<CpuKernels>(); }
+std::unique_ptr<NetworkKernels> make_cpu_kernels() { return std::make_unique<CpuKernels>(); }
+
+void draw_mask(const RolloutDropout& dropout, DropoutSite site, MaskRow at, std::size_t width,
+               std::span<std::uint64_t> out) noexcept {
+  Rng rng(dropout.seed, dropout.stream, substream(site, at));
+  const std::size_t words = mask_words(width);
+  if (dropout.probability == 0.5) {
+    for (std::size_t w = 0; w < words; ++w) out[w] = rng.next();
+    return;
+  }
+  const auto dropped = static_cast<std::uint64_t>(dropout.probability * 0x1p32);
+  for (std::size_t w = 0; w < words; ++w) {
+    std::uint64_t bits = 0;
+    for (unsigned i = 0; i < 64; i += 2) {
+      const std::uint64_t two = rng.next();
+      bits |= std::uint64_t{(two & 0xffffffffU) >= dropped} << i;
+      bits |= std::uint64_t{(two >> 32U) >= dropped} << (i + 1);
+    }
+    out[w] = bits;
+  }
+}
+
+double draw_uniform(std::uint64_t seed, std::uint64_t stream, MaskRow at) noexcept {
+  return Rng(seed, stream, substream(DropoutSite::kDraw, at)).uniform();
+}
 
 }  // namespace enfilade::neural::seq2seq

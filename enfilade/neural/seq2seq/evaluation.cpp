@@ -1,13 +1,15 @@
 #include "enfilade/neural/seq2seq/evaluation.h"
 
+#include <fmt/format.h>
 #include <algorithm>
-#include <utility>
 
+#include "enfilade/agents/simple_agents.h"
+#include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/models/attention.h"
-#include "enfilade/models/decision_recorder.h"
+#include "enfilade/models/decisions.h"
 #include "enfilade/neural/core/batches.h"
-#include "enfilade/neural/core/split_rollout.h"
+#include "enfilade/tasks/score_table.h"
 
 namespace enfilade::neural::seq2seq {
 namespace {
@@ -58,6 +60,15 @@ models::EpisodeAttention episode_attention(const GreedyRollout& walk, std::size_
   return episode;
 }
 
+using models::AfterEnd;
+using models::ForwardTo;
+
+sim::SimulatorConfig simulator_config(const R2rEnvironmentConfig& config) {
+  sim::SimulatorConfig simulator = sim::SimulatorConfig::room_to_room();
+  simulator.batch_size = config.batch_size;  // which the simulator checks
+  return simulator;
+}
+
 }  // namespace
 
 PreparedSplit prepare(tasks::EpisodeSet episodes, const tasks::Vocabulary& vocabulary,
@@ -95,7 +106,7 @@ GreedyRollout rollout_greedily(Network& network, const PreparedSplit& split,
                         observe);
         walked += instructions.size;
         if (progress) progress(std::min(total, walked * processes), total);
-        core::Packer packer;
+        core::ValuePacker packer;
         packer.add(core::packed_trajectories(environment.trajectories()));
         for (const AttentionTrace& trace : traces) {
           packer.add(trace.actions);
@@ -150,6 +161,151 @@ void write_rollout(const std::filesystem::path& results, const std::filesystem::
                        episode_attention(walk, i, split, vocabulary));
   }
   write_file_atomically(attention, models::attention_json(shown));
+}
+
+R2rEnvironment::R2rEnvironment(const tasks::EpisodeSet& episodes,
+                               const core::ViewFeatures* features,
+                               const R2rEnvironmentConfig& config)
+    : features_(features),
+      config_(config),
+      has_teacher_(!goals_hidden(episodes)),
+      batch_(episodes, simulator_config(config), config.max_steps),
+      actions_(config.batch_size) {
+  if (config.forward == ForwardTo::kIntended && !has_teacher_) {
+    throw ArgumentError(fmt::format(
+        "forward to the intended neighbour: the goals of split {} are hidden", episodes.split));
+  }
+}
+
+std::size_t R2rEnvironment::dimensions() const {
+  return features_ == nullptr ? 0 : features_->dimensions();
+}
+
+void R2rEnvironment::start(std::span<const std::size_t> episodes) {
+  batch_.begin(episodes);
+  if (!has_teacher_) return;
+  // The first use computes shortest paths, which would slow down a step.
+  for (std::size_t i = 0; i < size(); ++i) (void)batch_.distance_to_goal(i);
+}
+
+void R2rEnvironment::observe(const EnvironmentView& out) {
+  const sim::StateSpans& now = batch_.state();
+  const std::size_t n = dimensions();
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (n > 0) {
+      features_->copy(now.scan[i], now.viewpoint[i], now.view_index[i],
+                      out.features.subspan(i * n, n));
+    }
+    out.forward_open[i] = now.navigable_count[i] > 1 ? 1 : 0;
+    if (!out.labels.empty()) out.labels[i] = label(i);
+  }
+}
+
+bool R2rEnvironment::step(std::span<const std::int32_t> actions) {
+  EN_CHECK_EQ(actions.size(), size());
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (batch_.ended(i) && config_.after_end == AfterEnd::kStays) {
+      actions_[i] = {};
+      continue;
+    }
+    actions_[i] = action_of(i, actions[i]);
+    if (actions[i] == static_cast<std::int32_t>(SixAction::kStop)) batch_.end(i);
+  }
+  batch_.step(actions_);
+  return batch_.running() > 0;
+}
+
+agents::Decision R2rEnvironment::teacher(std::size_t slot) const {
+  return agents::teacher_decision(batch_.observation(slot), batch_.path(slot).viewpoints.back());
+}
+
+std::int32_t R2rEnvironment::label(std::size_t slot) const {
+  const bool ended = batch_.ended(slot);
+  if (ended && config_.after_end == AfterEnd::kStays) return kIgnoreLabel;
+  const SixAction action = six_action_of(teacher(slot));
+  if (ended && action == SixAction::kStop) return kIgnoreLabel;
+  return static_cast<std::int32_t>(action);
+}
+
+sim::Action R2rEnvironment::action_of(std::size_t slot, std::int32_t action) const {
+  // Numbers that are no action leave the agent where it is, as `end` does.
+  const bool known = action >= 0 && action < kSixActionCount;
+  const auto one_of_six = known ? static_cast<SixAction>(action) : SixAction::kStop;
+  const sim::Action done = to_action(one_of_six, batch_.state().navigable_count[slot]);
+  if (done.index > 0 && config_.forward == ForwardTo::kIntended) {
+    const agents::Decision decision = teacher(slot);
+    if (decision.index > 0) return {decision.index, {}, {}};
+  }
+  return done;
+}
+
+namespace fs = std::filesystem;
+
+Model load_model(const fs::path& folder, const std::string& device) {
+  const models::ModelFiles files = models::require_model(folder);
+  models::ModelConfig config = models::load_model_config(files.config());
+  if (config.training.agent != models::AgentKind::kSeq2Seq) {
+    throw ArgumentError(fmt::format("{}: an agent {}, not seq2seq", folder.string(),
+                                    to_string(config.training.agent)));
+  }
+  tasks::Vocabulary vocabulary = models::load_vocabulary(files, config.training.network);
+  const models::StateFile state = models::open_state(files.weights());
+  auto network = std::make_unique<Network>(config.training.network, config.training.seed, device);
+  network->load_weights(state.file);
+  return {std::move(config), std::move(vocabulary), state.iteration, std::move(network)};
+}
+
+void Seq2SeqAgent::enter(const tasks::EpisodeSet& episodes, const features::FeatureSet* features) {
+  split_.emplace(prepare(episodes, model_.vocabulary, model_.config.training.network.max_words,
+                         usable_features(model_.config, features)));
+}
+
+std::vector<tasks::Trajectory> Seq2SeqAgent::walk(const SplitRollout& options,
+                                                  const Progress& progress) {
+  GreedyRollout walk = rollout_greedily(
+      *model_.network, *split_,
+      {options.batch_size, model_.config.training.max_steps, options.ranks}, progress);
+  if (!options.results.empty() && (options.ranks == nullptr || options.ranks->is_first())) {
+    write_rollout(options.results, options.attention, walk, *split_, model_.vocabulary);
+  }
+  return std::move(walk.trajectories);
+}
+
+void Seq2SeqAgent::start(std::span<const agents::Observation> batch) {
+  const std::size_t words = model_.config.training.network.max_words;
+  std::vector<std::uint32_t> tokens;
+  tokens.reserve(batch.size() * words);
+  scans_.clear();
+  for (const agents::Observation& seen : batch) {
+    const auto row = model_.vocabulary.encode(seen.episode->text, words);
+    tokens.insert(tokens.end(), row.begin(), row.end());
+    if (features() != nullptr) scans_.push_back(features()->scan(seen.graph->scan()));
+  }
+  seen_.resize(batch.size() * model_.config.training.network.features);
+  forward_open_.resize(batch.size());
+  actions_.resize(batch.size());
+  model_.network->begin({tokens, batch.size()}, model_.config.training.max_steps);
+}
+
+void Seq2SeqAgent::act(std::span<const agents::Observation> batch,
+                       std::span<agents::Decision> decisions) {
+  // Stops the agents that have not chosen `end` yet: all episodes began at the same time.
+  if (!batch.empty() && batch[0].step >= model_.config.training.max_steps) {
+    std::ranges::fill(decisions, agents::Decision::stop_here());
+    return;
+  }
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    forward_open_[i] = batch[i].navigable.size() > 1 ? 1 : 0;
+    if (features() == nullptr) continue;
+    const std::size_t n = features()->dimensions();
+    features()->copy(scans_[i], batch[i].viewpoint, batch[i].view_index,
+                     std::span(seen_).subspan(i * n, n));
+  }
+  model_.network->act(seen_, forward_open_, actions_);
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const auto count = static_cast<std::uint32_t>(batch[i].navigable.size());
+    decisions[i] = to_decision(static_cast<SixAction>(actions_[i]), count);
+  }
 }
 
 }  // namespace enfilade::neural::seq2seq

@@ -2,13 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "enfilade/agents/run.h"
 #include "enfilade/core/file.h"
-#include "enfilade/neural/seq2seq/model.h"
-#include "enfilade/neural/seq2seq/seq2seq_agent.h"
 #include "tests/support/small_training.h"
 
 namespace enfilade::neural::seq2seq {
@@ -51,7 +48,7 @@ bool same(const std::vector<tasks::Trajectory>& a, const std::vector<tasks::Traj
 
 TEST_F(EvaluationTest, WalksEveryEpisodeOnceAndStopsInTime) {
   const PreparedSplit split = prepared("val_unseen");
-  const GreedyRollout walk = rollout_greedily(model_.network, split, options());
+  const GreedyRollout walk = rollout_greedily(*model_.network, split, options());
   ASSERT_EQ(walk.trajectories.size(), split.episodes.episodes.size());
   for (std::size_t i = 0; i < walk.trajectories.size(); ++i) {
     EXPECT_EQ(walk.trajectories[i].episode, i);
@@ -70,7 +67,7 @@ TEST_F(EvaluationTest, WalksEveryEpisodeOnceAndStopsInTime) {
 TEST_F(EvaluationTest, TheAgentMakesTheSameWalksAsTheBatch) {
   for (const char* name : {"val_seen", "test"}) {
     const PreparedSplit split = prepared(name);
-    const GreedyRollout walk = rollout_greedily(model_.network, split, options());
+    const GreedyRollout walk = rollout_greedily(*model_.network, split, options());
     Seq2SeqAgent agent(load_model(folder()));
     agent.enter(split.episodes, &features_);
     EXPECT_TRUE(same(agent.walk({options().batch_size}, {}), walk.trajectories, split.episodes));
@@ -90,16 +87,16 @@ TEST_F(EvaluationTest, TheAgentMakesTheSameWalksAsTheBatch) {
 TEST_F(EvaluationTest, LossIsTheSameEachTimeAndDependsOnTheStream) {
   const PreparedSplit split = prepared("val_seen");
   LossOptions loss{options(), {models::Feedback::kSample, 6, true, 1, 5}};
-  const double first = compute_loss(model_.network, split, loss);
+  const double first = compute_loss(*model_.network, split, loss);
   EXPECT_GT(first, 0);
-  EXPECT_EQ(compute_loss(model_.network, split, loss), first);
+  EXPECT_EQ(compute_loss(*model_.network, split, loss), first);
   loss.rollout.stream = 1000;
-  EXPECT_NE(compute_loss(model_.network, split, loss), first);
+  EXPECT_NE(compute_loss(*model_.network, split, loss), first);
 }
 
 TEST_F(EvaluationTest, AttentionFilesSayWhatWasReadDoneAndSeen) {
   const PreparedSplit split = prepared("val_seen");
-  const GreedyRollout walk = rollout_greedily(model_.network, split, options());
+  const GreedyRollout walk = rollout_greedily(*model_.network, split, options());
   const fs::path file = small_->model("results") / "val_seen.attention.json";
   write_rollout(file.parent_path() / "val_seen.json", file, walk, split, model_.vocabulary, 6);
   const auto json = nlohmann::json::parse(read_file(file));

@@ -1,4 +1,4 @@
-#include "enfilade/neural/seq2seq/model.h"
+#include "enfilade/neural/seq2seq/evaluation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ TEST_F(ModelTest, IsReadBackWithItsWeights) {
   Model model = load_model(folder_.path());
   EXPECT_EQ(model.iteration, 40U);
   EXPECT_EQ(model.vocabulary.size(), 5U);
-  models::write_state(folder_.path() / "again.safetensors", model.network.weights().arrays, 40);
+  models::write_state(folder_.path() / "again.safetensors", model.network->weights().arrays, 40);
   EXPECT_EQ(read_file(folder_.path() / "again.safetensors"), read_file(files_.weights()));
 }
 

@@ -1,8 +1,7 @@
-#include "enfilade/neural/seq2seq/network.h"
+#include "enfilade/neural/seq2seq/seq2seq.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -486,7 +485,7 @@ TEST(Network, GoesOnFromASavedTrainingStateToTheBit) {
   train(a, 0, 3);
   features::write_safetensors(file, a.network.training_state().arrays);
   train(a, 3, 5);
-  b.network = Network(small_config(), 99);
+  b.network.parameters().initialise(99);
   b.network.load_training_state(features::TensorFile::open(file));
   EXPECT_EQ(b.network.updates(), 3);
   train(b, 3, 5);

@@ -1,7 +1,6 @@
 // The network against an independent implementation in Python: tests/python/seq2seq_reference.py.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -10,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/neural/seq2seq/dropout.h"
-#include "enfilade/neural/seq2seq/network.h"
+#include "enfilade/neural/seq2seq/kernels.h"
+#include "enfilade/neural/seq2seq/seq2seq.h"
 #include "tests/support/scripted_environment.h"
 #include "tests/support/temporary_folder.h"
 
@@ -67,8 +66,8 @@ class Arrays {
 std::int64_t as_signed(std::size_t n) { return static_cast<std::int64_t>(n); }
 
 // What a rollout multiplies with: 0 or the scale; ones without dropout.
-std::vector<float> factors(const Dropout& dropout, Site site, const std::vector<MaskRow>& rows,
-                           std::size_t width) {
+std::vector<float> factors(const RolloutDropout& dropout, DropoutSite site,
+                           const std::vector<MaskRow>& rows, std::size_t width) {
   std::vector<float> result(rows.size() * width, 1);
   std::vector<std::uint64_t> kept(mask_words(width));
   for (std::size_t i = 0; i < rows.size() && dropout.on(); ++i) {
@@ -96,20 +95,20 @@ std::vector<MaskRow> by_step() {
   return rows;
 }
 
-void add_masks(Arrays& arrays, const Dropout& dropout, std::size_t words) {
+void add_masks(Arrays& arrays, const RolloutDropout& dropout, std::size_t words) {
   const models::NetworkConfig sizes = config();
-  const auto add = [&](const char* name, Site site, bool of_words, std::size_t width) {
+  const auto add = [&](const char* name, DropoutSite site, bool of_words, std::size_t width) {
     const auto values = factors(dropout, site, of_words ? by_row(words) : by_step(), width);
     arrays.add(name, features::DType::kFloat32,
                {as_signed(of_words ? kEpisodes : kSteps), as_signed(of_words ? words : kEpisodes),
                 as_signed(width)},
                values);
   };
-  add("mask.words", Site::kWords, true, sizes.word_embedding);
-  add("mask.context", Site::kContext, true, sizes.hidden);
-  add("mask.actions", Site::kActions, false, sizes.action_embedding);
-  add("mask.features", Site::kFeatures, false, sizes.features);
-  add("mask.attention", Site::kAttention, false, sizes.hidden);
+  add("mask.words", DropoutSite::kWords, true, sizes.word_embedding);
+  add("mask.context", DropoutSite::kContext, true, sizes.hidden);
+  add("mask.actions", DropoutSite::kActions, false, sizes.action_embedding);
+  add("mask.features", DropoutSite::kFeatures, false, sizes.features);
+  add("mask.attention", DropoutSite::kAttention, false, sizes.hidden);
 }
 
 std::size_t longest(const std::vector<std::uint32_t>& tokens) {

@@ -1,8 +1,7 @@
-#include "enfilade/neural/seq2seq/r2r_environment.h"
+#include "enfilade/neural/seq2seq/evaluation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <cmath>
 #include <numeric>
 

@@ -1,16 +1,10 @@
-#include "enfilade/neural/seq2seq/seq2seq_learner.h"
+#include "enfilade/neural/core/learner.h"
 
 #include <c10/core/InferenceMode.h>
-
 #include <chrono>
-#include <functional>
 #include <map>
-#include <optional>
-#include <utility>
 
 #include "enfilade/core/rng.h"
-#include "enfilade/neural/core/episode_order.h"
-#include "enfilade/neural/core/gradient_sum.h"
 #include "enfilade/neural/seq2seq/evaluation.h"
 #include "enfilade/neural/seq2seq/seq2seq.h"
 
@@ -20,45 +14,15 @@ namespace {
 using core::BatchParts;
 using core::GradientSum;
 
-using Clock = std::chrono::steady_clock;
-
-double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
-
-// Forwards all calls to an environment and adds up their time.
-class TimedEnvironment : public Environment {
- public:
-  explicit TimedEnvironment(Environment& inner) : inner_(inner) {}
-  Clock::duration spent() const noexcept { return spent_; }
-
-  std::size_t size() const override { return inner_.size(); }
-  std::size_t dimensions() const override { return inner_.dimensions(); }
-  bool has_teacher() const override { return inner_.has_teacher(); }
-  std::span<const std::uint8_t> ended() const override { return inner_.ended(); }
-  void observe(const EnvironmentView& out) override {
-    const Clock::time_point begin = Clock::now();
-    inner_.observe(out);
-    spent_ += Clock::now() - begin;
-  }
-  bool step(std::span<const std::int32_t> actions) override {
-    const Clock::time_point begin = Clock::now();
-    const bool walking = inner_.step(actions);
-    spent_ += Clock::now() - begin;
-    return walking;
-  }
-
- private:
-  Environment& inner_;
-  Clock::duration spent_{};
-};
-
 // Where the decoder's weights begin.
 constexpr auto kDecoder = static_cast<std::size_t>(Weight::kActionEmbedding);
 
 class Seq2SeqLearner : public core::Learner {
  public:
-  Seq2SeqLearner(const models::TrainConfig& config, const tasks::Vocabulary& vocabulary,
-                 const std::string& device)
-      : config_(config), vocabulary_(vocabulary), network_(config.network, config.seed, device) {}
+  explicit Seq2SeqLearner(const core::LearnerParts& parts)
+      : config_(parts.config),
+        vocabulary_(*parts.words.vocabulary()),
+        network_(config_.network, config_.seed, parts.device.str()) {}
 
   void prepare(const TrainingData& data, Ranks& ranks) override {
     ranks_ = &ranks;
@@ -80,11 +44,11 @@ class Seq2SeqLearner : public core::Learner {
   }
 
   core::Update update(std::uint64_t iteration) override {
-    spent_ = {};
+    spent_ = 0;
     const auto batch = order_->batch(iteration);
     const double loss = sum_ ? learn_in_parts(batch, iteration) : roll_out(batch, iteration, {});
     network_.update(config_.adam);
-    return {loss / static_cast<double>(config_.max_steps), seconds(spent_)};
+    return {loss / static_cast<double>(config_.max_steps), spent_};
   }
 
   core::Evaluated evaluate(std::size_t split, std::uint64_t iteration,
@@ -120,7 +84,7 @@ class Seq2SeqLearner : public core::Learner {
 
   BatchOptions batch_options() const { return {config_.batch_size, config_.max_steps, ranks_}; }
 
-  const Parameters& parameters() { return implementation_of(network_).parameters(); }
+  const Parameters& parameters() { return network_.parameters(); }
   at::Tensor gradient(std::size_t weight) {
     return parameters().view(parameters().flat_gradients, weight);
   }
@@ -139,19 +103,17 @@ class Seq2SeqLearner : public core::Learner {
   // Leaves the gradients. \return the loss
   double roll_out(std::span<const std::size_t> episodes, std::uint64_t stream,
                   const std::function<void()>& decoder_done) {
-    const Clock::time_point begin = Clock::now();
+    const auto begin = std::chrono::steady_clock::now();
     R2rEnvironment& environment = environment_of(episodes.size());
     tokens_.resize(episodes.size() * config_.network.max_words);
     training_->instructions.gather(episodes, tokens_);
     environment.start(episodes);
-    spent_ += Clock::now() - begin;
-    TimedEnvironment timed(environment);
+    spent_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     const RolloutOptions rollout{config_.feedback, config_.max_steps, true, config_.seed, stream};
-    const double loss =
-        network_.rollout_with_gradients({tokens_, episodes.size()}, timed, rollout, decoder_done)
-            .loss;
-    spent_ += timed.spent();
-    return loss;
+    const RolloutResult result = network_.rollout_with_gradients(
+        {tokens_, episodes.size()}, environment, rollout, decoder_done);
+    spent_ += result.environment_seconds;
+    return result.loss;
   }
 
   double learn_in_parts(std::span<const std::size_t> batch, std::uint64_t iteration) {
@@ -185,17 +147,18 @@ class Seq2SeqLearner : public core::Learner {
   std::optional<core::EpisodeOrder> order_;
   std::map<std::size_t, std::unique_ptr<R2rEnvironment>> environments_;  // by number of episodes
   std::vector<std::uint32_t> tokens_;
-  Clock::duration spent_{};  // of an update: in environment, features and instructions
+  double spent_ = 0;  // seconds of an update in environment, features and instructions
   Ranks* ranks_ = nullptr;
   std::optional<GradientSum> sum_;  // none: one part, one process
 };
 
 }  // namespace
+}  // namespace enfilade::neural::seq2seq
 
-std::unique_ptr<core::Learner> make_learner(const models::TrainConfig& config,
-                                            const tasks::Vocabulary& vocabulary,
-                                            const std::string& device) {
-  return std::make_unique<Seq2SeqLearner>(config, vocabulary, device);
+namespace enfilade::neural::core {
+
+std::unique_ptr<Learner> make_seq2seq_learner(const LearnerParts& parts) {
+  return std::make_unique<seq2seq::Seq2SeqLearner>(parts);
 }
 
-}  // namespace enfilade::neural::seq2seq
+}  // namespace enfilade::neural::core

@@ -4,7 +4,6 @@
 
 #include <c10/core/InferenceMode.h>
 #include <gtest/gtest.h>
-
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -60,7 +59,7 @@ std::vector<Case> cases() {
 }
 
 struct Trial {
-  Trial(const Case& which, at::ScalarType type, std::unique_ptr<Kernels> kernels)
+  Trial(const Case& which, at::ScalarType type, std::unique_ptr<NetworkKernels> kernels)
       : model(which.config, at::TensorOptions().dtype(type), std::move(kernels)),
         options(which.options),
         tokens(made_tokens(kEpisodes, which.config.max_words, which.config.vocabulary)),
@@ -74,7 +73,7 @@ struct Trial {
   }
   Parameters& parameters() { return model.parameters(); }
 
-  Seq2Seq model;
+  Network model;
   RolloutOptions options;
   std::vector<std::uint32_t> tokens;
   ScriptedEnvironment environment;

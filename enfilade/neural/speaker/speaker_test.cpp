@@ -10,9 +10,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/neural/core/optimizer.h"
-#include "enfilade/neural/speaker/bleu.h"
-#include "enfilade/neural/speaker/environmental_dropout.h"
-#include "enfilade/neural/speaker/speaker_decoding.h"
+#include "enfilade/neural/speaker/speaker_network.h"
 #include "enfilade/tasks/tokenizer.h"
 #include "tests/support/graphs.h"
 #include "tests/support/refusal.h"
@@ -234,7 +232,7 @@ TEST_F(SpeakerTest, LearnsEightPathsByHeart) {
   SpeakerConfig config = tiny();
   config.hidden = 32;
   SpeakerNetwork network(config, 1);
-  core::Optimizer optimizer(core::optimizer_of(adam(1e-2), {"encoder.", "decoder."}));
+  core::WeightOptimizer optimizer(core::optimizer_of(adam(1e-2), {"encoder.", "decoder."}));
   const PathBatch batch = see(eight());
   const at::Tensor words = pad_sentences(sentences());
   double first = 0, last = 0;
@@ -313,19 +311,16 @@ TEST_F(SpeakerTest, EnvironmentsLackTheSameColumnsEverywhere) {
   };
   const PathBatch batch =
       see({path({0, 1, 2}), path({4, 3, 2})}, config, drop_environment(ones, options));
-  const std::vector<float> factors = column_factors(options, 40, ScanIndex(0));
+  const std::vector<float> factors = column_factors(options, 40);
   const at::Tensor expected = at::tensor(factors);
   EXPECT_EQ(farthest(batch.views.narrow(3, 0, 40), expected.expand({2, 3, 36, 40})), 0);
   EXPECT_EQ(farthest(batch.actions.narrow(2, 0, 40).narrow(1, 0, 2), expected.expand({2, 2, 40})),
             0);
   EXPECT_THAT(factors, Each(::testing::AnyOf(0.0F, 2.0F)));
   EXPECT_EQ(std::set<float>(factors.begin(), factors.end()).size(), 2U);
-  EXPECT_EQ(factors, column_factors(options, 40, ScanIndex(1)));
-  options.same = SameEnvironment::kScan;
-  EXPECT_NE(column_factors(options, 40, ScanIndex(0)), column_factors(options, 40, ScanIndex(1)));
-  options.same = SameEnvironment::kBatch;
+  EXPECT_EQ(factors, column_factors(options, 40));
   options.stream = 9;
-  EXPECT_NE(factors, column_factors(options, 40, ScanIndex(0)));
+  EXPECT_NE(factors, column_factors(options, 40));
   options.rate = 1;
   EXPECT_THAT(tests::refusal<ArgumentError>([&] { drop_environment(ones, options); }),
               HasSubstr("environmental dropout: 1, not in [0, 1)"));
@@ -334,26 +329,22 @@ TEST_F(SpeakerTest, EnvironmentsLackTheSameColumnsEverywhere) {
 TEST(EnvironmentalDropout, DropsItsShare) {
   EnvironmentalDropoutOptions options;
   options.rate = 0.3;
-  const std::vector<float> factors = column_factors(options, 10'000, ScanIndex(0));
+  const std::vector<float> factors = column_factors(options, 10'000);
   const auto kept = std::ranges::count_if(factors, [](float f) { return f > 0; });
   EXPECT_NEAR(static_cast<double>(kept) / 10'000, 0.7, 0.03) << "seven standard deviations";
   EXPECT_NEAR(std::accumulate(factors.begin(), factors.end(), 0.0) / 10'000, 1, 0.03);
 }
 
-TEST(SpeakerNetwork, FilesTellTheirSizesOrWhatIsWrong) {
+TEST(SpeakerNetwork, ReadsAFileOrTellsWhatIsWrong) {
   const tests::TemporaryFolder folder("speaker");
   const auto file = folder.path() / "speaker.safetensors";
   const SpeakerNetwork network(tiny(), 4);
   core::Weights weights = network.weights();
   // What released checkpoints have beside.
   weights.emplace("decoder.baseline_projection.0.weight", at::zeros({128, 8}));
-  auto arrays = core::as_arrays(weights);
-  features::write_safetensors(file, arrays);
+  features::write_safetensors(file, core::as_arrays(weights));
   const auto read = features::TensorFile::open(file);
-  SpeakerConfig defaults = tiny(false);
-  defaults.vocabulary = defaults.word_embedding = defaults.hidden = 2;
-  SpeakerConfig config = speaker_config_of(read, defaults);
-  EXPECT_EQ(config, tiny());
+  SpeakerConfig config = tiny();
   const SpeakerNetwork loaded(config, read);
   for (const auto& [name, values] : network.weights()) {
     EXPECT_TRUE(values.equal(loaded.weight(name))) << name;
@@ -361,14 +352,6 @@ TEST(SpeakerNetwork, FilesTellTheirSizesOrWhatIsWrong) {
   config.hidden = 10;
   EXPECT_THAT(tests::refusal<InvalidInput>([&] { SpeakerNetwork(config, read); }),
               AllOf(HasSubstr("encoder.lstm.weight_hh_l0"), HasSubstr("[20, 5] is expected")));
-  defaults.angle = 8;
-  EXPECT_THAT(tests::refusal<InvalidInput>([&] { speaker_config_of(read, defaults); }),
-              HasSubstr("7 numbers a view, fewer than the 8"));
-  std::erase_if(arrays, [](const auto& array) { return array.name.starts_with("decoder."); });
-  features::write_safetensors(file, arrays);
-  EXPECT_THAT(tests::refusal<InvalidInput>(
-                  [&] { speaker_config_of(features::TensorFile::open(file), {}); }),
-              AllOf(HasSubstr("missing-array"), HasSubstr("decoder.embedding.weight")));
 }
 
 TEST(SpeakerNetwork, RefusesWhatDoesNotFit) {

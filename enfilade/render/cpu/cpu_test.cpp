@@ -13,7 +13,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/render/cpu/kernels.h"
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
 #include "tests/support/made_panoramas.h"
 
 namespace enfilade::render {
@@ -161,8 +161,8 @@ TEST(CpuRenderer, RefusesAnInstructionSetThatIsNotThere) {
 }
 
 TEST_P(EachTarget, PacksAsItsPlainTwinAtEveryLengthAndAlignment) {
-  const cpu::Kernels& simd = cpu::simd_kernels(GetParam());
-  const cpu::Kernels& twin = cpu::scalar_kernels();
+  const cpu::PixelKernels& simd = cpu::simd_kernels(GetParam());
+  const cpu::PixelKernels& twin = cpu::scalar_kernels();
   Rng rng(22, 0);
   cpu::Block32 block;
   cpu::Block16 depth;
@@ -179,23 +179,23 @@ TEST_P(EachTarget, PacksAsItsPlainTwinAtEveryLengthAndAlignment) {
       call(twin, b.data() + 64);
       ASSERT_EQ(a, b) << "count " << count;
     };
-    both([&](const cpu::Kernels& k, std::uint8_t* out) {
+    both([&](const cpu::PixelKernels& k, std::uint8_t* out) {
       k.pack_rgb(block.values.data(), count, out + 1);
       k.pack_bgr(block.values.data(), count, out + 301);
     });
-    both([&](const cpu::Kernels& k, std::uint8_t* out) {
+    both([&](const cpu::PixelKernels& k, std::uint8_t* out) {
       k.pack_planar16(block.values.data(), count, scale, 100,
                       reinterpret_cast<std::uint16_t*>(out + 2));
       k.pack_planar32(block.values.data(), count, scale, 100, reinterpret_cast<float*>(out + 1024));
     });
-    both([&](const cpu::Kernels& k, std::uint8_t* out) {
+    both([&](const cpu::PixelKernels& k, std::uint8_t* out) {
       k.pack_metres(depth.values.data(), factor.data(), count, reinterpret_cast<float*>(out + 4));
       k.pack_units(depth.values.data(), factor.data(), count,
                    reinterpret_cast<std::uint16_t*>(out + 1026));
       k.pack_legacy_units(depth.values.data(), factor.data(), count,
                           reinterpret_cast<std::uint16_t*>(out + 2050));
     });
-    both([&](const cpu::Kernels& k, std::uint8_t* out) {
+    both([&](const cpu::PixelKernels& k, std::uint8_t* out) {
       k.stream(reinterpret_cast<std::byte*>(out + count % 7),
                reinterpret_cast<const std::byte*>(&block), 4 * count);
       k.stream_end();

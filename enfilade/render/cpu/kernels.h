@@ -37,7 +37,7 @@ struct Places {
 };
 
 /// tap_at() of each pixel of a piece; offsets are from an address that the pieces of a row share.
-struct Taps {
+struct TexelTaps {
   alignas(64) std::array<std::int32_t, kBlock + kSlack> offset;
   alignas(64) std::array<std::uint32_t, kBlock + kSlack> weights;
 };
@@ -47,7 +47,7 @@ struct Taps {
 inline constexpr std::size_t kTapsBeyond = 15;
 struct TapRun {
   const std::uint8_t* base;
-  const Taps& taps;
+  const TexelTaps& taps;
   std::size_t from, count;
 };
 
@@ -59,7 +59,7 @@ struct PlaceRun {
 };
 
 /// Columns begin .. end-1 of a row; at most kBlock of them.
-struct Piece {
+struct PixelRange {
   std::uint32_t begin = 0, end = 0;
   std::uint32_t size() const noexcept { return end - begin; }
 };
@@ -82,7 +82,7 @@ struct NearestFace {
 /// A piece of a block's row whose taps are to be computed.
 struct TapPart {
   FaceLine line;
-  Piece piece;
+  PixelRange piece;
   ColourFace face;
   std::size_t at;  ///< where the block has the piece
 };
@@ -92,8 +92,8 @@ struct TapPart {
 /// whole registers: values beyond a part's end are arbitrary, and the next part overwrites them.
 struct Ahead {
   std::span<const TapPart> parts;
-  Taps& taps;      ///< not those that are drawn
-  Points* points;  ///< where the same pixels' points go; null: nowhere
+  TexelTaps& taps;  ///< not those that are drawn
+  Points* points;   ///< where the same pixels' points go; null: nowhere
 };
 
 /// Multiplies and adds so that an 8-bit value becomes (value / 255 - mean) / deviation.
@@ -105,9 +105,9 @@ struct PlanarScale {
 /// row below.
 enum class Ask { kLittle, kMuch };
 
-struct Kernels {
+struct PixelKernels {
   /// Where the pixels of a piece meet the face that it lies on; written from the place `at` on.
-  void (*points)(const FaceLine&, Piece, std::size_t at, Points& out);
+  void (*points)(const FaceLine&, PixelRange, std::size_t at, Points& out);
   /// Where the colour of a block's pixels is.
   void (*taps)(const Ahead&);
   // Bilinear colour of the taps `from` .. from + count - 1, in each of the formats; never writes
@@ -155,16 +155,16 @@ struct Kernels {
                              float* out);
 };
 
-const Kernels& scalar_kernels() noexcept;
+const PixelKernels& scalar_kernels() noexcept;
 /// The fastest kernels here: for the best instruction set of the processor, with or without
 /// gathers. A short measurement at the first call decides. All give the same bytes.
-const Kernels& simd_kernels() noexcept;
+const PixelKernels& simd_kernels() noexcept;
 /// The kernels of one of cpu_targets(); empty: the fastest. \throws ArgumentError for another name
-const Kernels& simd_kernels(const std::string& target);
+const PixelKernels& simd_kernels(const std::string& target);
 
 struct KernelVariant {
   std::string name;  ///< "AVX2", "AVX2 gathers", ...
-  const Kernels* kernels;
+  const PixelKernels* kernels;
 };
 /// All that the processor supports, the best instruction set first.
 const std::vector<KernelVariant>& kernel_variants();

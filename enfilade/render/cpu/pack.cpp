@@ -1,7 +1,6 @@
 #include "enfilade/render/cpu/pack.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 
 #include "enfilade/core/check.h"
@@ -16,7 +15,7 @@ T* values_at(std::span<std::byte> pixels, std::size_t first) {
 
 // Lets `pack` write a block's values to `out`, straight or by way of the staging.
 template <class T, class Pack>
-void put(const Place& place, T* out, std::size_t count, const Pack& pack) {
+void put(const BlockPlace& place, T* out, std::size_t count, const Pack& pack) {
   if (place.staging == nullptr) return pack(out);
   std::byte* room = place.staging->take(count * sizeof(T));
   pack(reinterpret_cast<T*>(room));
@@ -25,7 +24,7 @@ void put(const Place& place, T* out, std::size_t count, const Pack& pack) {
 
 // A block's three planes.
 template <class T, class Pack>
-void put_planes(const Place& place, T* out, const Pack& pack) {
+void put_planes(const BlockPlace& place, T* out, const Pack& pack) {
   if (place.staging == nullptr) return pack(out, place.pixels);
   constexpr std::size_t kLine = 64 / sizeof(T);
   const std::size_t plane = (place.count + kLine - 1) / kLine * kLine;
@@ -34,6 +33,57 @@ void put_planes(const Place& place, T* out, const Pack& pack) {
   for (std::size_t c = 0; c < 3; ++c) {
     place.staging->send(reinterpret_cast<std::byte*>(out + c * place.pixels),
                         room + c * plane * sizeof(T), place.count * sizeof(T));
+  }
+}
+
+// The kernels of one way to make colours, by format.
+template <class Three, class Rgba, class Planar16, class Planar32>
+struct ColourKernels {
+  Three rgb, bgr;
+  Rgba rgba;
+  Planar16 planar16;
+  Planar32 planar32;
+};
+template <class Three, class... Others>
+ColourKernels(Three, Three, Others...) -> ColourKernels<Three, Others...>;
+
+// Has `call` run the output's kernel, with where it writes as the last arguments.
+template <class Kernels, class Call>
+void put_colour(const ColourOutput& output, const PlanarScale& scale, const BlockPlace& place,
+                const Kernels& kernels, const Call& call) {
+  const auto three = [&](const auto& kernel) {
+    put(place, values_at<std::uint8_t>(output.pixels, 3 * place.pixel()), 3 * place.count,
+        [&](std::uint8_t* out) { call(kernel, out); });
+  };
+  const auto planar = [&]<class T>(const auto& kernel, T* first) {
+    put_planes(place, first + 3 * place.view * place.pixels + place.first,
+               [&](T* out, std::size_t plane) { call(kernel, scale, plane, out); });
+  };
+  switch (output.format) {
+    case ColourFormat::kRgb8:
+      return three(kernels.rgb);
+    case ColourFormat::kBgr8:
+      return three(kernels.bgr);
+    case ColourFormat::kRgba8:
+      return put(place, values_at<std::uint32_t>(output.pixels, place.pixel()), place.count,
+                 [&](std::uint32_t* out) { call(kernels.rgba, out); });
+    case ColourFormat::kPlanarFloat16:
+      return planar(kernels.planar16, values_at<std::uint16_t>(output.pixels, 0));
+    case ColourFormat::kPlanarFloat32:
+      return planar(kernels.planar32, values_at<float>(output.pixels, 0));
+  }
+}
+
+// The same for depth.
+template <class Metres, class Units, class Call>
+void put_depth(const DepthOutput& output, const BlockPlace& place, Metres metres, Units units,
+               const Call& call) {
+  if (output.format == DepthFormat::kMetresFloat32) {
+    put(place, values_at<float>(output.pixels, place.pixel()), place.count,
+        [&](float* out) { call(metres, out); });
+  } else {
+    put(place, values_at<std::uint16_t>(output.pixels, place.pixel()), place.count,
+        [&](std::uint16_t* out) { call(units, out); });
   }
 }
 
@@ -58,18 +108,19 @@ void Staging::flush() {
   used_ = count_ = 0;
 }
 
-Packer::Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_depth) noexcept
+PixelPacker::PixelPacker(const PixelKernels& kernels, const Outputs& outputs,
+                         bool eight_bit_depth) noexcept
     : kernels_(kernels), outputs_(outputs), eight_bit_depth_(eight_bit_depth) {
   if (outputs.colour) scale_ = planar_scale(outputs.colour->normalisation);
 }
 
-void Packer::pack(const Values& values, const Place& place) const {
+void PixelPacker::pack(const Values& values, const BlockPlace& place) const {
   if (outputs_.colour) pack_colour(values.rgba, place);
   if (outputs_.depth) pack_depth(values.depth, values.depth_factor, place);
   pack_ids(values, place);
 }
 
-void Packer::pack_ids(const Values& values, const Place& place) const {
+void PixelPacker::pack_ids(const Values& values, const BlockPlace& place) const {
   if (outputs_.classes) pack_classes(values.classes, place);
   if (outputs_.instances) {
     std::memcpy(outputs_.instances->pixels.data() + place.pixel(), values.instances,
@@ -77,119 +128,44 @@ void Packer::pack_ids(const Values& values, const Place& place) const {
   }
 }
 
-template <class From>
-void Packer::put_colour(const From& from, const Place& place) const {
-  const std::span<std::byte> pixels = outputs_.colour->pixels;
-  const auto three = [&](const auto& write) {
-    put(place, values_at<std::uint8_t>(pixels, 3 * place.pixel()), 3 * place.count, write);
+void PixelPacker::pack_colour(const std::uint32_t* rgba, const BlockPlace& place) const {
+  const auto copy = [](const std::uint32_t* from, std::size_t count, std::uint32_t* out) {
+    std::memcpy(out, from, 4 * count);
   };
-  const auto planar = [&]<class T>(const auto& write, T* first) {
-    put_planes(place, first + 3 * place.view * place.pixels + place.first, write);
-  };
-  switch (outputs_.colour->format) {
-    case ColourFormat::kRgb8:
-      return three([&](std::uint8_t* out) { from.rgb(out); });
-    case ColourFormat::kBgr8:
-      return three([&](std::uint8_t* out) { from.bgr(out); });
-    case ColourFormat::kRgba8:
-      return put(place, values_at<std::uint32_t>(pixels, place.pixel()), place.count,
-                 [&](std::uint32_t* out) { from.rgba(out); });
-    case ColourFormat::kPlanarFloat16:
-      return planar([&](std::uint16_t* out, std::size_t plane) { from.planar16(plane, out); },
-                    values_at<std::uint16_t>(pixels, 0));
-    case ColourFormat::kPlanarFloat32:
-      return planar([&](float* out, std::size_t plane) { from.planar32(plane, out); },
-                    values_at<float>(pixels, 0));
-  }
+  put_colour(*outputs_.colour, scale_, place,
+             ColourKernels{kernels_.pack_rgb, kernels_.pack_bgr, copy, kernels_.pack_planar16,
+                           kernels_.pack_planar32},
+             [&](const auto& kernel, const auto&... to) { kernel(rgba, place.count, to...); });
 }
 
-void Packer::pack_colour(const std::uint32_t* rgba, const Place& place) const {
-  struct Pixels {
-    const Kernels& kernels;
-    const PlanarScale& scale;
-    const std::uint32_t* pixels;
-    std::size_t count;
-    void rgb(std::uint8_t* out) const { kernels.pack_rgb(pixels, count, out); }
-    void bgr(std::uint8_t* out) const { kernels.pack_bgr(pixels, count, out); }
-    void rgba(std::uint32_t* out) const { std::memcpy(out, pixels, 4 * count); }
-    void planar16(std::size_t plane, std::uint16_t* out) const {
-      kernels.pack_planar16(pixels, count, scale, plane, out);
-    }
-    void planar32(std::size_t plane, float* out) const {
-      kernels.pack_planar32(pixels, count, scale, plane, out);
-    }
-  };
-  put_colour(Pixels{kernels_, scale_, rgba, place.count}, place);
+void PixelPacker::draw_colour(const TapRun& run, const Ahead& ahead,
+                              const BlockPlace& place) const {
+  put_colour(*outputs_.colour, scale_, place,
+             ColourKernels{kernels_.draw_rgb, kernels_.draw_bgr, kernels_.draw_rgba,
+                           kernels_.draw_planar16, kernels_.draw_planar32},
+             [&](const auto& kernel, const auto&... to) { kernel(run, ahead, to...); });
 }
 
-void Packer::draw_colour(const TapRun& taps, const Ahead& ahead, const Place& place) const {
-  struct Drawn {
-    const Kernels& kernels;
-    const PlanarScale& scale;
-    const TapRun& run;
-    const Ahead& ahead;
-    void rgb(std::uint8_t* out) const { kernels.draw_rgb(run, ahead, out); }
-    void bgr(std::uint8_t* out) const { kernels.draw_bgr(run, ahead, out); }
-    void rgba(std::uint32_t* out) const { kernels.draw_rgba(run, ahead, out); }
-    void planar16(std::size_t plane, std::uint16_t* out) const {
-      kernels.draw_planar16(run, ahead, scale, plane, out);
-    }
-    void planar32(std::size_t plane, float* out) const {
-      kernels.draw_planar32(run, ahead, scale, plane, out);
-    }
-  };
-  put_colour(Drawn{kernels_, scale_, taps, ahead}, place);
-}
-
-template <class From>
-void Packer::put_depth(const From& from, const Place& place) const {
-  const std::span<std::byte> pixels = outputs_.depth->pixels;
-  if (outputs_.depth->format == DepthFormat::kMetresFloat32) {
-    put(place, values_at<float>(pixels, place.pixel()), place.count,
-        [&](float* out) { from.metres(out); });
-  } else {
-    put(place, values_at<std::uint16_t>(pixels, place.pixel()), place.count,
-        [&](std::uint16_t* out) { from.units(out); });
-  }
-}
-
-void Packer::draw_depth(const PlaceRun& run, const float* factor, const Place& place) const {
+void PixelPacker::draw_depth(const PlaceRun& run, const float* factor,
+                             const BlockPlace& place) const {
   if (eight_bit_depth_) {
     Block16 units;
     kernels_.values16(run, units.values.data());
     return pack_depth(units.values.data(), factor, place);
   }
-  struct Drawn {
-    const Kernels& kernels;
-    const PlaceRun& run;
-    const float* factor;
-    void metres(float* out) const { kernels.draw_metres(run, factor, out); }
-    void units(std::uint16_t* out) const { kernels.draw_units(run, factor, out); }
-  };
-  put_depth(Drawn{kernels_, run, factor}, place);
+  put_depth(*outputs_.depth, place, kernels_.draw_metres, kernels_.draw_units,
+            [&](const auto& kernel, auto* out) { kernel(run, factor, out); });
 }
 
-void Packer::pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const {
-  struct Packed {
-    const Packer& packer;
-    const std::uint16_t* values;
-    const float* factor;
-    std::size_t count;
-    void metres(float* out) const {
-      const Kernels& k = packer.kernels_;
-      const auto kernel = packer.eight_bit_depth_ ? k.pack_legacy_metres : k.pack_metres;
-      kernel(values, factor, count, out);
-    }
-    void units(std::uint16_t* out) const {
-      const Kernels& k = packer.kernels_;
-      const auto kernel = packer.eight_bit_depth_ ? k.pack_legacy_units : k.pack_units;
-      kernel(values, factor, count, out);
-    }
-  };
-  put_depth(Packed{*this, units, factor, place.count}, place);
+void PixelPacker::pack_depth(const std::uint16_t* units, const float* factor,
+                             const BlockPlace& place) const {
+  put_depth(*outputs_.depth, place,
+            eight_bit_depth_ ? kernels_.pack_legacy_metres : kernels_.pack_metres,
+            eight_bit_depth_ ? kernels_.pack_legacy_units : kernels_.pack_units,
+            [&](const auto& kernel, auto* out) { kernel(units, factor, place.count, out); });
 }
 
-void Packer::pack_classes(const std::uint16_t* values, const Place& place) const {
+void PixelPacker::pack_classes(const std::uint16_t* values, const BlockPlace& place) const {
   const std::span<std::byte> pixels = outputs_.classes->pixels;
   if (outputs_.classes->format == ClassFormat::kUint16) {
     std::memcpy(pixels.data() + 2 * place.pixel(), values, 2 * place.count);
@@ -210,15 +186,16 @@ PlanarScale planar_scale(const Normalisation& normalisation) noexcept {
   return scale;
 }
 
-std::vector<float> inverse_ray_lengths(const Camera& camera) {
+std::vector<float> depth_factors(const Camera& camera, DepthMeasure measure) {
+  std::vector<float> factors(std::size_t{camera.width} * camera.height, 1.0F);
+  if (measure == DepthMeasure::kRay) return factors;
   const PixelRays rays = pixel_rays(camera, Mat3d{});
-  std::vector<float> lengths(std::size_t{camera.width} * camera.height);
   for (std::uint32_t i = 0; i < camera.height; ++i) {
     for (std::uint32_t j = 0; j < camera.width; ++j) {
-      lengths[std::size_t{i} * camera.width + j] = static_cast<float>(1 / length(rays.at(i, j)));
+      factors[std::size_t{i} * camera.width + j] = static_cast<float>(1 / length(rays.at(i, j)));
     }
   }
-  return lengths;
+  return factors;
 }
 
 }  // namespace enfilade::render::cpu

@@ -16,7 +16,7 @@ namespace enfilade::render::cpu {
 /// until all have left the processor's store buffer.
 class Staging {
  public:
-  explicit Staging(const Kernels& kernels) : kernels_(kernels) {}
+  explicit Staging(const PixelKernels& kernels) : kernels_(kernels) {}
   /// Memory for this block, aligned to 64. \pre all of a block are of kBlock pixels at most
   std::byte* take(std::size_t bytes);
   /// Has flush() copy that.
@@ -33,7 +33,7 @@ class Staging {
   static constexpr std::size_t kLine = 64;
   static constexpr std::size_t kCopies = 32;  // three planes and depth of seven stretches
 
-  const Kernels& kernels_;
+  const PixelKernels& kernels_;
   std::size_t used_ = 0, count_ = 0;
   std::array<Copy, kCopies> copies_;
   // A block's colour as three planes of floats and its depth, each piece from a new line on.
@@ -41,7 +41,7 @@ class Staging {
 };
 
 /// Where a block's pixels go: `first` is the place of its first pixel in its view, row-major.
-struct Place {
+struct BlockPlace {
   std::size_t view = 0;
   std::size_t first = 0;
   std::size_t count = 0;
@@ -60,28 +60,24 @@ struct Values {
 };
 
 /// Converts values to the formats of some outputs. Must not outlive its arguments.
-class Packer {
+class PixelPacker {
  public:
-  Packer(const Kernels& kernels, const Outputs& outputs, bool eight_bit_depth) noexcept;
-  void pack(const Values& values, const Place& place) const;
+  PixelPacker(const PixelKernels& kernels, const Outputs& outputs, bool eight_bit_depth) noexcept;
+  void pack(const Values& values, const BlockPlace& place) const;
   /// Draws colour from a run of taps, as many as place.count, straight into the output's format;
   /// makes the taps of the block ahead.
-  void draw_colour(const TapRun& run, const Ahead& ahead, const Place& place) const;
+  void draw_colour(const TapRun& run, const Ahead& ahead, const BlockPlace& place) const;
   /// The same for depth. `factor` as in Values.
-  void draw_depth(const PlaceRun& run, const float* factor, const Place& place) const;
+  void draw_depth(const PlaceRun& run, const float* factor, const BlockPlace& place) const;
   /// Classes and instances.
-  void pack_ids(const Values& values, const Place& place) const;
+  void pack_ids(const Values& values, const BlockPlace& place) const;
 
  private:
-  void pack_colour(const std::uint32_t* rgba, const Place& place) const;
-  template <class From>
-  void put_colour(const From& from, const Place& place) const;
-  template <class From>
-  void put_depth(const From& from, const Place& place) const;
-  void pack_depth(const std::uint16_t* units, const float* factor, const Place& place) const;
-  void pack_classes(const std::uint16_t* values, const Place& place) const;
+  void pack_colour(const std::uint32_t* rgba, const BlockPlace& place) const;
+  void pack_depth(const std::uint16_t* units, const float* factor, const BlockPlace& place) const;
+  void pack_classes(const std::uint16_t* values, const BlockPlace& place) const;
 
-  const Kernels& kernels_;
+  const PixelKernels& kernels_;
   const Outputs& outputs_;
   bool eight_bit_depth_;
   PlanarScale scale_{};  // of colour
@@ -90,7 +86,8 @@ class Packer {
 /// Factors and summands of planar formats.
 PlanarScale planar_scale(const Normalisation& normalisation) noexcept;
 
-/// For each pixel 1 / the length of its ray: what turns a distance along it into a z-distance.
-std::vector<float> inverse_ray_lengths(const Camera& camera);
+/// What turns a distance along each pixel's ray into the measure: 1 / the ray's length for kZ,
+/// else 1.
+std::vector<float> depth_factors(const Camera& camera, DepthMeasure measure);
 
 }  // namespace enfilade::render::cpu

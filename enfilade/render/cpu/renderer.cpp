@@ -1,5 +1,3 @@
-#include "enfilade/render/cpu/renderer.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,12 +5,13 @@
 #include <cstdint>
 #include <limits>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/render/cpu/pack.h"
 #include "enfilade/render/cpu/row_plan.h"
 #include "enfilade/render/detail/batch.h"
 #include "enfilade/render/detail/layers.h"
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
 
 namespace enfilade::render::cpu {
 namespace {
@@ -43,12 +42,12 @@ std::size_t bytes_of(const Outputs& outputs) {
 
 // What all rows of a batch have in common.
 struct Job {
-  const Kernels& kernels;
+  const PixelKernels& kernels;
   const Camera& camera;
   const Legacy& legacy;
   const Outputs& outputs;
   const float* depth_factor;  // one a pixel, or a block of ones
-  Packer packer;
+  PixelPacker packer;
   std::span<const PreparedView> views;
   std::span<const Face> faces;
   bool stream;  // write past the caches
@@ -104,7 +103,7 @@ class BandDrawer {
 
   // A block's part of a stretch.
   struct Part {
-    Piece piece;
+    PixelRange piece;
     std::uint32_t row;
     std::size_t at;  // in the block
     CubeFace face;
@@ -113,11 +112,11 @@ class BandDrawer {
   // Whole rows of a narrow picture, or some columns of one row of a wide one.
   struct Block {
     std::uint32_t row = 0, rows = 0;
-    Piece columns;
+    PixelRange columns;
     std::array<Part, kMostRows * Stretches::kMost> parts;         // the first `count` are set
     std::array<TapPart, kMostRows * Stretches::kMost> tap_parts;  // of colour; set if it has a base
     std::size_t count = 0;
-    Taps taps;
+    TexelTaps taps;
     Places depth, classes, instances;
     std::span<const Part> all() const noexcept { return {parts.data(), count}; }
     std::size_t pixels() const noexcept { return std::size_t{rows} * columns.size(); }
@@ -190,7 +189,7 @@ class BandDrawer {
     return {from, static_cast<std::int32_t>(f.cells - from), f.size};
   }
 
-  void prepare(Block& block, std::uint32_t row, std::uint32_t rows, Piece columns) {
+  void prepare(Block& block, std::uint32_t row, std::uint32_t rows, PixelRange columns) {
     block.row = row;
     block.rows = rows;
     block.columns = columns;
@@ -198,9 +197,9 @@ class BandDrawer {
     for (std::uint32_t k = 0; k < rows; ++k) {
       Stretches stretches;
       plan_.plan(row + k, job_.camera.width, stretches);
-      for (const Stretch& stretch : stretches.all()) {
-        const Piece piece{std::max(stretch.begin, columns.begin),
-                          std::min(stretch.end, columns.end)};
+      for (const RowStretch& stretch : stretches.all()) {
+        const PixelRange piece{std::max(stretch.begin, columns.begin),
+                               std::min(stretch.end, columns.end)};
         if (piece.begin >= piece.end) continue;
         const std::size_t at = std::size_t{k} * columns.size() + piece.begin - columns.begin;
         block.parts[block.count] = {piece, row + k, at, face_of(stretch)};
@@ -258,7 +257,7 @@ class BandDrawer {
 
   // Row by row, as each has its own lengths of rays; part by part if each face has its own base.
   void draw_depth(const Block& block) {
-    const auto draw = [&](const std::uint8_t* from, std::uint32_t row, Piece piece,
+    const auto draw = [&](const std::uint8_t* from, std::uint32_t row, PixelRange piece,
                           std::size_t at) {
       job_.packer.draw_depth({from, block.depth, at, piece.size()}, depth_factors(row, piece),
                              place_of(row, piece.begin, piece.size()));
@@ -274,7 +273,7 @@ class BandDrawer {
     }
   }
 
-  const float* depth_factors(std::uint32_t row, Piece columns) const {
+  const float* depth_factors(std::uint32_t row, PixelRange columns) const {
     const auto& depth = job_.outputs.depth;
     if (!depth || depth->measure == DepthMeasure::kRay) return job_.depth_factor;
     // The lower rows are the upper ones in a mirror: half of the table stays in the caches.
@@ -282,7 +281,7 @@ class BandDrawer {
     return job_.depth_factor + std::size_t{upper} * job_.camera.width + columns.begin;
   }
 
-  Place place_of(std::uint32_t row, std::uint32_t column, std::size_t pixels) {
+  BlockPlace place_of(std::uint32_t row, std::uint32_t column, std::size_t pixels) {
     const Camera& camera = job_.camera;
     return {number_, std::size_t{row} * camera.width + column, pixels,
             std::size_t{camera.width} * camera.height, job_.stream ? &staging_ : nullptr};
@@ -342,7 +341,7 @@ class CpuRenderer final : public Renderer {
     validate(camera, views, outputs, batch_.cache().panoramas());
     detail::refuse_stream(outputs);
     if (outputs.depth && outputs.depth->measure == DepthMeasure::kZ && !(camera == camera_)) {
-      inverse_ray_lengths_ = inverse_ray_lengths(camera);
+      inverse_ray_lengths_ = depth_factors(camera, DepthMeasure::kZ);
       camera_ = camera;
     }
     for (std::size_t first = 0; first < views.size();) {
@@ -357,7 +356,7 @@ class CpuRenderer final : public Renderer {
   std::string description() const override {
     const int threads = threads_or_all(config_.threads);
     const bool simd = config_.backend == Backend::kCpu;
-    return fmt::format("{} ({}, {} thread{})", to_string(config_.backend),
+    return fmt::format("{} ({}, {} thread{})", enum_name(config_.backend),
                        !simd                        ? "no SIMD"
                        : config_.cpu_target.empty() ? cpu_target()
                                                     : config_.cpu_target,
@@ -372,7 +371,7 @@ class CpuRenderer final : public Renderer {
                   config_.legacy,
                   outputs,
                   rays ? ones_.data() : inverse_ray_lengths_.data(),
-                  Packer(kernels_, outputs, config_.legacy.eight_bit_depth),
+                  PixelPacker(kernels_, outputs, config_.legacy.eight_bit_depth),
                   batch_.views(),
                   batch_.faces(),
                   bytes_of(outputs) > kStreamBytes,
@@ -391,8 +390,8 @@ class CpuRenderer final : public Renderer {
   }
 
   RendererConfig config_;
-  const Kernels& kernels_;
-  detail::Batch batch_;
+  const PixelKernels& kernels_;
+  detail::ViewBatch batch_;
   Camera camera_{0, 0, Radians(0)};  // of inverse_ray_lengths_
   std::vector<float> inverse_ray_lengths_;
   std::vector<float> ones_;
@@ -400,9 +399,13 @@ class CpuRenderer final : public Renderer {
 
 }  // namespace
 
+}  // namespace enfilade::render::cpu
+
+namespace enfilade::render::detail {
+
 std::unique_ptr<Renderer> make_cpu_renderer(std::shared_ptr<FaceCache> faces,
                                             const RendererConfig& config) {
-  return std::make_unique<CpuRenderer>(std::move(faces), config);
+  return std::make_unique<cpu::CpuRenderer>(std::move(faces), config);
 }
 
-}  // namespace enfilade::render::cpu
+}  // namespace enfilade::render::detail

@@ -16,7 +16,7 @@ std::size_t differing_pixels(const Camera& camera, const Mat3d& rotation) {
     Stretches stretches;
     plan.plan(row, camera.width, stretches);
     std::uint32_t column = 0;
-    for (const Stretch& stretch : stretches.all()) {
+    for (const RowStretch& stretch : stretches.all()) {
       EXPECT_EQ(stretch.begin, column);  // they cover the row, from left to right
       for (; column < stretch.end; ++column) {
         differing += project_to_cube(rays.at(row, column)).face != face_of(stretch) ? 1 : 0;
@@ -59,7 +59,7 @@ TEST(ViewPlan, LinesMeetTheirFace) {
   for (std::uint32_t row = 0; row < camera.height; ++row) {
     Stretches stretches;
     plan.plan(row, camera.width, stretches);
-    for (const Stretch& stretch : stretches.all()) {
+    for (const RowStretch& stretch : stretches.all()) {
       const FaceLine line = face_line(rays, row, face_of(stretch), kSize);
       const float j = static_cast<float>(stretch.begin), ahead = line.d0 + j * line.d1;
       const FacePoint point = project_to_cube(rays.at(row, stretch.begin));

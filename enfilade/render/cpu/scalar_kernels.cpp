@@ -3,12 +3,12 @@
 
 #include "enfilade/core/half.h"
 #include "enfilade/render/cpu/kernels.h"
-#include "enfilade/render/cpu/sampling.h"
+#include "enfilade/render/cpu/row_plan.h"
 
 namespace enfilade::render::cpu {
 namespace {
 
-void points(const FaceLine& line, Piece piece, std::size_t at, Points& out) {
+void points(const FaceLine& line, PixelRange piece, std::size_t at, Points& out) {
   for (std::uint32_t column = piece.begin; column < piece.end; ++column, ++at) {
     const TexelPoint p = texel_point(line, column);
     out.x[at] = p.x;
@@ -160,7 +160,7 @@ void pack_legacy_metres(const std::uint16_t* units, const float* factor, std::si
   }
 }
 
-constexpr Kernels kScalar{
+constexpr PixelKernels kScalar{
     .points = points,
     .taps = taps,
     .draw_rgb = draw_rgb,
@@ -188,6 +188,6 @@ constexpr Kernels kScalar{
 
 }  // namespace
 
-const Kernels& scalar_kernels() noexcept { return kScalar; }
+const PixelKernels& scalar_kernels() noexcept { return kScalar; }
 
 }  // namespace enfilade::render::cpu

@@ -12,7 +12,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/render/cpu/kernels.h"
-#include "enfilade/render/cpu/sampling.h"
+#include "enfilade/render/cpu/row_plan.h"
 
 #undef EN_X86_512
 #undef EN_X86_DL
@@ -27,7 +27,7 @@ namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
 
 // A machine with no instruction set that Highway knows.
-const Kernels* kernels(bool /*gathers*/, Ask /*ask*/) { return &scalar_kernels(); }
+const PixelKernels* kernels(bool /*gathers*/, Ask /*ask*/) { return &scalar_kernels(); }
 
 #else
 namespace hn = hwy::HWY_NAMESPACE;
@@ -134,7 +134,7 @@ HWY_INLINE VI held_halves(std::int32_t high, std::int32_t low) {
 // clang-format on
 
 template <bool kGather, Ask kAsk>
-constexpr Kernels make_kernels() {
+constexpr PixelKernels make_kernels() {
   return {
       .points = points,
       .taps = taps<kAsk>,
@@ -163,10 +163,10 @@ constexpr Kernels make_kernels() {
 }
 
 template <Ask kAsk>
-const Kernels* kernels_that(bool gathers) {
-  static constexpr Kernels kLoads = make_kernels<false, kAsk>();
+const PixelKernels* kernels_that(bool gathers) {
+  static constexpr PixelKernels kLoads = make_kernels<false, kAsk>();
 #if EN_HALVES  // these targets have gathers, too
-  static constexpr Kernels kGathers = make_kernels<true, kAsk>();
+  static constexpr PixelKernels kGathers = make_kernels<true, kAsk>();
   if (gathers) return &kGathers;
 #else
   static_cast<void>(gathers);
@@ -174,7 +174,7 @@ const Kernels* kernels_that(bool gathers) {
   return &kLoads;
 }
 
-const Kernels* kernels(bool gathers, Ask ask) {
+const PixelKernels* kernels(bool gathers, Ask ask) {
   return ask == Ask::kMuch ? kernels_that<Ask::kMuch>(gathers)
                            : kernels_that<Ask::kLittle>(gathers);
 }
@@ -188,7 +188,7 @@ HWY_AFTER_NAMESPACE();
 
 #include <chrono>
 
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
 
 namespace enfilade::render {
 namespace cpu {
@@ -217,8 +217,8 @@ std::vector<KernelVariant> find_variants() {
   for (; supported != 0; supported &= supported - 1) {
     const std::int64_t target = supported & -supported;
     hwy::GetChosenTarget().Update(target);
-    const Kernels* loads = HWY_DYNAMIC_DISPATCH(kernels)(false, ask);
-    const Kernels* gathers = HWY_DYNAMIC_DISPATCH(kernels)(true, ask);
+    const PixelKernels* loads = HWY_DYNAMIC_DISPATCH(kernels)(false, ask);
+    const PixelKernels* gathers = HWY_DYNAMIC_DISPATCH(kernels)(true, ask);
     const std::string name = hwy::TargetName(target);
     if (gathers != loads) found.push_back({name + " gathers", gathers});
     found.push_back({name, loads});
@@ -228,10 +228,10 @@ std::vector<KernelVariant> find_variants() {
 }
 
 // Seconds that kernels take for a row of pixels, at best.
-double time_row(const Kernels& kernels) {
+double time_row(const PixelKernels& kernels) {
   constexpr std::size_t kPixels = 512, kLines = 512;
   alignas(64) static std::array<std::uint8_t, kLines * image::kCellBytes + image::kCellBytes> cells;
-  Taps taps, no_taps;
+  TexelTaps taps, no_taps;
   for (std::size_t k = 0; k < taps.offset.size(); ++k) {  // as a row that runs through many lines
     taps.offset[k] = static_cast<std::int32_t>(k * 5 % kLines * image::kCellBytes + k % 18 * 3);
     taps.weights[k] = static_cast<std::uint32_t>(k << 16 | 0x80 << 8 | 0x7F);
@@ -269,9 +269,9 @@ const std::vector<KernelVariant>& kernel_variants() {
   return variants;
 }
 
-const Kernels& simd_kernels() noexcept { return *chosen().kernels; }
+const PixelKernels& simd_kernels() noexcept { return *chosen().kernels; }
 
-const Kernels& simd_kernels(const std::string& target) {
+const PixelKernels& simd_kernels(const std::string& target) {
   if (target.empty()) return simd_kernels();
   const auto& variants = kernel_variants();
   const auto found = std::ranges::find(variants, target, &KernelVariant::name);

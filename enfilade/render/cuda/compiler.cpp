@@ -11,6 +11,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/render/cuda/driver.h"
 
 namespace enfilade::render::cuda {
 
@@ -18,18 +19,21 @@ using Program = struct ProgramOfNvrtc*;
 
 // NOLINTBEGIN(readability-identifier-naming): as NVRTC's reference names them
 struct Compiler::Functions {
-  int (*Version)(int* major, int* minor);
-  const char* (*GetErrorString)(int);
-  int (*GetNumSupportedArchs)(int* count);
-  int (*GetSupportedArchs)(int* archs);
-  int (*CreateProgram)(Program*, const char* source, const char* name, int headers,
-                       const char* const* header_texts, const char* const* header_names);
-  int (*DestroyProgram)(Program*);
-  int (*CompileProgram)(Program, int count, const char* const* options);
-  int (*GetProgramLogSize)(Program, std::size_t*);
-  int (*GetProgramLog)(Program, char*);
-  int (*GetCUBINSize)(Program, std::size_t*);
-  int (*GetCUBIN)(Program, char*);
+  Library library;
+  Function<int(int* major, int* minor)> Version{library, "nvrtcVersion"};
+  Function<const char*(int)> GetErrorString{library, "nvrtcGetErrorString"};
+  Function<int(int* count)> GetNumSupportedArchs{library, "nvrtcGetNumSupportedArchs"};
+  Function<int(int* archs)> GetSupportedArchs{library, "nvrtcGetSupportedArchs"};
+  Function<int(Program*, const char* source, const char* name, int headers,
+               const char* const* header_texts, const char* const* header_names)>
+      CreateProgram{library, "nvrtcCreateProgram"};
+  Function<int(Program*)> DestroyProgram{library, "nvrtcDestroyProgram"};
+  Function<int(Program, int count, const char* const* options)> CompileProgram{
+      library, "nvrtcCompileProgram"};
+  Function<int(Program, std::size_t*)> GetProgramLogSize{library, "nvrtcGetProgramLogSize"};
+  Function<int(Program, char*)> GetProgramLog{library, "nvrtcGetProgramLog"};
+  Function<int(Program, std::size_t*)> GetCUBINSize{library, "nvrtcGetCUBINSize"};
+  Function<int(Program, char*)> GetCUBIN{library, "nvrtcGetCUBIN"};
 };
 // NOLINTEND(readability-identifier-naming)
 
@@ -82,34 +86,12 @@ void* open_library() {
                           fmt::join(kLibraries, ", "), kHowToGet));
 }
 
-template <class Function>
-void find(void* library, Function& function, const char* name) {
-  function = reinterpret_cast<Function>(dlsym(library, name));
-  if (function == nullptr) {
-    throw Error(fmt::format("CUDA: NVRTC has no {}: version 11.2 or later is wanted", name));
-  }
-}
-
 }  // namespace
 
 Compiler::Compiler()
     : functions_([]() -> const Functions& {
-        static const Functions kLoaded = [] {
-          void* library = open_library();
-          Functions f{};
-          find(library, f.Version, "nvrtcVersion");
-          find(library, f.GetErrorString, "nvrtcGetErrorString");
-          find(library, f.GetNumSupportedArchs, "nvrtcGetNumSupportedArchs");
-          find(library, f.GetSupportedArchs, "nvrtcGetSupportedArchs");
-          find(library, f.CreateProgram, "nvrtcCreateProgram");
-          find(library, f.DestroyProgram, "nvrtcDestroyProgram");
-          find(library, f.CompileProgram, "nvrtcCompileProgram");
-          find(library, f.GetProgramLogSize, "nvrtcGetProgramLogSize");
-          find(library, f.GetProgramLog, "nvrtcGetProgramLog");
-          find(library, f.GetCUBINSize, "nvrtcGetCUBINSize");
-          find(library, f.GetCUBIN, "nvrtcGetCUBIN");
-          return f;
-        }();
+        static const Functions kLoaded{
+            {open_library(), "CUDA: NVRTC has no {}: version 11.2 or later is wanted"}};
         return kLoaded;
       }()) {
   int major = 0, minor = 0, count = 0;
@@ -122,7 +104,7 @@ Compiler::Compiler()
   std::ranges::sort(capabilities_);
 }
 
-Compiler::Compiled Compiler::compile(const Source& source, int capability) const {
+Compiler::Compiled Compiler::compile(const KernelSource& source, int capability) const {
   if (std::ranges::find(capabilities_, capability) == capabilities_.end()) {
     throw Error(
         fmt::format("CUDA: NVRTC {} does not compile for cards of compute capability "
@@ -178,7 +160,7 @@ Images::Images() {
   }
 }
 
-std::string Images::find_or_compile(const Source& source, int capability) const {
+std::string Images::find_or_compile(const KernelSource& source, int capability) const {
   const std::string all =
       fmt::format("{} {} {}", kKernels, fmt::join(source.definitions, " "), capability);
   const auto hash = XXH3_128bits(all.data(), all.size());

@@ -11,7 +11,7 @@ namespace enfilade::render::cuda {
 extern const std::string_view kKernels;
 
 /// Input of a compilation: macros of kernels.h.
-struct Source {
+struct KernelSource {
   std::vector<std::string> definitions;  ///< "EN_COLOUR=1", ...
 };
 
@@ -31,7 +31,7 @@ class Compiler {
     std::string log;    ///< registers, stack and spills of each kernel
   };
   /// \throws Error with the compiler's messages
-  Compiled compile(const Source& source, int capability) const;
+  Compiled compile(const KernelSource& source, int capability) const;
 
  private:
   struct Functions;
@@ -48,7 +48,7 @@ class Images {
   Images();  ///< in the user's folder
   explicit Images(std::filesystem::path folder) : folder_(std::move(folder)) {}
   /// \throws Error as Compiler
-  std::string find_or_compile(const Source& source, int capability) const;
+  std::string find_or_compile(const KernelSource& source, int capability) const;
 
  private:
   std::filesystem::path folder_;  // empty: none

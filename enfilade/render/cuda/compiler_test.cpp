@@ -14,7 +14,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/render/cuda/job.h"
-#include "enfilade/render/cuda_devices.h"
+#include "enfilade/render/devices.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::render::cuda {
@@ -102,7 +102,7 @@ TEST(CudaImages, AreFoundAgainWithoutACompiler) {
   if (!nvrtc) GTEST_SKIP() << reason;
   const tests::TemporaryFolder folder("images");
   const Images images(folder.path() / "made" / "cuda");
-  const Source source{Kinds{kRgb}.definitions()};
+  const KernelSource source{Kinds{kRgb}.definitions()};
   const int capability = nvrtc->capabilities().back();
   const std::string first = images.find_or_compile(source, capability);
   const auto files = std::filesystem::directory_iterator(folder.path() / "made" / "cuda");

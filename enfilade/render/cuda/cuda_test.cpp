@@ -8,7 +8,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/render/cuda/driver.h"
-#include "enfilade/render/cuda_devices.h"
+#include "enfilade/render/devices.h"
 #include "tests/support/drawn_formats.h"
 #include "tests/support/made_panoramas.h"
 
@@ -127,7 +127,7 @@ TEST_F(OnACard, DrawsIntoItsOwnMemoryInTheOrderOfAStream) {
   const auto faces = cache_of({made_panorama(64), made_panorama(45)});
   const auto card = make(faces, Backend::kCuda), cpu = make(faces, Backend::kCpu);
   const Device device(0);
-  const Current current(device);
+  const CurrentDevice current(device);
   const Stream first = make_stream(), second = make_stream();
   const Camera camera{64, 48, degrees(60)};
   Rng rng(26, 0);

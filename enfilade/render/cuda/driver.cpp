@@ -19,82 +19,48 @@ constexpr unsigned kMemoryOfDevice = 2;
 constexpr int kRelaxed = 2;  // CUstreamCaptureMode
 constexpr unsigned kNonBlocking = 1, kNoTiming = 2, kPortable = 1;
 
-// The driver's functions, or why there are none.
-struct Loaded {
-  Api api{};
-  std::string error;
-};
-
-Loaded load() {
-  Loaded loaded;
+// The driver's functions, initialised.
+Api load() {
   void* library = dlopen("libcuda.so.1", RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
-    loaded.error = "no libcuda.so.1, which comes with the driver of an NVIDIA card";
-    return loaded;
+    throw Error("no libcuda.so.1, which comes with the driver of an NVIDIA card");
   }
-  const auto find = [&](auto& function, const char* name) {
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
-    if (function == nullptr && loaded.error.empty()) {
-      loaded.error = fmt::format("libcuda.so.1 has no {}: the driver is too old", name);
-    }
-  };
-  Api& a = loaded.api;
-  find(a.Init, "cuInit");
-  find(a.DriverGetVersion, "cuDriverGetVersion");
-  find(a.GetErrorName, "cuGetErrorName");
-  find(a.GetErrorString, "cuGetErrorString");
-  find(a.DeviceGetCount, "cuDeviceGetCount");
-  find(a.DeviceGet, "cuDeviceGet");
-  find(a.DeviceGetName, "cuDeviceGetName");
-  find(a.DeviceGetAttribute, "cuDeviceGetAttribute");
-  find(a.DeviceTotalMem, "cuDeviceTotalMem_v2");
-  find(a.DevicePrimaryCtxRetain, "cuDevicePrimaryCtxRetain");
-  find(a.DevicePrimaryCtxRelease, "cuDevicePrimaryCtxRelease_v2");
-  find(a.CtxPushCurrent, "cuCtxPushCurrent_v2");
-  find(a.CtxPopCurrent, "cuCtxPopCurrent_v2");
-  find(a.MemGetInfo, "cuMemGetInfo_v2");
-  find(a.ModuleLoadData, "cuModuleLoadData");
-  find(a.ModuleUnload, "cuModuleUnload");
-  find(a.ModuleGetFunction, "cuModuleGetFunction");
-  find(a.FuncGetAttribute, "cuFuncGetAttribute");
-  find(a.LaunchKernel, "cuLaunchKernel");
-  find(a.MemAlloc, "cuMemAlloc_v2");
-  find(a.MemFree, "cuMemFree_v2");
-  find(a.MemHostAlloc, "cuMemHostAlloc");
-  find(a.MemFreeHost, "cuMemFreeHost");
-  find(a.MemcpyHtoDAsync, "cuMemcpyHtoDAsync_v2");
-  find(a.MemcpyDtoHAsync, "cuMemcpyDtoHAsync_v2");
-  find(a.MemsetD32Async, "cuMemsetD32Async");
-  find(a.StreamCreate, "cuStreamCreate");
-  find(a.StreamDestroy, "cuStreamDestroy_v2");
-  find(a.StreamSynchronize, "cuStreamSynchronize");
-  find(a.StreamWaitEvent, "cuStreamWaitEvent");
-  find(a.StreamIsCapturing, "cuStreamIsCapturing");
-  find(a.ThreadExchangeStreamCaptureMode, "cuThreadExchangeStreamCaptureMode");
-  find(a.EventCreate, "cuEventCreate");
-  find(a.EventDestroy, "cuEventDestroy_v2");
-  find(a.EventRecord, "cuEventRecord");
-  find(a.EventSynchronize, "cuEventSynchronize");
-  find(a.EventElapsedTime, "cuEventElapsedTime");
-  find(a.PointerGetAttribute, "cuPointerGetAttribute");
-  if (!loaded.error.empty()) return loaded;
+  Api a{{library, "libcuda.so.1 has no {}: the driver is too old"}};
   const Result result = a.Init(0);
-  if (result == kNoDevice) {
-    loaded.error = "the driver finds no card";
-  } else if (result != kSuccess) {
+  if (result == kNoDevice) throw Error("the driver finds no card");
+  if (result != kSuccess) {
     const char* text = nullptr;
     if (a.GetErrorString(result, &text) != kSuccess || text == nullptr) text = "unknown error";
-    loaded.error = fmt::format("cuInit: {} ({})", text, result);
+    throw Error(fmt::format("cuInit: {} ({})", text, result));
   }
-  return loaded;
+  return a;
 }
+
+// The driver's functions, or why there are none.
+struct Loaded {
+  std::optional<Api> api;
+  std::string error;
+
+  Loaded() {
+    try {
+      api = load();
+    } catch (const Error& missing) {
+      error = missing.what();
+    }
+  }
+};
 
 }  // namespace
 
+void* Library::find(const char* name) const {
+  if (void* found = dlsym(handle, name)) return found;
+  throw Error(fmt::format(fmt::runtime(lacks), name));
+}
+
 const Api& api() {
-  static const Loaded kLoaded = load();
-  if (!kLoaded.error.empty()) throw Error(fmt::format("CUDA: {}", kLoaded.error));
-  return kLoaded.api;
+  static const Loaded kLoaded;
+  if (!kLoaded.api) throw Error(fmt::format("CUDA: {}", kLoaded.error));
+  return *kLoaded.api;
 }
 
 void check(Result result, std::string_view doing) {
@@ -128,11 +94,11 @@ Device::Device(int ordinal) : ordinal_(ordinal) {
 
 Device::~Device() { api().DevicePrimaryCtxRelease(number_); }
 
-Current::Current(const Device& device) {
+CurrentDevice::CurrentDevice(const Device& device) {
   check(api().CtxPushCurrent(device.context()), "taking the context");
 }
 
-Current::~Current() {
+CurrentDevice::~CurrentDevice() {
   ContextHandle context = nullptr;
   api().CtxPopCurrent(&context);
 }
@@ -168,20 +134,20 @@ PinnedMemory allocate_pinned(std::size_t bytes) {
   return PinnedMemory(memory);
 }
 
-Side side_of(const void* memory, const Device& device, std::string_view what) {
+MemorySide side_of(const void* memory, const Device& device, std::string_view what) {
   const auto address = reinterpret_cast<DevicePointer>(memory);
   unsigned type = 0;
   const Result result = api().PointerGetAttribute(&type, kMemoryType, address);
-  if (result == kInvalidValue) return Side::kHost;  // memory that CUDA does not know
+  if (result == kInvalidValue) return MemorySide::kHost;  // memory that CUDA does not know
   check(result, "asking about memory");
-  if (type != kMemoryOfDevice) return Side::kHost;
+  if (type != kMemoryOfDevice) return MemorySide::kHost;
   int ordinal = -1;
   check(api().PointerGetAttribute(&ordinal, kDeviceOrdinal, address), "asking about memory");
   if (ordinal != device.ordinal()) {
     throw ArgumentError(fmt::format("outputs.{}: memory of card {}, but card {} draws", what,
                                     ordinal, device.ordinal()));
   }
-  return Side::kCard;
+  return MemorySide::kCard;
 }
 
 }  // namespace enfilade::render::cuda

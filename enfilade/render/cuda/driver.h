@@ -21,49 +21,83 @@ using FunctionHandle = struct FunctionOfCuda*;
 using StreamHandle = struct StreamOfCuda*;
 using EventHandle = struct EventOfCuda*;
 
+/// A library that is loaded at run time.
+struct Library {
+  void* handle = nullptr;
+  const char* lacks = nullptr;  ///< message if it lacks a function; {}: the function's name
+
+  /// \throws Error with that message
+  void* find(const char* name) const;
+};
+
+/// A function of such a library, found by its name when it is made. \throws as Library::find()
+template <class Signature>
+class Function;
+template <class Value, class... Arguments>
+class Function<Value(Arguments...)> {
+ public:
+  Function(const Library& library, const char* name)
+      : found_(reinterpret_cast<Value (*)(Arguments...)>(library.find(name))) {}
+  Value operator()(Arguments... arguments) const { return found_(arguments...); }
+
+ private:
+  Value (*found_)(Arguments...);
+};
+
 /// Functions of libcuda.so.1, by their names without "cu".
 // NOLINTBEGIN(readability-identifier-naming): as CUDA's reference names them
 struct Api {
-  Result (*Init)(unsigned flags);
-  Result (*DriverGetVersion)(int* version);
-  Result (*GetErrorName)(Result, const char** name);
-  Result (*GetErrorString)(Result, const char** text);
-  Result (*DeviceGetCount)(int* count);
-  Result (*DeviceGet)(DeviceNumber*, int ordinal);
-  Result (*DeviceGetName)(char* name, int size, DeviceNumber);
-  Result (*DeviceGetAttribute)(int* value, int attribute, DeviceNumber);
-  Result (*DeviceTotalMem)(std::size_t* bytes, DeviceNumber);
-  Result (*DevicePrimaryCtxRetain)(ContextHandle*, DeviceNumber);
-  Result (*DevicePrimaryCtxRelease)(DeviceNumber);
-  Result (*CtxPushCurrent)(ContextHandle);
-  Result (*CtxPopCurrent)(ContextHandle*);
-  Result (*MemGetInfo)(std::size_t* free, std::size_t* total);
-  Result (*ModuleLoadData)(ModuleHandle*, const void* image);
-  Result (*ModuleUnload)(ModuleHandle);
-  Result (*ModuleGetFunction)(FunctionHandle*, ModuleHandle, const char* name);
-  Result (*FuncGetAttribute)(int* value, int attribute, FunctionHandle);
-  Result (*LaunchKernel)(FunctionHandle, unsigned grid_x, unsigned grid_y, unsigned grid_z,
-                         unsigned block_x, unsigned block_y, unsigned block_z, unsigned shared,
-                         StreamHandle, void** parameters, void** extra);
-  Result (*MemAlloc)(DevicePointer*, std::size_t bytes);
-  Result (*MemFree)(DevicePointer);
-  Result (*MemHostAlloc)(void**, std::size_t bytes, unsigned flags);
-  Result (*MemFreeHost)(void*);
-  Result (*MemcpyHtoDAsync)(DevicePointer to, const void* from, std::size_t bytes, StreamHandle);
-  Result (*MemcpyDtoHAsync)(void* to, DevicePointer from, std::size_t bytes, StreamHandle);
-  Result (*MemsetD32Async)(DevicePointer, unsigned value, std::size_t words, StreamHandle);
-  Result (*StreamCreate)(StreamHandle*, unsigned flags);
-  Result (*StreamDestroy)(StreamHandle);
-  Result (*StreamSynchronize)(StreamHandle);
-  Result (*StreamWaitEvent)(StreamHandle, EventHandle, unsigned flags);
-  Result (*StreamIsCapturing)(StreamHandle, int* status);
-  Result (*ThreadExchangeStreamCaptureMode)(int* mode);
-  Result (*EventCreate)(EventHandle*, unsigned flags);
-  Result (*EventDestroy)(EventHandle);
-  Result (*EventRecord)(EventHandle, StreamHandle);
-  Result (*EventSynchronize)(EventHandle);
-  Result (*EventElapsedTime)(float* milliseconds, EventHandle from, EventHandle to);
-  Result (*PointerGetAttribute)(void* value, int attribute, DevicePointer);
+  Library library;
+  Function<Result(unsigned flags)> Init{library, "cuInit"};
+  Function<Result(int* version)> DriverGetVersion{library, "cuDriverGetVersion"};
+  Function<Result(Result, const char** name)> GetErrorName{library, "cuGetErrorName"};
+  Function<Result(Result, const char** text)> GetErrorString{library, "cuGetErrorString"};
+  Function<Result(int* count)> DeviceGetCount{library, "cuDeviceGetCount"};
+  Function<Result(DeviceNumber*, int ordinal)> DeviceGet{library, "cuDeviceGet"};
+  Function<Result(char* name, int size, DeviceNumber)> DeviceGetName{library, "cuDeviceGetName"};
+  Function<Result(int* value, int attribute, DeviceNumber)> DeviceGetAttribute{
+      library, "cuDeviceGetAttribute"};
+  Function<Result(ContextHandle*, DeviceNumber)> DevicePrimaryCtxRetain{library,
+                                                                        "cuDevicePrimaryCtxRetain"};
+  Function<Result(DeviceNumber)> DevicePrimaryCtxRelease{library, "cuDevicePrimaryCtxRelease_v2"};
+  Function<Result(ContextHandle)> CtxPushCurrent{library, "cuCtxPushCurrent_v2"};
+  Function<Result(ContextHandle*)> CtxPopCurrent{library, "cuCtxPopCurrent_v2"};
+  Function<Result(std::size_t* free, std::size_t* total)> MemGetInfo{library, "cuMemGetInfo_v2"};
+  Function<Result(ModuleHandle*, const void* image)> ModuleLoadData{library, "cuModuleLoadData"};
+  Function<Result(ModuleHandle)> ModuleUnload{library, "cuModuleUnload"};
+  Function<Result(FunctionHandle*, ModuleHandle, const char* name)> ModuleGetFunction{
+      library, "cuModuleGetFunction"};
+  Function<Result(FunctionHandle, unsigned grid_x, unsigned grid_y, unsigned grid_z,
+                  unsigned block_x, unsigned block_y, unsigned block_z, unsigned shared,
+                  StreamHandle, void** parameters, void** extra)>
+      LaunchKernel{library, "cuLaunchKernel"};
+  Function<Result(DevicePointer*, std::size_t bytes)> MemAlloc{library, "cuMemAlloc_v2"};
+  Function<Result(DevicePointer)> MemFree{library, "cuMemFree_v2"};
+  Function<Result(void**, std::size_t bytes, unsigned flags)> MemHostAlloc{library,
+                                                                           "cuMemHostAlloc"};
+  Function<Result(void*)> MemFreeHost{library, "cuMemFreeHost"};
+  Function<Result(DevicePointer to, const void* from, std::size_t bytes, StreamHandle)>
+      MemcpyHtoDAsync{library, "cuMemcpyHtoDAsync_v2"};
+  Function<Result(void* to, DevicePointer from, std::size_t bytes, StreamHandle)> MemcpyDtoHAsync{
+      library, "cuMemcpyDtoHAsync_v2"};
+  Function<Result(DevicePointer, unsigned value, std::size_t words, StreamHandle)> MemsetD32Async{
+      library, "cuMemsetD32Async"};
+  Function<Result(StreamHandle*, unsigned flags)> StreamCreate{library, "cuStreamCreate"};
+  Function<Result(StreamHandle)> StreamDestroy{library, "cuStreamDestroy_v2"};
+  Function<Result(StreamHandle)> StreamSynchronize{library, "cuStreamSynchronize"};
+  Function<Result(StreamHandle, EventHandle, unsigned flags)> StreamWaitEvent{library,
+                                                                              "cuStreamWaitEvent"};
+  Function<Result(StreamHandle, int* status)> StreamIsCapturing{library, "cuStreamIsCapturing"};
+  Function<Result(int* mode)> ThreadExchangeStreamCaptureMode{library,
+                                                              "cuThreadExchangeStreamCaptureMode"};
+  Function<Result(EventHandle*, unsigned flags)> EventCreate{library, "cuEventCreate"};
+  Function<Result(EventHandle)> EventDestroy{library, "cuEventDestroy_v2"};
+  Function<Result(EventHandle, StreamHandle)> EventRecord{library, "cuEventRecord"};
+  Function<Result(EventHandle)> EventSynchronize{library, "cuEventSynchronize"};
+  Function<Result(float* milliseconds, EventHandle from, EventHandle to)> EventElapsedTime{
+      library, "cuEventElapsedTime"};
+  Function<Result(void* value, int attribute, DevicePointer)> PointerGetAttribute{
+      library, "cuPointerGetAttribute"};
 };
 // NOLINTEND(readability-identifier-naming)
 
@@ -97,12 +131,12 @@ class Device {
 };
 
 /// The device's context is the thread's while this lives.
-class Current {
+class CurrentDevice {
  public:
-  explicit Current(const Device& device);
-  ~Current();
-  Current(const Current&) = delete;
-  Current& operator=(const Current&) = delete;
+  explicit CurrentDevice(const Device& device);
+  ~CurrentDevice();
+  CurrentDevice(const CurrentDevice&) = delete;
+  CurrentDevice& operator=(const CurrentDevice&) = delete;
 };
 
 /// While this lives, the thread may allocate although a stream of it is captured; the allocations
@@ -156,8 +190,8 @@ Memory allocate(std::size_t bytes);
 PinnedMemory allocate_pinned(std::size_t bytes);
 
 /// Where memory is.
-enum class Side : std::uint8_t { kHost, kCard };
+enum class MemorySide : std::uint8_t { kHost, kCard };
 /// \throws ArgumentError for memory of another card than `device`
-Side side_of(const void* memory, const Device& device, std::string_view what);
+MemorySide side_of(const void* memory, const Device& device, std::string_view what);
 
 }  // namespace enfilade::render::cuda

@@ -4,6 +4,7 @@
 
 #include "enfilade/render/cpu/pack.h"
 #include "enfilade/render/cpu/row_plan.h"
+#include "enfilade/render/detail/batch.h"
 #include "enfilade/render/detail/layers.h"
 
 namespace enfilade::render::cuda {
@@ -12,19 +13,8 @@ namespace {
 using scan::Layer;
 
 ColourKind kind_of(ColourFormat format) {
-  switch (format) {
-    case ColourFormat::kRgb8:
-      return kRgb;
-    case ColourFormat::kBgr8:
-      return kBgr;
-    case ColourFormat::kRgba8:
-      return kRgba;
-    case ColourFormat::kPlanarFloat16:
-      return kPlanar16;
-    case ColourFormat::kPlanarFloat32:
-      return kPlanar32;
-  }
-  return kNoColour;
+  constexpr std::array kKinds{kRgb, kBgr, kRgba, kPlanar16, kPlanar32};  // by ColourFormat
+  return kKinds[static_cast<std::size_t>(format)];
 }
 
 DepthKind kind_of(DepthFormat format, bool legacy) {
@@ -56,21 +46,13 @@ Kinds kinds_of(const Outputs& outputs, const Legacy& legacy) {
 
 Kinds only(const Kinds& kinds, scan::Layer layer) {
   Kinds one;
-  switch (layer) {
-    case Layer::kColour:
-      one.colour = kinds.colour;
-      one.clamped = kinds.clamped;
-      break;
-    case Layer::kDepth:
-      one.depth = kinds.depth;
-      break;
-    case Layer::kClass:
-      one.classes = kinds.classes;
-      break;
-    case Layer::kInstance:
-      one.instances = kinds.instances;
-      break;
+  if (layer == Layer::kColour) {
+    one.colour = kinds.colour;
+    one.clamped = kinds.clamped;
   }
+  if (layer == Layer::kDepth) one.depth = kinds.depth;
+  if (layer == Layer::kClass) one.classes = kinds.classes;
+  if (layer == Layer::kInstance) one.instances = kinds.instances;
   return one;
 }
 
@@ -108,10 +90,7 @@ Job make_job(const Camera& camera, const Kinds& kinds, const Outputs& outputs) {
 }
 
 Rays rays_of(const Camera& camera, const View& view, const scan::PanoramaSet& panoramas) {
-  const Mat3d& world_from_panorama =
-      panoramas.source(view.scan).poses()[view.viewpoint.at()].world_from_panorama;
-  return cpu::plain(pixel_rays(
-      camera, transpose(world_from_panorama) * world_from_camera(view.heading, view.elevation)));
+  return cpu::plain(pixel_rays(camera, detail::panorama_from_camera(view, panoramas)));
 }
 
 }  // namespace enfilade::render::cuda

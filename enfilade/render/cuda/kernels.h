@@ -378,7 +378,7 @@ struct Band {
 EN_PIXELS void plan_band_row(const Rays& rays, u32 size, u32 width, u32 row, const Band& band,
                              RowPiece* pieces) {
   const u32 face_texels = colour_bytes(size) / 4;
-  plan_row(band.crossings, rays, row, width, [&](const Stretch& stretch) {
+  plan_row(band.crossings, rays, row, width, [&](const RowStretch& stretch) {
     *pieces++ = {face_line(rays, row, stretch.face, size), stretch.end << 3 | stretch.face,
                  stretch.face * face_texels};
   });

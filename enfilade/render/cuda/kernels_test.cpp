@@ -147,7 +147,7 @@ TEST(CudaKernels, DrawAsTheScalarTwinOfTheCpu) {
           if (detail::has(layers_of(kinds), layer)) card.bring_in(views[k], layer, prepared[k]);
         }
       }
-      const std::vector<float> factors = cpu::inverse_ray_lengths(camera);
+      const std::vector<float> factors = cpu::depth_factors(camera, DepthMeasure::kZ);
       Job job = make_job(camera, kinds, outputs);
       job.views = prepared.data();
       job.depth_factors = factors.data();

@@ -1,13 +1,10 @@
 #include "enfilade/render/cuda/panoramas.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
-#include <utility>
 
-#include "enfilade/core/errors.h"
 #include "enfilade/render/cuda/job.h"
+#include "enfilade/render/detail/batch.h"
 
 namespace enfilade::render::cuda {
 namespace {
@@ -23,41 +20,23 @@ constexpr std::uint64_t key_of(ScanIndex scan, ViewpointIndex viewpoint) {
   return std::uint64_t{scan.value} << 32U | viewpoint.value;
 }
 
-/// The faces of a layer, acquired while it lives.
-class Held {
- public:
-  Held(FaceCache& cache, ScanIndex scan, ViewpointIndex viewpoint, Layer layer) : cache_(cache) {
-    for (std::size_t k = 0; k < kCubeFaces; ++k) keys_[k] = {scan, viewpoint, layer, cube_face(k)};
-    cache_.acquire(keys_, faces_);
-  }
-  ~Held() { cache_.release(keys_); }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
-  const std::array<Face, kCubeFaces>& faces() const noexcept { return faces_; }
-
- private:
-  FaceCache& cache_;
-  std::array<FaceKey, kCubeFaces> keys_;
-  std::array<Face, kCubeFaces> faces_;
-};
-
 }  // namespace
 
 Panoramas::Panoramas(std::shared_ptr<FaceCache> faces, std::size_t bytes, FunctionHandle unpack)
     : faces_(std::move(faces)), limit_(bytes), unpack_(unpack) {
-  for (Stage& stage : stages_) stage.done = make_event();
+  for (StagingArea& stage : stages_) stage.done = make_event();
 }
 
 Panoramas::~Panoramas() = default;
 
 void Panoramas::begin_turn() noexcept {
   // If the last turn failed, these were claimed but are not there.
-  for (const Missing& missing : missing_) put_aside(*missing.entry, missing.layer);
+  for (const MissingLayer& missing : missing_) put_aside(*missing.entry, missing.layer);
   missing_.clear();
   ++turn_;
 }
 
-void Panoramas::put_aside(Entry& entry, Layer layer) noexcept {
+void Panoramas::put_aside(KeptPanorama& entry, Layer layer) noexcept {
   const std::size_t k = index(layer);
   if (entry.on_card.sizes[k] == 0) return;
   spare_.emplace_back(bytes_on_card(layer, entry.on_card.sizes[k]), std::move(entry.memory[k]));
@@ -84,7 +63,7 @@ bool Panoramas::make_room(std::size_t bytes) {
     places_.erase(entries_.back().key);
     entries_.pop_back();
   }
-  return have() || std::ranges::count(entries_, turn_, &Entry::turn) <= 1;
+  return have() || std::ranges::count(entries_, turn_, &KeptPanorama::turn) <= 1;
 }
 
 Memory Panoramas::take_memory(std::size_t bytes) {
@@ -109,7 +88,7 @@ const OnCard* Panoramas::claim(ScanIndex scan, ViewpointIndex viewpoint, scan::L
   } else if (found->second != entries_.begin()) {
     entries_.splice(entries_.begin(), entries_, found->second);
   }
-  Entry& entry = *found->second;
+  KeptPanorama& entry = *found->second;
   const std::uint64_t last_turn = std::exchange(entry.turn, turn_);
   for (const Layer layer : detail::kEachLayer) {
     if (!detail::has(layers, layer) || entry.on_card.sizes[index(layer)] > 0) continue;
@@ -139,11 +118,16 @@ void Panoramas::bring_in(StreamHandle stream) {
   }
 }
 
-void Panoramas::upload(const Missing& missing, StreamHandle stream) {
-  const Held held(*faces_, missing.scan, missing.viewpoint, missing.layer);
+void Panoramas::upload(const MissingLayer& missing, StreamHandle stream) {
+  std::array<FaceKey, kCubeFaces> keys;
+  for (std::size_t k = 0; k < kCubeFaces; ++k) {
+    keys[k] = {missing.scan, missing.viewpoint, missing.layer, cube_face(k)};
+  }
+  std::array<Face, kCubeFaces> faces;
+  const detail::HeldFaces held(*faces_, keys, faces);
   const std::uint32_t size = missing.entry->on_card.sizes[index(missing.layer)];
   const std::size_t face = scan::cells_bytes(missing.layer, size), bytes = kCubeFaces * face;
-  Stage& stage = stages_[next_stage_++ % kStages];
+  StagingArea& stage = stages_[next_stage_++ % kStages];
   if (stage.busy) check(api().EventSynchronize(stage.done.get()), "waiting for an upload");
   if (stage.bytes < bytes) {
     stage.pinned = allocate_pinned(bytes);
@@ -152,16 +136,8 @@ void Panoramas::upload(const Missing& missing, StreamHandle stream) {
   }
   auto* pinned = static_cast<std::uint8_t*>(stage.pinned.get());
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    const Face& one = held.faces()[k];
-    if (one.size != size) {
-      const scan::PanoramaSource& source = faces_->panoramas().source(missing.scan);
-      throw Error(fmt::format(
-          "{}: scan {}, viewpoint {}: its {} faces were of {} texels before "
-          "and are of {} now",
-          source.origin(), source.scan(), source.poses()[missing.viewpoint.at()].viewpoint,
-          to_string(missing.layer), size, one.size));
-    }
-    std::memcpy(pinned + k * face, one.cells, face);
+    detail::check_size(*faces_, keys[k], faces[k], size);
+    std::memcpy(pinned + k * face, faces[k].cells, face);
   }
   const DevicePointer to = missing.entry->on_card.faces[index(missing.layer)];
   const bool colour = missing.layer == Layer::kColour;

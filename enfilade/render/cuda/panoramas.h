@@ -45,29 +45,27 @@ class Panoramas {
   /// \throws as FaceCache::acquire(); Error
   void bring_in(StreamHandle stream);
 
-  std::size_t bytes() const noexcept { return used_; }  ///< of the card's, now
-
  private:
-  struct Entry {
+  struct KeptPanorama {
     std::uint64_t key = 0;
     OnCard on_card;
     std::array<Memory, scan::kLayers> memory;
     std::uint64_t turn = 0;
   };
-  struct Missing {
-    Entry* entry;
+  struct MissingLayer {
+    KeptPanorama* entry;
     ScanIndex scan;
     ViewpointIndex viewpoint;
     scan::Layer layer;
   };
   bool make_room(std::size_t bytes);
   Memory take_memory(std::size_t bytes);
-  void put_aside(Entry& entry, scan::Layer layer) noexcept;
-  void upload(const Missing& missing, StreamHandle stream);
+  void put_aside(KeptPanorama& entry, scan::Layer layer) noexcept;
+  void upload(const MissingLayer& missing, StreamHandle stream);
 
   static constexpr std::size_t kStages = 2;
   /// Faces on their way: pinned, and for colour as cells on the card.
-  struct Stage {
+  struct StagingArea {
     PinnedMemory pinned;
     Memory cells;
     std::size_t bytes = 0;
@@ -79,12 +77,12 @@ class Panoramas {
   std::size_t limit_, used_ = 0;
   FunctionHandle unpack_;
   std::uint64_t turn_ = 0;
-  std::list<Entry> entries_;  // the most recently used first
-  std::unordered_map<std::uint64_t, std::list<Entry>::iterator> places_;
+  std::list<KeptPanorama> entries_;  // the most recently used first
+  std::unordered_map<std::uint64_t, std::list<KeptPanorama>::iterator> places_;
   // Memory of removed panoramas, for others of the same size: freeing would wait for the card.
   std::vector<std::pair<std::size_t, Memory>> spare_;
-  std::vector<Missing> missing_;
-  std::array<Stage, kStages> stages_;
+  std::vector<MissingLayer> missing_;
+  std::array<StagingArea, kStages> stages_;
   std::size_t next_stage_ = 0;
 };
 

@@ -1,5 +1,3 @@
-#include "enfilade/render/cuda/renderer.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -157,9 +155,7 @@ DevicePointer State::depth_factors(const Camera& camera, DepthMeasure measure, b
   if (captured) {
     throw ArgumentError("camera: render depth with it once before the stream is captured");
   }
-  const std::vector<float> factors =
-      measure == DepthMeasure::kRay ? std::vector(std::size_t{camera.width} * camera.height, 1.0F)
-                                    : cpu::inverse_ray_lengths(camera);
+  const std::vector<float> factors = cpu::depth_factors(camera, measure);
   const std::size_t bytes = factors.size() * sizeof(float);
   depth_factors_of_.reset();
   depth_factors_ = allocate(bytes);
@@ -176,7 +172,7 @@ void State::render(const Camera& camera, std::span<const View> views, const Outp
   bool some_on_host = false, some_on_card = false;
   std::size_t k = 0;
   each_output(places, [&](const char* name, const auto& memory) {
-    on_host[k] = side_of(memory.data(), device_, name) == Side::kHost;
+    on_host[k] = side_of(memory.data(), device_, name) == MemorySide::kHost;
     (on_host[k] ? some_on_host : some_on_card) = true;
     ++k;
   });
@@ -350,11 +346,11 @@ class CudaRenderer final : public Renderer {
  public:
   CudaRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config)
       : faces_(std::move(faces)), device_(ordinal_of(config.cuda_device)) {
-    const Current current(device_);
+    const CurrentDevice current(device_);
     state_.emplace(faces_, config, device_);
   }
   ~CudaRenderer() override {
-    const Current current(device_);
+    const CurrentDevice current(device_);
     state_.reset();
   }
   CudaRenderer(const CudaRenderer&) = delete;
@@ -363,7 +359,7 @@ class CudaRenderer final : public Renderer {
   void render(const Camera& camera, std::span<const View> views, const Outputs& outputs) override {
     validate(camera, views, outputs, faces_->panoramas());
     if (views.empty() || detail::layers_of(outputs) == 0) return;
-    const Current current(device_);
+    const CurrentDevice current(device_);
     state_->render(camera, views, outputs);
   }
   std::string description() const override {
@@ -379,9 +375,13 @@ class CudaRenderer final : public Renderer {
 
 }  // namespace
 
+}  // namespace enfilade::render::cuda
+
+namespace enfilade::render::detail {
+
 std::unique_ptr<Renderer> make_cuda_renderer(std::shared_ptr<FaceCache> faces,
                                              const RendererConfig& config) {
-  return std::make_unique<CudaRenderer>(std::move(faces), config);
+  return std::make_unique<cuda::CudaRenderer>(std::move(faces), config);
 }
 
-}  // namespace enfilade::render::cuda
+}  // namespace enfilade::render::detail

@@ -1,9 +1,12 @@
 #include "enfilade/render/detail/batch.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <tuple>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
 #include "enfilade/render/detail/layers.h"
 
 namespace enfilade::render::detail {
@@ -17,15 +20,26 @@ bool before(const FaceKey& a, const FaceKey& b) { return order(a) < order(b); }
 bool sees(const PreparedView& view, std::size_t face) { return (view.mask >> face & 1U) != 0; }
 
 PreparedView prepare(const Camera& camera, const View& view, const scan::PanoramaSet& panoramas) {
-  const Mat3d& world_from_panorama =
-      panoramas.source(view.scan).poses()[view.viewpoint.at()].world_from_panorama;
-  const Mat3d panorama_from_camera =
-      transpose(world_from_panorama) * world_from_camera(view.heading, view.elevation);
-  return {
-      pixel_rays(camera, panorama_from_camera), faces_in_view(camera, panorama_from_camera), {}};
+  const Mat3d rotation = panorama_from_camera(view, panoramas);
+  return {pixel_rays(camera, rotation), faces_in_view(camera, rotation), {}};
 }
 
 }  // namespace
+
+Mat3d panorama_from_camera(const View& view, const scan::PanoramaSet& panoramas) {
+  const auto& poses = panoramas.source(view.scan).poses();
+  return transpose(poses[view.viewpoint.at()].world_from_panorama) *
+         world_from_camera(view.heading, view.elevation);
+}
+
+void check_size(const FaceCache& cache, const FaceKey& key, const Face& face, std::uint32_t size) {
+  if (face.size == size) return;
+  const scan::PanoramaSource& source = cache.panoramas().source(key.scan);
+  throw Error(fmt::format(
+      "{}: scan {}, viewpoint {}: its {} faces were of {} texels before and are of {} now",
+      source.origin(), source.scan(), source.poses()[key.viewpoint.at()].viewpoint,
+      to_string(key.layer), size, face.size));
+}
 
 Outputs slice(const Camera& camera, const Outputs& outputs, std::size_t first, std::size_t count) {
   const std::size_t view = std::size_t{camera.width} * camera.height;
@@ -43,8 +57,8 @@ Outputs slice(const Camera& camera, const Outputs& outputs, std::size_t first, s
   return part;
 }
 
-std::size_t Batch::fill(const Camera& camera, std::span<const View> views, const Outputs& outputs,
-                        std::size_t bytes) {
+std::size_t ViewBatch::fill(const Camera& camera, std::span<const View> views,
+                            const Outputs& outputs, std::size_t bytes) {
   clear();
   std::size_t used = 0;
   for (const View& view : views) {
@@ -61,14 +75,14 @@ std::size_t Batch::fill(const Camera& camera, std::span<const View> views, const
   return views_.size();
 }
 
-void Batch::fill_whole(const View& view, const Outputs& outputs) {
+void ViewBatch::fill_whole(const View& view, const Outputs& outputs) {
   clear();
   views_.push_back({{}, scan::kAllFaces, {}});
   add_keys(view, views_.front(), outputs);
   hold_faces({&view, 1}, outputs);
 }
 
-void Batch::hold_faces(std::span<const View> views, const Outputs& outputs) {
+void ViewBatch::hold_faces(std::span<const View> views, const Outputs& outputs) {
   std::ranges::sort(keys_, before);
   const auto repeated = std::ranges::unique(keys_);
   keys_.erase(repeated.begin(), repeated.end());
@@ -81,8 +95,8 @@ void Batch::hold_faces(std::span<const View> views, const Outputs& outputs) {
 // Appends the keys of the view's faces. Returns the bytes of those that the last views have not
 // added already: views of one panorama usually follow each other, and a face that is counted twice
 // only makes a batch smaller.
-std::size_t Batch::add_keys(const View& view, const PreparedView& prepared,
-                            const Outputs& outputs) {
+std::size_t ViewBatch::add_keys(const View& view, const PreparedView& prepared,
+                                const Outputs& outputs) {
   const scan::FaceSizes sizes = cache_->panoramas().source(view.scan).face_sizes(view.viewpoint);
   std::size_t bytes = 0;
   constexpr std::size_t kLookBack = 3 * kCubeFaces * scan::kLayers;
@@ -101,7 +115,8 @@ std::size_t Batch::add_keys(const View& view, const PreparedView& prepared,
   return bytes;
 }
 
-void Batch::place_faces(const View& view, PreparedView& prepared, const Outputs& outputs) const {
+void ViewBatch::place_faces(const View& view, PreparedView& prepared,
+                            const Outputs& outputs) const {
   for (const Layer layer : kEachLayer) {
     if (!has(layers_of(outputs), layer)) continue;
     for (std::size_t k = 0; k < kCubeFaces; ++k) {
@@ -114,7 +129,7 @@ void Batch::place_faces(const View& view, PreparedView& prepared, const Outputs&
   }
 }
 
-void Batch::clear() noexcept {
+void ViewBatch::clear() noexcept {
   if (held_) cache_->release(keys_);
   held_ = false;
   views_.clear();

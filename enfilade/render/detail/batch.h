@@ -12,23 +12,46 @@
 
 namespace enfilade::render::detail {
 
+/// The rotation from the view's camera to its panorama.
+Mat3d panorama_from_camera(const View& view, const scan::PanoramaSet& panoramas);
+
+/// Faces of a cache, acquired while this lives.
+class HeldFaces {
+ public:
+  /// \throws as FaceCache::acquire()
+  HeldFaces(FaceCache& cache, std::span<const FaceKey> keys, std::span<Face> faces)
+      : cache_(cache), keys_(keys) {
+    cache_.acquire(keys, faces);
+  }
+  ~HeldFaces() { cache_.release(keys_); }
+  HeldFaces(const HeldFaces&) = delete;
+  HeldFaces& operator=(const HeldFaces&) = delete;
+
+ private:
+  FaceCache& cache_;
+  std::span<const FaceKey> keys_;
+};
+/// \throws Error if a face is not of the size that its source gave before
+void check_size(const FaceCache& cache, const FaceKey& key, const Face& face, std::uint32_t size);
+
 /// One view, ready to be drawn.
 struct PreparedView {
   PixelRays rays;           ///< in the panorama frame
   scan::FaceMask mask = 0;  ///< faces that it may show
-  /// Where its faces are in Batch::faces, by index(Layer), index(CubeFace); only those of `mask`.
+  /// Where its faces are in ViewBatch::faces, by index(Layer), index(CubeFace); only those of
+  /// `mask`.
   std::array<std::array<std::uint32_t, kCubeFaces>, scan::kLayers> face{};
 };
 
 /// Views that are drawn together, as their faces fit into the cache at once. Holds these faces
 /// until it is destroyed or filled again. Its vectors keep their memory, so that a renderer that
 /// has one allocates nothing.
-class Batch {
+class ViewBatch {
  public:
-  explicit Batch(std::shared_ptr<FaceCache> cache) : cache_(std::move(cache)) {}
-  ~Batch() { clear(); }
-  Batch(const Batch&) = delete;
-  Batch& operator=(const Batch&) = delete;
+  explicit ViewBatch(std::shared_ptr<FaceCache> cache) : cache_(std::move(cache)) {}
+  ~ViewBatch() { clear(); }
+  ViewBatch(const ViewBatch&) = delete;
+  ViewBatch& operator=(const ViewBatch&) = delete;
 
   /// Takes as many of the first views as have their faces within `bytes`, at least one. Makes the
   /// faces ready.

@@ -1,12 +1,18 @@
-/// \file  The layers of panoramas as tables and sets, for the face cache and the back ends.
+/// \file  The back ends; and the layers of panoramas as tables and sets, for them and the face
+/// cache.
 #pragma once
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/render/face_cache.h"
 #include "enfilade/render/renderer.h"
+
+namespace enfilade::render::gl {
+class GlContext;
+}  // namespace enfilade::render::gl
 
 namespace enfilade::render::detail {
 
@@ -45,5 +51,24 @@ struct FaceKeyHash {
     return static_cast<std::size_t>(all * 0x9E3779B97F4A7C15U >> 20);  // 2^64 / golden ratio
   }
 };
+
+/// \pre config.backend is kCpu or kCpuScalar, faces is not null
+std::unique_ptr<Renderer> make_cpu_renderer(std::shared_ptr<FaceCache> faces,
+                                            const RendererConfig& config);
+
+/// \throws ArgumentError if there is no card config.cuda_device
+/// \throws Error naming the missing part, or with the message of CUDA or NVRTC
+std::unique_ptr<Renderer> make_cuda_renderer(std::shared_ptr<FaceCache> faces,
+                                             const RendererConfig& config);
+
+/// A renderer with an OpenGL context of its own, current only while it draws. (EN_WITH_GL)
+/// \throws ArgumentError if there is no device config.gl_device, with a list of devices
+/// \throws Error with the message of EGL or OpenGL if no device, context or shader works
+std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
+                                           const RendererConfig& config);
+/// Likewise, with this context; config.gl_device does not matter.
+std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
+                                           const RendererConfig& config,
+                                           std::shared_ptr<gl::GlContext> context);
 
 }  // namespace enfilade::render::detail

@@ -100,7 +100,7 @@ EN_PIXELS FaceLine face_line(const Rays& rays, u32 row, u32 face, u32 size) {
 }
 
 /// Rows begin .. end - 1.
-struct Rows {
+struct RowBand {
   u32 begin, end;
 };
 
@@ -108,7 +108,7 @@ struct Rows {
 /// rows in which the third part is not larger; in the others no face ends there.
 struct Crossing {
   double origin, slope;
-  Rows rows[2];
+  RowBand rows[2];
 };
 inline constexpr u32 kCrossings = 6;
 
@@ -120,7 +120,8 @@ EN_PIXELS u32 row_number(double row) {
 
 // The rows in which |part| <= |limit|, and perhaps one more at each end. A needless cut does no
 // harm, and rounding must not hide a corner, where both are equal.
-EN_PIXELS void rows_within(double part0, double part1, double limit0, double limit1, Rows rows[2]) {
+EN_PIXELS void rows_within(double part0, double part1, double limit0, double limit1,
+                           RowBand rows[2]) {
   const double origins[2] = {limit0 - part0, limit0 + part0};
   const double slopes[2] = {limit1 - part1, limit1 + part1};
   double low = slopes[0] != 0 ? -origins[0] / slopes[0] : 0;
@@ -141,7 +142,7 @@ EN_PIXELS void rows_within(double part0, double part1, double limit0, double lim
     const double middle = begin + (end - begin) / 2;
     const double product = (origins[0] + middle * slopes[0]) * (origins[1] + middle * slopes[1]);
     if (begin > end || product < 0) continue;
-    const Rows found = {row_number(floor(begin) - 1), row_number(ceil(end) + 2)};
+    const RowBand found = {row_number(floor(begin) - 1), row_number(ceil(end) + 2)};
     if (count > 0 && found.begin <= rows[count - 1].end) {
       rows[count - 1].end = found.end;
     } else {
@@ -169,16 +170,16 @@ EN_PIXELS Crossing find_crossing(const Rays& rays, u32 number) {
 }
 
 /// Columns begin .. end - 1 of a row, which meet one face.
-struct Stretch {
+struct RowStretch {
   u32 begin, end;
   u32 face;  ///< index(CubeFace)
 };
 /// Pieces of a row between six crossings.
 inline constexpr u32 kMostStretches = 7;
 
-EN_PIXELS bool has_row(const Rows& rows, u32 row) { return row >= rows.begin && row < rows.end; }
+EN_PIXELS bool has_row(const RowBand& rows, u32 row) { return row >= rows.begin && row < rows.end; }
 
-/// enfilade::project_to_cube() for a whole row: calls take(Stretch) from left to right.
+/// enfilade::project_to_cube() for a whole row: calls take(RowStretch) from left to right.
 /// \param crossings kCrossings of them
 template <class Take>
 EN_PIXELS void plan_row(const Crossing* crossings, const Rays& rays, u32 row, u32 width,
@@ -198,7 +199,7 @@ EN_PIXELS void plan_row(const Crossing* crossings, const Rays& rays, u32 row, u3
     for (; cuts[place - 1] > cut; --place) cuts[place] = cuts[place - 1];
     cuts[place] = cut;
   }
-  Stretch stretch = {0, 0, 0};  // not taken yet, as the next piece may be on the same face
+  RowStretch stretch = {0, 0, 0};  // not taken yet, as the next piece may be on the same face
   for (u32 k = 0; k < n; ++k) {
     const u32 begin = cuts[k], end = k + 1 < n ? cuts[k + 1] : width;
     if (begin >= end) continue;

@@ -3,14 +3,16 @@
 #include <fmt/format.h>
 #include <pthread.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cerrno>
 #include <ctime>
 #include <new>
+#include <string>
+#include <string_view>
 #include <thread>
 #include <tuple>
 
@@ -43,6 +45,13 @@ std::uint64_t now() noexcept {
   return static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(since).count());
 }
+
+SharedKey hash(const void* bytes, std::size_t count) {
+  const XXH128_hash_t found = XXH3_128bits(bytes, count);
+  return {found.low64, found.high64};
+}
+
+SharedKey hash(std::string_view text) { return hash(text.data(), text.size()); }
 
 }  // namespace
 
@@ -104,14 +113,14 @@ class SharedCells::Lock {
 
 // --- where things are in the file -------------------------------------------------------------
 
-SharedCells::Layout SharedCells::layout_of(std::size_t bytes) {
+SharedCells::FileLayout SharedCells::layout_of(std::size_t bytes) {
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
   static_assert(sizeof(Head) <= kHeadBytes && sizeof(Slot) == 32);
   if (bytes < kMebi || bytes % kMebi != 0) {
     throw ArgumentError(fmt::format(
         "shared cache: {} bytes; a whole number of MiB, at least 1, is allowed", bytes));
   }
-  Layout layout;
+  FileLayout layout;
   // Sixteen, so that four kinds of faces find a place side by side; no longer than what the largest
   // faces in use (2048 texels: 16 MB) fill well.
   layout.segment_bytes = std::clamp(std::bit_floor(bytes / 16), kMebi / 16, 64 * kMebi);
@@ -352,11 +361,11 @@ SharedCells::Claim SharedCells::claim_now(const SharedKey& key, std::uint64_t si
   const std::uint64_t tick = head().tick.fetch_add(1) + 1;
   std::uint32_t i = find(key, size);
   if (i != kNone) {
-    if (slot(i).state.load() != kReady) return {Found::kElsewhere, nullptr, {}};
+    if (slot(i).state.load() != kReady) return {ClaimResult::kElsewhere, nullptr, {}};
     pins(i).set(user_);
     step();
     slot(i).used.store(tick);
-    return {Found::kReady, cells(i), Pin(this, i, false)};
+    return {ClaimResult::kReady, cells(i), Pin(this, i, false)};
   }
   i = find_room(size);
   if (i == kNone && is_time_to_look()) {
@@ -378,7 +387,7 @@ SharedCells::Claim SharedCells::claim_now(const SharedKey& key, std::uint64_t si
   step();
   slot(i).state.store(kLoading);
   step();
-  return {Found::kMine, cells(i), Pin(this, i, true)};
+  return {ClaimResult::kMine, cells(i), Pin(this, i, true)};
 }
 
 bool SharedCells::is_time_to_look() const noexcept {
@@ -399,7 +408,7 @@ SharedCells::Claim SharedCells::claim(const SharedKey& key, std::size_t bytes,
   constexpr std::chrono::microseconds kPause(200);
   for (;;) {
     Claim claimed = claim(key, bytes);
-    if (claimed.found != Found::kElsewhere || std::chrono::steady_clock::now() > limit) {
+    if (claimed.found != ClaimResult::kElsewhere || std::chrono::steady_clock::now() > limit) {
       return claimed;
     }
     std::this_thread::sleep_for(kPause);
@@ -422,6 +431,37 @@ void SharedCells::give_back(const Pin& pin) noexcept {
   }
   slot(pin.slot_).used.store(head().tick.fetch_add(1) + 1);
   pins(pin.slot_).clear(user_);
+}
+
+SharedKeys::SharedKeys(const scan::PanoramaSet& panoramas)
+    : panoramas_(panoramas), sources_(panoramas.size()) {}
+
+std::optional<SharedKey> SharedKeys::key(const FaceKey& face, std::uint32_t size) {
+  const scan::PanoramaSource& from = panoramas_.source(face.scan);
+  SourceHash& source = sources_[face.scan.at()];
+  if (!source.asked) {
+    const std::string state = from.state();
+    if (!state.empty()) source.hash = hash(state + '\0' + from.origin() + '\0' + from.scan());
+    source.asked = true;
+  }
+  if (!source.hash) return {};
+  // The pose too: a state may be of the pictures alone, and turned depth depends on it.
+  const scan::PanoramaPose& pose = from.poses()[face.viewpoint.at()];
+  const SharedKey viewpoint = hash(pose.viewpoint);
+  std::array<std::uint64_t, 19> all{};
+  std::size_t next = 0;
+  for (const std::uint64_t part :
+       {source.hash->low, source.hash->high, viewpoint.low, viewpoint.high,
+        std::uint64_t{index(face.layer)}, std::uint64_t{index(face.face)}, std::uint64_t{size}}) {
+    all[next++] = part;
+  }
+  for (const double part : pose.world_from_panorama.m) {
+    all[next++] = std::bit_cast<std::uint64_t>(part);
+  }
+  for (const double part : {pose.position.x, pose.position.y, pose.position.z}) {
+    all[next++] = std::bit_cast<std::uint64_t>(part);
+  }
+  return hash(all.data(), sizeof(all));
 }
 
 }  // namespace enfilade::render::detail

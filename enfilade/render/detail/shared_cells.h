@@ -1,4 +1,5 @@
-/// \file  SharedCells: decoded faces that all processes of a machine share, in one mapped file.
+/// \file  SharedCells: decoded faces that all processes of a machine share, in one mapped file,
+/// and their keys there.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -7,10 +8,11 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
-#include "enfilade/render/detail/process_id.h"
 #include "enfilade/render/detail/shared_file.h"
 #include "enfilade/render/face_cache.h"
+#include "enfilade/scan/panorama_set.h"
 
 namespace enfilade::render::detail {
 
@@ -65,14 +67,14 @@ class SharedCells {
   };
 
   /// Outcome of claim().
-  enum class Found : std::uint8_t {
+  enum class ClaimResult : std::uint8_t {
     kReady,      ///< the face, complete
     kMine,       ///< a slot: the caller has to decode the face into it, then call finish()
     kElsewhere,  ///< another process or cache is decoding it
     kNoRoom,     ///< all slots are pinned, or the face does not fit, or a lock is not to be had
   };
   struct Claim {
-    Found found = Found::kNoRoom;
+    ClaimResult found = ClaimResult::kNoRoom;
     std::uint8_t* cells = nullptr;  ///< of kReady and kMine; as long as `pin`
     Pin pin;
   };
@@ -111,14 +113,14 @@ class SharedCells {
   struct User;
   struct Slot;
   struct Pins;
-  struct Layout {
+  struct FileLayout {
     std::size_t segment_bytes = 0, segments = 0, slots_per_segment = 0;
     std::size_t users_at = 0, sizes_at = 0, slots_at = 0, pins_at = 0, cells_at = 0;
   };
   class Lock;
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  static Layout layout_of(std::size_t bytes);
+  static FileLayout layout_of(std::size_t bytes);
   void initialise(std::uint8_t* bytes) const;
 
   Head& head() const noexcept;
@@ -150,11 +152,30 @@ class SharedCells {
     if (step_ != nullptr) step_();
   }
 
-  Layout layout_;
+  FileLayout layout_;
   Step step_;
   ProcessId process_;              // that joined
   std::size_t user_ = kMostUsers;  // in the table; kMostUsers: not there
   std::unique_ptr<SharedFile> file_;
+};
+
+/// Makes keys of the faces of a set. Calls each source's state() once, at its first face. Not for
+/// several threads at once.
+/// \pre the set lives as long
+class SharedKeys {
+ public:
+  explicit SharedKeys(const scan::PanoramaSet& panoramas);
+  /// No value if the source's state is unknown: its faces cannot be shared.
+  /// \param size of the face, texels  \throws as PanoramaSource::state()
+  std::optional<SharedKey> key(const FaceKey& face, std::uint32_t size);
+
+ private:
+  struct SourceHash {
+    bool asked = false;
+    std::optional<SharedKey> hash;
+  };
+  const scan::PanoramaSet& panoramas_;
+  std::vector<SourceHash> sources_;  // by ScanIndex
 };
 
 }  // namespace enfilade::render::detail

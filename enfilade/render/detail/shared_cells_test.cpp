@@ -17,7 +17,7 @@
 namespace enfilade::render::detail {
 namespace EN_UNIT {
 
-using Found = SharedCells::Found;
+using ClaimResult = SharedCells::ClaimResult;
 using ::testing::HasSubstr;
 using tests::in_child;
 using tests::wait_for;
@@ -41,7 +41,7 @@ bool is_filled(const SharedCells::Claim& claim, std::uint64_t number, std::size_
 // The face, decoded if it is not there.
 SharedCells::Claim get(SharedCells& cells, std::uint64_t number, std::size_t bytes = kFace) {
   auto claim = cells.claim(key(number), bytes, soon());
-  if (claim.found == Found::kMine) {
+  if (claim.found == ClaimResult::kMine) {
     fill(claim, number, bytes);
     cells.finish(claim.pin);
   }
@@ -53,7 +53,7 @@ std::vector<SharedCells::Claim> pin_all(SharedCells& cells) {
   std::vector<SharedCells::Claim> pinned;
   for (std::uint64_t k = 0;; ++k) {
     auto claim = get(cells, k);
-    if (claim.found == Found::kNoRoom) return pinned;
+    if (claim.found == ClaimResult::kNoRoom) return pinned;
     pinned.push_back(std::move(claim));
   }
 }
@@ -62,22 +62,23 @@ TEST(SharedCells, ShowsAFaceToOthersOnceItIsFinished) {
   const tests::SharedName name("finished");
   SharedCells one({name.path(), kMebi}), other({name.path(), kMebi});
   auto mine = one.claim(key(7), kFace);
-  ASSERT_EQ(mine.found, Found::kMine);
-  EXPECT_EQ(other.claim(key(7), kFace).found, Found::kElsewhere);
+  ASSERT_EQ(mine.found, ClaimResult::kMine);
+  EXPECT_EQ(other.claim(key(7), kFace).found, ClaimResult::kElsewhere);
   fill(mine, 7);
   one.finish(mine.pin);
   const auto theirs = other.claim(key(7), kFace);
-  ASSERT_EQ(theirs.found, Found::kReady);
+  ASSERT_EQ(theirs.found, ClaimResult::kReady);
   EXPECT_NE(theirs.cells, mine.cells);  // another mapping
   EXPECT_TRUE(is_filled(theirs, 7));
-  EXPECT_EQ(other.claim(key(7), 2 * kFace).found, Found::kMine);  // not taken for another size
+  EXPECT_EQ(other.claim(key(7), 2 * kFace).found,
+            ClaimResult::kMine);  // not taken for another size
 }
 
 TEST(SharedCells, AFaceThatIsGivenUpIsDecodedByTheNext) {
   const tests::SharedName name("given_up");
   SharedCells one({name.path(), kMebi}), other({name.path(), kMebi});
   { const auto mine = one.claim(key(7), kFace); }
-  EXPECT_EQ(other.claim(key(7), kFace).found, Found::kMine);
+  EXPECT_EQ(other.claim(key(7), kFace).found, ClaimResult::kMine);
 }
 
 TEST(SharedCells, ReplacesWhatWasUsedLeastRecentlyButNothingPinned) {
@@ -85,19 +86,19 @@ TEST(SharedCells, ReplacesWhatWasUsedLeastRecentlyButNothingPinned) {
   SharedCells cells({name.path(), kMebi});
   auto pinned = pin_all(cells);
   ASSERT_GE(pinned.size(), 26U);  // of at most 32 in 1 MiB: the table and a segment's end are lost
-  EXPECT_EQ(cells.claim(key(1000), kFace).found, Found::kNoRoom);
-  EXPECT_EQ(cells.claim(key(1000), 2 * kFace).found, Found::kNoRoom);
+  EXPECT_EQ(cells.claim(key(1000), kFace).found, ClaimResult::kNoRoom);
+  EXPECT_EQ(cells.claim(key(1000), 2 * kFace).found, ClaimResult::kNoRoom);
   pinned[5].pin.reset();
-  pinned[3].pin.reset();                            // later, so used more recently
-  EXPECT_EQ(get(cells, 1000).found, Found::kMine);  // in the place of 5
-  EXPECT_EQ(cells.claim(key(3), kFace).found, Found::kReady);
+  pinned[3].pin.reset();                                  // later, so used more recently
+  EXPECT_EQ(get(cells, 1000).found, ClaimResult::kMine);  // in the place of 5
+  EXPECT_EQ(cells.claim(key(3), kFace).found, ClaimResult::kReady);
   for (std::size_t k = 0; k < pinned.size(); ++k) {
     EXPECT_TRUE(k == 3 || k == 5 || is_filled(pinned[k], k)) << k;
   }
   pinned.clear();
-  EXPECT_EQ(get(cells, 2000, 2 * kFace).found, Found::kMine);  // cuts a segment anew
+  EXPECT_EQ(get(cells, 2000, 2 * kFace).found, ClaimResult::kMine);  // cuts a segment anew
   EXPECT_TRUE(is_filled(get(cells, 2000, 2 * kFace), 2000, 2 * kFace));
-  EXPECT_EQ(cells.claim(key(1), 100 * kFace).found, Found::kNoRoom);  // larger than a segment
+  EXPECT_EQ(cells.claim(key(1), 100 * kFace).found, ClaimResult::kNoRoom);  // larger than a segment
   EXPECT_LE(cells.fair_share(), kMebi / 2);
 }
 
@@ -133,7 +134,7 @@ TEST(SharedCells, AProcessMayBeKilledAtAnyStep) {
     const int status = wait_for(child);
     for (const std::uint64_t number : {0, 1, 1000, 1001, 1002}) {
       const auto claim = get(cells, number);
-      ASSERT_TRUE(claim.found == Found::kReady || claim.found == Found::kMine)
+      ASSERT_TRUE(claim.found == ClaimResult::kReady || claim.found == ClaimResult::kMine)
           << "killed at step " << step << ", face " << number;
       ASSERT_TRUE(is_filled(claim, number)) << "killed at step " << step << ", face " << number;
     }
@@ -155,7 +156,7 @@ TEST(SharedCells, PinsEndWithTheirProcess) {
             })),
             128 + SIGKILL);
   const auto limit = soon();
-  while (cells.claim(key(1000), kFace).found == Found::kNoRoom) {
+  while (cells.claim(key(1000), kFace).found == ClaimResult::kNoRoom) {
     ASSERT_LT(std::chrono::steady_clock::now(), limit);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -178,10 +179,10 @@ TEST(SharedCells, NobodyWaitsForEverForAStoppedProcess) {
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, WUNTRACED), child);
   ASSERT_TRUE(WIFSTOPPED(status));
-  EXPECT_EQ(cells.claim(key(1), kFace).found, Found::kNoRoom);
+  EXPECT_EQ(cells.claim(key(1), kFace).found, ClaimResult::kNoRoom);
   kill(child, SIGKILL);
   EXPECT_EQ(wait_for(child), 128 + SIGKILL);
-  EXPECT_EQ(get(cells, 1).found, Found::kMine);
+  EXPECT_EQ(get(cells, 1).found, ClaimResult::kMine);
 }
 
 TEST(SharedCells, TheLastUserRemovesTheFile) {

@@ -1,4 +1,4 @@
-/// \file  A file of fixed size that several processes map and write.
+/// \file  A file of fixed size that several processes map and write, and which of them still run.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -33,12 +33,8 @@ class SharedFile {
   /// Version of the files' layout, cells (image/face_cells.h) included: a new one for each change.
   static constexpr std::uint64_t kVersion = 1;
 
-  const std::filesystem::path& path() const noexcept { return path_; }
   std::uint8_t* bytes() const noexcept { return bytes_; }  ///< aligned to a page
-  std::size_t size() const noexcept { return size_; }
-  /// Whether the path still names this file.
-  bool is_named() const noexcept;
-  /// Removes the name, if it is this file's. The memory is freed with the last mapping.
+  /// Removes the name, if it is still this file's. The memory is freed with the last mapping.
   void remove() const noexcept;
 
  private:
@@ -52,5 +48,22 @@ class SharedFile {
   std::uint8_t* bytes_ = nullptr;
   std::uint64_t device_ = 0, inode_ = 0;
 };
+
+/// A process of this machine. Numbers are used again, but not by a process that started at the same
+/// time; and each PID namespace (container) has its own.
+struct ProcessId {
+  std::int32_t number = 0;       ///< 0: none
+  std::uint64_t start = 0;       ///< clock ticks since the machine's start
+  std::uint64_t name_space = 0;  ///< inode of its PID namespace
+  friend bool operator==(const ProcessId&, const ProcessId&) = default;
+};
+
+/// The calling process. \throws FileError if /proc cannot be read
+ProcessId this_process();
+
+/// False if the process has certainly ended; true also where that cannot be found out, as for a
+/// process of another container. A zombie has ended. Any thread.
+/// \param here the calling process
+bool may_run(const ProcessId& process, const ProcessId& here) noexcept;
 
 }  // namespace enfilade::render::detail

@@ -1,5 +1,6 @@
 #include "enfilade/render/gl/context.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,8 +10,19 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/render/gl/trial.h"
 
-namespace enfilade::render::gl {
+// Sanitizers' runtimes end the program where RTLD_DEEPBIND is used.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define EN_DEEPBIND 0
+#elif defined(__has_feature)
+#define EN_DEEPBIND !(__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
+#else
+#define EN_DEEPBIND 1
+#endif
+
+namespace enfilade::render {
+namespace gl {
 namespace {
 
 constexpr int kMajor = 4, kMinor = 3;  // glTexStorage3D, glCopyImageSubData
@@ -34,15 +46,15 @@ std::string egl_error() {
   throw Error(fmt::format("{}: {}", call, egl_error()));
 }
 
-EGLDisplay display_of(const Way& way) {
+EGLDisplay display_of(const DisplayWay& way) {
   // Mesa's number; epoxy's headers do not have it.
   constexpr EGLenum kPlatformSurfaceless = 0x31DD;
   switch (way.kind) {
-    case Way::Kind::kDevice:
+    case DisplayWay::WayKind::kDevice:
       return eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, way.device, nullptr);
-    case Way::Kind::kSurfaceless:
+    case DisplayWay::WayKind::kSurfaceless:
       return eglGetPlatformDisplayEXT(kPlatformSurfaceless, EGL_DEFAULT_DISPLAY, nullptr);
-    case Way::Kind::kDefault:
+    case DisplayWay::WayKind::kDefault:
       break;
   }
   return eglGetDisplay(EGL_DEFAULT_DISPLAY);
@@ -50,7 +62,7 @@ EGLDisplay display_of(const Way& way) {
 
 // Displays are never terminated: EGL returns the same one to everyone in the process who asks for
 // this device, and eglTerminate() would destroy their contexts too.
-EGLDisplay open_display(const Way& way) {
+EGLDisplay open_display(const DisplayWay& way) {
   const EGLDisplay display = display_of(way);
   if (display == EGL_NO_DISPLAY) fail_egl("eglGetDisplay");
   if (eglInitialize(display, nullptr, nullptr) != EGL_TRUE) fail_egl("eglInitialize");
@@ -83,9 +95,124 @@ std::mutex& creation_mutex() {
   return mutex;
 }
 
+// --- devices -------------------------------------------------------------------------------------
+
+// If the program is linked to a copy of LLVM, as Debian 13's libtorch has one, loads Mesa so that
+// it finds its own copy first; else llvmpipe crashes (docs/design/driver-trials.md). To be called
+// before anything else loads EGL.
+bool load_mesa() {
+#if EN_DEEPBIND
+  // Of Debian's libtorch; the last one of PyTorch's own.
+  constexpr std::array kNamesOfLlvm{"LLVMInitializeX86TargetInfo",
+                                    "LLVMInitializeAArch64TargetInfo", "llvm_regexec"};
+  const bool llvm = std::ranges::any_of(
+      kNamesOfLlvm, [](const char* name) { return dlsym(RTLD_DEFAULT, name) != nullptr; });
+  // Stays loaded: EGL loads it later, and by then all its libraries are bound.
+  return llvm && dlopen("libEGL_mesa.so.0", RTLD_LAZY | RTLD_LOCAL | RTLD_DEEPBIND) != nullptr;
+#else
+  return false;
+#endif
+}
+
+bool has_client_extension(const char* name) {
+  return epoxy_has_egl_extension(EGL_NO_DISPLAY, name);
+}
+
+bool has_word(const char* list, std::string_view word) {
+  const std::string wanted = fmt::format(" {} ", word);
+  return list != nullptr && fmt::format(" {} ", list).find(wanted) != std::string::npos;
+}
+
+// EGL_EXT_device_persistent_id, which epoxy 1.5 does not know.
+std::string uuid_of(EGLDeviceEXT device, const char* extensions) {
+  if (!has_word(extensions, "EGL_EXT_device_persistent_id")) return "";
+  using QueryBinary = EGLBoolean (*)(EGLDeviceEXT, EGLint, EGLint, void*, EGLint*);
+  constexpr EGLint kDeviceUuid = 0x335C;
+  // eglGetProcAddress() returns functions of any type.
+  const auto query = reinterpret_cast<QueryBinary>(eglGetProcAddress("eglQueryDeviceBinaryEXT"));
+  std::array<unsigned char, 16> bytes{};
+  EGLint size = 0;
+  if (query == nullptr || query(device, kDeviceUuid, static_cast<EGLint>(bytes.size()),
+                                bytes.data(), &size) != EGL_TRUE) {
+    return "";
+  }
+  return hex(bytes);
+}
+
+std::vector<DisplayWay> devices() {
+  const bool listed = has_client_extension("EGL_EXT_device_base") ||
+                      (has_client_extension("EGL_EXT_device_enumeration") &&
+                       has_client_extension("EGL_EXT_device_query"));
+  if (!listed || !has_client_extension("EGL_EXT_platform_device")) return {};
+  std::array<EGLDeviceEXT, 64> handles{};
+  EGLint count = 0;
+  if (eglQueryDevicesEXT(static_cast<EGLint>(handles.size()), handles.data(), &count) != EGL_TRUE) {
+    return {};
+  }
+  std::vector<DisplayWay> found;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const char* extensions = eglQueryDeviceStringEXT(handles[i], EGL_EXTENSIONS);
+    found.push_back({DisplayWay::WayKind::kDevice, std::to_string(i),
+                     uuid_of(handles[i], extensions),
+                     has_word(extensions, "EGL_MESA_device_software"), handles[i]});
+  }
+  return found;
+}
+
+std::string list_of(const std::vector<DisplayWay>& all) {
+  std::string text;
+  for (const DisplayWay& way : all) {
+    text += text.empty() ? "" : ", ";
+    text += way.name;
+    if (way.software) text += " (software)";
+    if (!way.uuid.empty()) text += fmt::format(" (UUID {})", way.uuid);
+  }
+  return text;
+}
+
+std::string digits_of(std::string text) {
+  std::erase(text, '-');
+  std::ranges::transform(text, text.begin(), [](char c) {
+    return c >= 'A' && c <= 'F' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return text;
+}
+
+// If only OpenGL has the UUIDs, this makes a context for each device.
+std::shared_ptr<GlContext> find_by_uuid(const std::vector<DisplayWay>& all, const std::string& uuid,
+                                        const Open& open) {
+  for (const DisplayWay& way : all) {
+    if (way.kind != DisplayWay::WayKind::kDevice || (!way.uuid.empty() && way.uuid != uuid))
+      continue;
+    try {
+      auto context = open(way);
+      if (context->uuid() == uuid) return context;
+    } catch (const Error&) {
+      if (way.uuid == uuid) throw;
+    }
+  }
+  return nullptr;
+}
+
+std::shared_ptr<GlContext> first_that_works(const std::vector<DisplayWay>& all, const Open& open) {
+  std::string faults;
+  for (const DisplayWay& way : all) {
+    try {
+      return open(way);
+    } catch (const Error& error) {
+      faults += fmt::format("\n  {}", error.what());
+    }
+  }
+  throw Error("no OpenGL device works:" + faults);
+}
+
+std::shared_ptr<GlContext> open_here(const DisplayWay& way) {
+  return std::make_shared<GlContext>(way);
+}
+
 }  // namespace
 
-Context::Context(const Way& way) {
+GlContext::GlContext(const DisplayWay& way) {
   // Drivers load themselves, and epoxy looks up its functions, at the first use.
   const std::lock_guard lock(creation_mutex());
   try {
@@ -96,9 +223,9 @@ Context::Context(const Way& way) {
   }
 }
 
-Context::~Context() { destroy(); }
+GlContext::~GlContext() { destroy(); }
 
-void Context::create(const Way& way) {
+void GlContext::create(const DisplayWay& way) {
   display_ = open_display(way);
   const EGLConfig config = choose_config(display_);
   const EGLenum api = eglQueryAPI();
@@ -133,7 +260,7 @@ void Context::create(const Way& way) {
   if (!way.uuid.empty()) uuid_ = way.uuid;
 }
 
-void Context::describe() {
+void GlContext::describe() {
   const Current current(*this);
   renderer_ = gl_string(GL_RENDERER);
   version_ = gl_string(GL_VERSION);
@@ -145,13 +272,13 @@ void Context::describe() {
   }
 }
 
-void Context::destroy() noexcept {
+void GlContext::destroy() noexcept {
   // The context's objects are deleted with it.
   if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
   if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
 }
 
-Current::Current(const Context& context) : api_(eglQueryAPI()), display_(context.display_) {
+Current::Current(const GlContext& context) : api_(eglQueryAPI()), display_(context.display_) {
   eglBindAPI(EGL_OPENGL_API);
   previous_display_ = eglGetCurrentDisplay();
   previous_ = eglGetCurrentContext();
@@ -204,4 +331,62 @@ std::string hex(std::span<const unsigned char> bytes) {
   return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
-}  // namespace enfilade::render::gl
+std::vector<DisplayWay> ways() {
+  [[maybe_unused]] static const bool kMesaKeptToItsLlvm = load_mesa();
+  if (!epoxy_has_egl()) return {};
+  std::vector<DisplayWay> all = devices();
+  std::ranges::stable_sort(all, {}, &DisplayWay::software);
+  if (has_client_extension("EGL_EXT_platform_base") &&
+      has_client_extension("EGL_MESA_platform_surfaceless")) {
+    all.push_back({DisplayWay::WayKind::kSurfaceless, "surfaceless", "", false, nullptr});
+  }
+  all.push_back({DisplayWay::WayKind::kDefault, "default", "", false, nullptr});
+  return all;
+}
+
+std::shared_ptr<GlContext> find_context(const std::string& device, const Open& open) {
+  const std::vector<DisplayWay> all = ways();
+  if (all.empty()) throw Error(std::string(kNoEgl));
+  if (device.empty()) return first_that_works(all, open);
+  const auto named = std::ranges::find(all, device, &DisplayWay::name);
+  if (named != all.end()) return open(*named);
+  const std::string uuid = digits_of(device);
+  if (uuid.size() == 32) {
+    if (auto context = find_by_uuid(all, uuid, open)) return context;
+  }
+  throw ArgumentError(fmt::format(
+      "gl_device {:?}: no index or UUID of an EGL device; there are: {}", device, list_of(all)));
+}
+
+std::shared_ptr<GlContext> make_context(const std::string& device) {
+  return find_context(tried_way(device).value_or(device), open_here);
+}
+
+std::vector<GlDevice> list_devices(const Open& open) {
+  std::vector<GlDevice> found;
+  for (const DisplayWay& way : ways()) {
+    GlDevice device;
+    device.name = way.name;
+    device.uuid = way.uuid;
+    try {
+      const auto context = open(way);
+      device.works = true;
+      device.uuid = context->uuid();
+      device.renderer = context->renderer();
+      device.version = context->version();
+    } catch (const Error& error) {
+      device.error = error.what();
+    }
+    found.push_back(std::move(device));
+  }
+  return found;
+}
+
+}  // namespace gl
+
+std::vector<GlDevice> gl_devices() {
+  if (auto tried = gl::tried_devices()) return std::move(*tried);
+  return gl::list_devices(gl::open_here);
+}
+
+}  // namespace enfilade::render

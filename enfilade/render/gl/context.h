@@ -10,14 +10,14 @@
 #include <string_view>
 #include <vector>
 
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
 
 namespace enfilade::render::gl {
 
 /// A way to an EGL display.
-struct Way {
-  enum class Kind { kDevice, kSurfaceless, kDefault };
-  Kind kind = Kind::kDefault;
+struct DisplayWay {
+  enum class WayKind { kDevice, kSurfaceless, kDefault };
+  WayKind kind = WayKind::kDefault;
   std::string name;  ///< "0", "1", ...; "surfaceless"; "default"
   std::string uuid;  ///< 32 hex digits, if EGL has one
   bool software = false;
@@ -26,7 +26,7 @@ struct Way {
 
 /// In the order in which they are to be tried: hardware devices, the software device, surfaceless,
 /// default. Empty without an EGL library.
-std::vector<Way> ways();
+std::vector<DisplayWay> ways();
 
 /// The error message if ways() is empty.
 inline constexpr std::string_view kNoEgl =
@@ -34,13 +34,13 @@ inline constexpr std::string_view kNoEgl =
     "libegl1 libegl-mesa0 libgl1-mesa-dri, or the graphics card's own driver";
 
 /// A context of OpenGL 4.3 core or later. Belongs to no thread: Current lends it to one.
-class Context {
+class GlContext {
  public:
   /// \throws Error naming the way and what EGL or OpenGL said
-  explicit Context(const Way& way);
-  ~Context();
-  Context(const Context&) = delete;
-  Context& operator=(const Context&) = delete;
+  explicit GlContext(const DisplayWay& way);
+  ~GlContext();
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
 
   const std::string& renderer() const noexcept { return renderer_; }  ///< GL_RENDERER
   const std::string& version() const noexcept { return version_; }    ///< GL_VERSION
@@ -48,7 +48,7 @@ class Context {
 
  private:
   friend class Current;
-  void create(const Way& way);
+  void create(const DisplayWay& way);
   void describe();
   void destroy() noexcept;
 
@@ -62,7 +62,7 @@ class Context {
 class Current {
  public:
   /// \throws Error
-  explicit Current(const Context& context);
+  explicit Current(const GlContext& context);
   ~Current();
   Current(const Current&) = delete;
   Current& operator=(const Current&) = delete;
@@ -75,14 +75,14 @@ class Current {
 };
 
 /// Makes the context of a way; throws an Error with the reason if it cannot.
-using Open = std::function<std::shared_ptr<Context>(const Way&)>;
+using Open = std::function<std::shared_ptr<GlContext>(const DisplayWay&)>;
 
 /// The context of a device by index or UUID; if `device` is empty, of the first way that works.
 /// \throws ArgumentError listing the devices if the name is unknown; Error
-std::shared_ptr<Context> find_context(const std::string& device, const Open& open);
+std::shared_ptr<GlContext> find_context(const std::string& device, const Open& open);
 
 /// Likewise, after another process has tried the device (set_gl_trial()). \throws as find_context()
-std::shared_ptr<Context> make_context(const std::string& device);
+std::shared_ptr<GlContext> make_context(const std::string& device);
 
 /// All ways, opened one after the other; see gl_devices().
 std::vector<GlDevice> list_devices(const Open& open);

@@ -7,6 +7,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/image/face_cells.h"
+#include "enfilade/render/detail/batch.h"
 #include "enfilade/render/gl/program.h"
 
 namespace enfilade::render::gl {
@@ -21,22 +22,6 @@ GLint integer(GLenum name) {
   glGetIntegerv(name, &value);
   return value;
 }
-
-/// Faces of the cache, acquired while it lives.
-class Held {
- public:
-  Held(FaceCache& cache, std::span<const FaceKey> keys, std::span<Face> faces)
-      : cache_(cache), keys_(keys) {
-    cache_.acquire(keys, faces);
-  }
-  ~Held() { cache_.release(keys_); }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
-
- private:
-  FaceCache& cache_;
-  std::span<const FaceKey> keys_;
-};
 
 }  // namespace
 
@@ -62,7 +47,7 @@ void FacePool::limit(std::size_t slots) {
   places_.clear();
 }
 
-FacePool::Claim FacePool::claim(const FaceKey& key, std::uint64_t turn) {
+FacePool::SlotClaim FacePool::claim(const FaceKey& key, std::uint64_t turn) {
   const auto found = places_.find(key);
   const bool fresh = found == places_.end();
   if (fresh) {
@@ -178,7 +163,7 @@ void FaceTextures::share_out() {
 std::int32_t FaceTextures::claim(const FaceKey& key, std::uint32_t size) {
   FacePool* const here = pool(key.layer, size);
   EN_CHECK(here != nullptr);
-  const FacePool::Claim claim = here->claim(key, turn_);
+  const FacePool::SlotClaim claim = here->claim(key, turn_);
   if (claim.fresh) {
     missing_keys_.push_back(key);
     missing_.push_back({here, claim.slot});
@@ -211,18 +196,11 @@ void FaceTextures::bring_in() {
 
 void FaceTextures::bring_in(std::size_t first, std::size_t count) {
   acquired_.resize(count);
-  const Held held(*faces_, {missing_keys_.data() + first, count}, acquired_);
+  const std::span keys = std::span(missing_keys_).subspan(first, count);
+  const detail::HeldFaces held(*faces_, keys, acquired_);
   for (std::size_t k = 0; k < count; ++k) {
     const auto [pool, slot] = missing_[first + k];
-    if (acquired_[k].size != pool->size()) {
-      const FaceKey& key = missing_keys_[first + k];
-      const scan::PanoramaSource& source = faces_->panoramas().source(key.scan);
-      throw Error(
-          fmt::format("{}: scan {}, viewpoint {}: its {} faces were of {} texels before and "
-                      "are of {} now",
-                      source.origin(), source.scan(), source.poses()[key.viewpoint.at()].viewpoint,
-                      to_string(key.layer), pool->size(), acquired_[k].size));
-    }
+    detail::check_size(*faces_, keys[k], acquired_[k], pool->size());
     pool->upload(slot, acquired_[k]);
   }
   check_gl("uploading faces");

@@ -30,17 +30,17 @@ class FacePool {
   /// Sets how many slots there may be; forgets everything if there are more already.
   void limit(std::size_t slots);
 
-  struct Claim {
+  struct SlotClaim {
     std::int32_t slot = -1;  ///< -1: all slots are claimed in this turn
     bool fresh = false;      ///< the face is not there yet: upload() it, or drop() it
   };
   /// The slot of a face, kept for it until the turn changes. \throws Error if out of memory
-  Claim claim(const FaceKey& key, std::uint64_t turn);
+  SlotClaim claim(const FaceKey& key, std::uint64_t turn);
   void upload(std::int32_t slot, const Face& face);
   void drop(const FaceKey& key);
 
  private:
-  struct Slot {
+  struct TextureSlot {
     std::int32_t number = 0;
     FaceKey key;
     std::uint64_t turn = 0;  ///< of the last claim; 0: free
@@ -54,8 +54,8 @@ class FacePool {
   std::size_t limit_ = 0;
   GLuint texture_ = 0;
   std::vector<std::uint8_t> rows_;  // a face on its way
-  std::list<Slot> slots_;           // the most recently used first, free ones last
-  std::unordered_map<FaceKey, std::list<Slot>::iterator, detail::FaceKeyHash> places_;
+  std::list<TextureSlot> slots_;    // the most recently used first, free ones last
+  std::unordered_map<FaceKey, std::list<TextureSlot>::iterator, detail::FaceKeyHash> places_;
 };
 
 /// All pools of a renderer. Faces are claimed view by view, then brought in from the face cache at
@@ -79,7 +79,7 @@ class FaceTextures {
   GLuint texture(scan::Layer layer, std::uint32_t size) { return pool(layer, size)->texture(); }
 
  private:
-  struct Missing {
+  struct MissingFace {
     FacePool* pool;
     std::int32_t slot;
   };
@@ -92,7 +92,7 @@ class FaceTextures {
   std::uint64_t turn_ = 0;
   std::vector<std::unique_ptr<FacePool>> pools_;
   std::vector<FaceKey> missing_keys_;
-  std::vector<Missing> missing_;
+  std::vector<MissingFace> missing_;
   std::vector<Face> acquired_;
   std::unordered_map<std::uint64_t, scan::FaceSizes> sizes_;  // by scan << 32 | viewpoint
 };

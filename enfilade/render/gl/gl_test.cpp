@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/render/detail/layers.h"
+#include "enfilade/render/devices.h"
 #include "enfilade/render/gl/pieces.h"
-#include "enfilade/render/gl/renderer.h"
-#include "enfilade/render/gl_devices.h"
 #include "tests/support/refusal.h"
 
 namespace enfilade::render {
@@ -90,7 +90,7 @@ std::unique_ptr<Renderer> gl_renderer(std::shared_ptr<FaceCache> faces, Legacy l
   RendererConfig config;
   config.backend = Backend::kGl;
   config.legacy = legacy;
-  return gl::make_gl_renderer(std::move(faces), config);
+  return detail::make_gl_renderer(std::move(faces), config);
 }
 
 std::vector<View> random_views(std::size_t count, std::size_t panoramas, std::uint32_t seed) {
@@ -171,7 +171,7 @@ TEST(GlPieces, CoverThePictureOnceAndOverlapByTheMargin) {
     for (std::size_t face = 0; face < kCubeFaces; ++face) {
       const gl::FaceForms forms = gl::face_forms(camera, rays, cube_face(face));
       const auto area = [&](double margin) {
-        const gl::Piece piece = gl::piece_of(camera, forms, margin);
+        const gl::FacePiece piece = gl::piece_of(camera, forms, margin);
         const auto c = piece.corners();
         double twice = 0;
         for (std::size_t i = 0; i < c.size(); ++i) {
@@ -529,14 +529,14 @@ TEST_F(Gl, ChoosesADeviceByIndexOrUuid) {
   for (const GlDevice& device : gl_devices()) {
     config.gl_device = device.name;
     if (!device.works) {
-      EXPECT_THAT(tests::refusal<Error>([&] { gl::make_gl_renderer(cache, config); }),
+      EXPECT_THAT(tests::refusal<Error>([&] { detail::make_gl_renderer(cache, config); }),
                   HasSubstr(device.error));
       continue;
     }
-    EXPECT_THAT(gl::make_gl_renderer(cache, config)->description(), HasSubstr(device.renderer));
+    EXPECT_THAT(detail::make_gl_renderer(cache, config)->description(), HasSubstr(device.renderer));
     if (device.uuid.empty()) continue;
     config.gl_device = device.uuid;
-    EXPECT_THAT(gl::make_gl_renderer(cache, config)->description(), HasSubstr("gl ("));
+    EXPECT_THAT(detail::make_gl_renderer(cache, config)->description(), HasSubstr("gl ("));
   }
 }
 
@@ -545,7 +545,7 @@ TEST_F(Gl, AnUnknownDeviceIsRefusedWithAListOfThoseThereAre) {
   for (const std::string name : {"77", "nvidia", "00000000-0000-0000-0000-0000000000ff"}) {
     config.gl_device = name;
     const std::string message = tests::refusal<ArgumentError>(
-        [&] { gl::make_gl_renderer(cache_of({noise(16, 1)}), config); });
+        [&] { detail::make_gl_renderer(cache_of({noise(16, 1)}), config); });
     EXPECT_THAT(message, HasSubstr(name));
     for (const GlDevice& device : gl_devices()) EXPECT_THAT(message, HasSubstr(device.name));
   }

@@ -1,5 +1,5 @@
 // Built with EN_WITH_GL=OFF.
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
 
 namespace enfilade::render {
 

@@ -35,12 +35,12 @@ std::array<double, 3> form_along(Vec3d axis, const Camera& camera, const PixelRa
 
 }  // namespace
 
-Piece::Piece(const Camera& camera) : count_(4) {
+FacePiece::FacePiece(const Camera& camera) : count_(4) {
   const double x = camera.width / 2.0, y = camera.height / 2.0;
   corners_ = {{{-x, -y}, {x, -y}, {x, y}, {-x, y}}};
 }
 
-void Piece::cut(double c, double a, double b, double margin) {
+void FacePiece::cut(double c, double a, double b, double margin) {
   const double offset = c + margin * std::hypot(a, b);
   const auto side = [&](PicturePoint p) { return offset + a * p.x + b * p.y; };
   const std::array<PicturePoint, kMost> before = corners_;
@@ -64,8 +64,8 @@ FaceForms face_forms(const Camera& camera, const PixelRays& rays, CubeFace face)
   return {form(axes.right), form(axes.down), form(axes.forward)};
 }
 
-Piece piece_of(const Camera& camera, const FaceForms& forms, double margin) {
-  Piece piece(camera);
+FacePiece piece_of(const Camera& camera, const FaceForms& forms, double margin) {
+  FacePiece piece(camera);
   const auto& w = forms.forward;
   for (const auto& side : {forms.right, forms.down}) {
     piece.cut(w[0] + side[0], w[1] + side[1], w[2] + side[2], margin);

@@ -16,9 +16,9 @@ struct PicturePoint {
 };
 
 /// A convex polygon. Each cut adds at most one corner to the picture's four.
-class Piece {
+class FacePiece {
  public:
-  explicit Piece(const Camera& camera);
+  explicit FacePiece(const Camera& camera);
   /// Keeps what has c + x * a + y * b >= -margin * |(a, b)|: `margin` pixels more than the half.
   void cut(double c, double a, double b, double margin);
   std::span<const PicturePoint> corners() const noexcept { return {corners_.data(), count_}; }
@@ -38,7 +38,7 @@ struct FaceForms {
 FaceForms face_forms(const Camera& camera, const PixelRays& rays, CubeFace face);
 
 /// The part of the picture that shows the face, and `margin` pixels around it.
-Piece piece_of(const Camera& camera, const FaceForms& forms, double margin);
+FacePiece piece_of(const Camera& camera, const FaceForms& forms, double margin);
 
 /// Finds the pixels with middles less than `distance` (< 0.5 pixels) from where two faces could
 /// meet. A piece's edge is not exact enough there to decide the pixel's face. Returns their

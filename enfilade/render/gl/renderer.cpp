@@ -1,5 +1,3 @@
-#include "enfilade/render/gl/renderer.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,12 +8,12 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/render/cpu/pack.h"
+#include "enfilade/render/detail/batch.h"
 #include "enfilade/render/detail/layers.h"
 #include "enfilade/render/gl/context.h"
 #include "enfilade/render/gl/face_textures.h"
 #include "enfilade/render/gl/pieces.h"
 #include "enfilade/render/gl/program.h"
-#include "enfilade/render/gl/targets.h"
 
 namespace enfilade::render::gl {
 namespace {
@@ -46,7 +44,7 @@ const T* values_of(const std::array<const std::byte*, scan::kLayers>& pixels, La
 class GlRenderer final : public Renderer {
  public:
   GlRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config,
-             std::shared_ptr<Context> context);
+             std::shared_ptr<GlContext> context);
   void render(const Camera& camera, std::span<const View> views, const Outputs& outputs) override;
   std::string description() const override;
 
@@ -71,7 +69,7 @@ class GlRenderer final : public Renderer {
   };
 
   void draw_all(const Frame& frame);
-  std::size_t draw(const Frame& frame, std::size_t first, Target& target);
+  std::size_t draw(const Frame& frame, std::size_t first, RenderTarget& target);
   bool take_panorama(const Frame& frame, const View& view, bool first);
   bool add_view(const Frame& frame, const View& view, std::size_t place);
   void draw_edges_again(const Frame& frame, const PixelRays& rays,
@@ -80,14 +78,14 @@ class GlRenderer final : public Renderer {
   void add_polygon(const Frame& frame, const Look& look, std::span<const PicturePoint> corners,
                    std::size_t place);
   void make_depth_factors(const Camera& camera, DepthMeasure measure);
-  void finish(const Frame& frame, const Part& part, Target& target);
+  void finish(const Frame& frame, const Part& part, RenderTarget& target);
 
   std::shared_ptr<FaceCache> faces_;
   Legacy legacy_;
-  std::shared_ptr<Context> context_;
+  std::shared_ptr<GlContext> context_;
   Programs programs_;
   FaceTextures textures_;
-  std::array<Target, 2> targets_;
+  std::array<RenderTarget, 2> targets_;
   // Pixels between the points of the grid on which the hardware puts corners.
   double mesh_ = 0;
   scan::FaceSizes sizes_{};  // of the panoramas in the target that is being drawn
@@ -98,7 +96,7 @@ class GlRenderer final : public Renderer {
 };
 
 GlRenderer::GlRenderer(std::shared_ptr<FaceCache> faces, const RendererConfig& config,
-                       std::shared_ptr<Context> context)
+                       std::shared_ptr<GlContext> context)
     : faces_(std::move(faces)),
       legacy_(config.legacy),
       context_(std::move(context)),
@@ -163,7 +161,7 @@ void GlRenderer::draw_all(const Frame& frame) {
   }
 }
 
-std::size_t GlRenderer::draw(const Frame& frame, std::size_t first, Target& target) {
+std::size_t GlRenderer::draw(const Frame& frame, std::size_t first, RenderTarget& target) {
   textures_.begin_turn();
   vertices_.clear();
   const std::size_t most = std::min(frame.most, frame.views.size() - first);
@@ -216,18 +214,15 @@ bool GlRenderer::take_panorama(const Frame& frame, const View& view, bool first)
 }
 
 bool GlRenderer::add_view(const Frame& frame, const View& view, std::size_t place) {
-  const scan::PanoramaPose& pose =
-      faces_->panoramas().source(view.scan).poses()[view.viewpoint.at()];
-  const Mat3d panorama_from_camera =
-      transpose(pose.world_from_panorama) * world_from_camera(view.heading, view.elevation);
-  const PixelRays rays = pixel_rays(frame.camera, panorama_from_camera);
-  const scan::FaceMask faces = faces_in_view(frame.camera, panorama_from_camera);
+  const Mat3d rotation = detail::panorama_from_camera(view, faces_->panoramas());
+  const PixelRays rays = pixel_rays(frame.camera, rotation);
+  const scan::FaceMask faces = faces_in_view(frame.camera, rotation);
   std::array<std::optional<Look>, kCubeFaces> looks;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
     if ((faces >> k & 1U) == 0) continue;
     const FaceForms forms = face_forms(frame.camera, rays, cube_face(k));
     // Corners are moved by half a mesh each way: with this no pixel falls between two pieces.
-    const Piece piece = piece_of(frame.camera, forms, 2 * mesh_);
+    const FacePiece piece = piece_of(frame.camera, forms, 2 * mesh_);
     if (piece.corners().size() < 3) continue;
     looks[k] = Look{forms, {}};
     for (const Layer layer : kEachLayer) {
@@ -286,18 +281,16 @@ void GlRenderer::add_polygon(const Frame& frame, const Look& look,
 void GlRenderer::make_depth_factors(const Camera& camera, DepthMeasure measure) {
   const std::pair now{camera, measure};
   if (depth_factors_of_ == now) return;
-  depth_factors_ = measure == DepthMeasure::kRay
-                       ? std::vector(std::size_t{camera.width} * camera.height, 1.0F)
-                       : cpu::inverse_ray_lengths(camera);
+  depth_factors_ = cpu::depth_factors(camera, measure);
   depth_factors_of_ = now;
 }
 
 // Packs with the CPU back end's own arithmetic. Depth comes back as the texels hold it and is
 // scaled here, as a graphics card's square root need not be as exact.
-void GlRenderer::finish(const Frame& frame, const Part& part, Target& target) {
+void GlRenderer::finish(const Frame& frame, const Part& part, RenderTarget& target) {
   const auto pixels = target.map();
   const std::size_t view_pixels = std::size_t{frame.camera.width} * frame.camera.height;
-  const cpu::Packer packer(cpu::simd_kernels(), frame.outputs, legacy_.eight_bit_depth);
+  const cpu::PixelPacker packer(cpu::simd_kernels(), frame.outputs, legacy_.eight_bit_depth);
   for (std::size_t k = 0; k < part.count; ++k) {
     const std::size_t first = k * view_pixels;
     packer.pack({values_of<std::uint32_t>(pixels, Layer::kColour, first),
@@ -311,15 +304,19 @@ void GlRenderer::finish(const Frame& frame, const Part& part, Target& target) {
 
 }  // namespace
 
+}  // namespace enfilade::render::gl
+
+namespace enfilade::render::detail {
+
 std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
                                            const RendererConfig& config) {
-  return make_gl_renderer(std::move(faces), config, make_context(config.gl_device));
+  return make_gl_renderer(std::move(faces), config, gl::make_context(config.gl_device));
 }
 
 std::unique_ptr<Renderer> make_gl_renderer(std::shared_ptr<FaceCache> faces,
                                            const RendererConfig& config,
-                                           std::shared_ptr<Context> context) {
-  return std::make_unique<GlRenderer>(std::move(faces), config, std::move(context));
+                                           std::shared_ptr<gl::GlContext> context) {
+  return std::make_unique<gl::GlRenderer>(std::move(faces), config, std::move(context));
 }
 
-}  // namespace enfilade::render::gl
+}  // namespace enfilade::render::detail

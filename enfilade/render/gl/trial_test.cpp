@@ -4,9 +4,8 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "enfilade/render/gl/child.h"
-#include "enfilade/render/gl/trial_words.h"
-#include "enfilade/render/gl_devices.h"
+#include "enfilade/render/devices.h"
+#include "enfilade/render/gl/trial.h"
 #include "tests/support/refusal.h"
 
 namespace enfilade::render::gl {

@@ -12,11 +12,10 @@
 #include <map>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/render/detail/layers.h"
+#include "enfilade/render/devices.h"
 #include "enfilade/render/gl/context.h"
-#include "enfilade/render/gl/renderer.h"
-#include "enfilade/render/gl/trial_words.h"
-#include "enfilade/render/gl_devices.h"
-#include "enfilade/render/sample.h"
+#include "enfilade/render/gl/trial.h"
 
 namespace enfilade::render {
 namespace gl {
@@ -91,20 +90,21 @@ std::string loaded_drivers() {
 using Faults = std::map<std::string, std::string>;  // by way
 
 // A context that draws right, or an Error.
-std::shared_ptr<Context> try_way(const Way& way, const Faults& faults) {
+std::shared_ptr<GlContext> try_way(const DisplayWay& way, const Faults& faults) {
   if (const auto fault = faults.find(way.name); fault != faults.end()) {
     throw Error(fmt::format("EGL device {}: {}", way.name, fault->second));
   }
   tell({kTrying, way.name, loaded_drivers()});
-  auto context = std::make_shared<Context>(way);
+  auto context = std::make_shared<GlContext>(way);
   RendererConfig config;
   config.backend = Backend::kGl;
-  check_sample(*make_gl_renderer(sample_faces(), config, context));
+  check_sample(*detail::make_gl_renderer(sample_faces(), config, context));
   return context;
 }
 
 void list(const Faults& faults) {
-  for (const GlDevice& d : list_devices([&](const Way& way) { return try_way(way, faults); })) {
+  for (const GlDevice& d :
+       list_devices([&](const DisplayWay& way) { return try_way(way, faults); })) {
     const bool broken = faults.contains(d.name);
     tell({kDeviceLine, d.name, d.uuid, d.works ? kYes : kNo, d.renderer, d.version, d.error,
           broken ? kYes : kNo});
@@ -125,7 +125,7 @@ int try_gl(std::span<const std::string> words) {
     if (words[0] == kList) {
       list(faults);
     } else {
-      find_context(words[1], [&](const Way& way) { return try_way(way, faults); });
+      find_context(words[1], [&](const DisplayWay& way) { return try_way(way, faults); });
     }
     tell({kFinished});
   } catch (const ArgumentError& error) {

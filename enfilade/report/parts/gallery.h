@@ -1,13 +1,15 @@
-/// \file  The page's gallery: some episodes of one run, step by step.
+/// \file  The page's gallery: some episodes of one run, moment by moment.
 #pragma once
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "enfilade/geometry/angle.h"
+#include "enfilade/graph/nav_graph.h"
 #include "enfilade/models/decisions.h"
-#include "enfilade/report/parts/picture_parts.h"
-#include "enfilade/report/scored_runs.h"
+#include "enfilade/report/parts/parts.h"
+#include "enfilade/report/run_directory.h"
+#include "enfilade/tasks/results.h"
 
 namespace enfilade::report::parts {
 
@@ -44,8 +46,35 @@ std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
                                            const tasks::EpisodeSet& episodes, std::size_t each);
 
 /// {"agent", "split", "buildings", "frames", "panoramas", "episodes"}.
-nlohmann::ordered_json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
-                                    const std::vector<ChosenEpisode>& chosen,
-                                    const dataset::Dataset& data);
+Json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
+                  const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data);
+
+/// The agent's pose and its next action. Pointers are into the recorded file.
+struct Moment {
+  ViewpointIndex viewpoint;
+  Radians heading, elevation;
+  /// "left", "forward", "go", "jump", "end"; empty: it is out of steps; "back": it has stopped, and
+  /// the episode ends here, where stopping was most likely.
+  std::string action;
+  const std::vector<double>* attention = nullptr;  ///< over words; none: not recorded
+  const models::DecisionStep* decision = nullptr;  ///< of agents that choose among viewpoints
+};
+
+/// From a results file, which has no actions: they follow from the poses.
+std::vector<Moment> moments_of(const tasks::Trajectory& trajectory);
+/// From an attention file. If the agent ran out of steps, its last pose is added.
+/// \throws LookupError if a step is where the building has no viewpoint
+std::vector<Moment> moments_of(const models::EpisodeAttention& attention,
+                               const graph::NavGraph& graph, const tasks::Trajectory& trajectory);
+/// From a decision file. The last pose is added if it is another, or the agent ran out of steps.
+/// \throws likewise
+std::vector<Moment> moments_of(const models::EpisodeDecisions& decisions,
+                               const graph::NavGraph& graph, const tasks::Trajectory& trajectory);
+
+/// {"v", "heading", "elevation", "action", "attention"}. A decision also has {"choices": [{"v"
+/// (null: stop), "p", "map", "view", "heading", "elevation" (of neighbours)}], "chosen", "way",
+/// "share", "nodes": [[v, visited, stop]], "object"}.
+/// \throws LookupError for unknown viewpoints
+Json moment_json(const Moment& moment, const graph::NavGraph& graph);
 
 }  // namespace enfilade::report::parts

@@ -10,7 +10,6 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/draw/markup.h"
-#include "enfilade/report/parts/page_texts.h"
 
 namespace enfilade::report::parts {
 namespace {

@@ -14,4 +14,12 @@ std::string make_page(std::string_view title, const nlohmann::ordered_json& data
 /// JSON that may stand inside <script>: no '<' in it; ASCII; broken UTF-8 replaced.
 std::string script_json(const nlohmann::ordered_json& data);
 
+/// The files of page/, and D3, as the program carries them. Defined by a source that CMake makes
+/// (cmake/embed_text.cmake).
+extern const std::string_view kPageHtml;
+extern const std::string_view kPageStyle;
+extern const std::string_view kPageScript;
+extern const std::string_view kD3;         ///< empty in a build without it (EN_WITH_D3)
+extern const std::string_view kD3Licence;  ///< goes with every copy of it
+
 }  // namespace enfilade::report::parts

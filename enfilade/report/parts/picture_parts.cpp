@@ -1,26 +1,31 @@
-#include "enfilade/report/parts/picture_parts.h"
+#include "enfilade/report/parts/parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <set>
 #include <span>
 #include <utility>
+#include <variant>
 
 #include "enfilade/core/base64.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/views.h"
-#include "enfilade/draw/episode_text.h"
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/draw/planned_goal.h"
+#include "enfilade/draw/top_down.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/report/parts/dataset_parts.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::report::parts {
 namespace {
 
+using Walks = std::vector<tasks::ContinuousResult>;
+
 constexpr PictureSize kExampleSize{480, 360};
-constexpr std::uint32_t kPanoramaWidth = 800;
+constexpr std::uint32_t kBuildingWidth = 800;
 constexpr std::uint64_t kExampleSeed = 2018;  // any: the same data give the same page
 
 // Pictures are drawn larger and averaged: a pixel of a small picture covers several texels, and
@@ -76,6 +81,72 @@ ViewpointIndex busiest(const graph::NavGraph& graph) {
 
 // In degrees, clockwise from north, as people read it.
 int whole_degrees(Radians heading) { return static_cast<int>(to_degrees(heading) + 0.5) % 360; }
+
+// Each agent's first run on a split, in the order of the runs.
+std::vector<const ScoredRun*> first_runs(const ScoredRuns& runs, const std::string& split) {
+  std::vector<const ScoredRun*> first;
+  std::set<std::string_view> agents;
+  for (const ScoredRun& run : runs.runs) {
+    if (run.split == split && agents.insert(without_seed(run.agent)).second) first.push_back(&run);
+  }
+  return first;
+}
+
+// By how far from the goal a run stopped. Its walks are in the order of the episodes.
+std::vector<ChosenEpisode> choose_walks(const ScoredRun& run, std::size_t of_a_kind) {
+  std::vector<std::size_t> order(run.scores.ours.episodes);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&run](std::size_t k) {
+    return std::pair(-run.scores.ours.value(k, "spl"),
+                     run.scores.ours.value(k, "distance_to_goal"));
+  });
+  const Walks& walks = std::get<Walks>(run.trajectories);
+  std::vector<ChosenEpisode> chosen;
+  std::set<std::size_t> taken;
+  const auto take = [&](const char* kind, std::size_t place) {
+    const std::size_t k = order[std::min(place, order.size() - 1)];
+    if (taken.insert(k).second) chosen.push_back({kind, walks[k].episode});
+  };
+  for (std::size_t i = 0; i < of_a_kind; ++i) take("best", i);
+  for (std::size_t i = 0; i < of_a_kind; ++i) take("median", order.size() / 2 + i);
+  for (std::size_t i = 0; i < of_a_kind; ++i)
+    take("worst", order.size() - 1 - std::min(i, order.size() - 1));
+  return chosen;
+}
+
+Json map_of(const ChosenEpisode& one, const std::vector<const ScoredRun*>& agents,
+            const tasks::ContinuousEpisodes& episodes, const continuous::Buildings& buildings,
+            bool synthetic) {
+  const tasks::ContinuousEpisode& episode = episodes.episodes.at(one.episode);
+  const std::string scan(episode.scan());
+  std::vector<draw::WalkedLine> lines;
+  if (episode.reference_path)
+    lines.push_back({draw::PathRole::kReference, *episode.reference_path, ""});
+  Json ends = Json::array();
+  for (const ScoredRun* run : agents) {
+    const Walks& walks = std::get<Walks>(run->trajectories);
+    for (std::size_t k = 0; k < walks.size(); ++k) {
+      if (walks[k].episode != one.episode) continue;
+      lines.push_back(
+          {draw::PathRole::kAgent, draw::walked_points(walks[k].positions), run->agent});
+      ends.push_back({{"agent", run->agent},
+                      // null if it is not finite
+                      {"distance", run->scores.ours.value(k, "distance_to_goal")},
+                      {"success", run->scores.ours.value(k, "success") > 0}});
+    }
+  }
+  draw::TopDownOptions options;
+  options.title = fmt::format("{}, episode {} ({}){}", scan, tasks::text_of(episode.id), one.kind,
+                              synthetic ? " (SYNTHETIC)" : "");
+  options.note = episode.instruction.text;
+  const std::string svg =
+      draw::top_down_svg(buildings.floor(buildings.at(scan)).floor(), lines, options);
+  return {{"scan", scan},
+          {"episode", tasks::text_of(episode.id)},
+          {"kind", one.kind},
+          {"agents", std::move(ends)},
+          {"picture", data_uri("image/svg+xml", svg)}};
+}
 
 }  // namespace
 
@@ -141,7 +212,7 @@ Json panoramas_part(const dataset::Dataset& data, std::size_t most) {
     if (graph.included_count() == 0) continue;
     const ViewpointIndex v = busiest(graph);
     const Radians heading = graph.edges(v).empty() ? Radians(0) : graph.edges(v).front().heading;
-    const auto picture = panorama_uri(data, {scan, v, heading, {}}, kPanoramaWidth);
+    const auto picture = panorama_uri(data, {scan, v, heading, {}}, kBuildingWidth);
     if (!picture) {
       why = no_pictures_of(graph.scan());
       continue;
@@ -158,14 +229,15 @@ Json panoramas_part(const dataset::Dataset& data, std::size_t most) {
 Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
                 const std::vector<ChosenEpisode>& chosen) {
   const tasks::ObjectBoxes* objects = episodes.objects.get();
+  const auto& trajectories = std::get<std::vector<tasks::Trajectory>>(run.trajectories);
   Json all = Json::array();
   for (const ChosenEpisode& one : chosen) {
     const tasks::Episode& episode = episodes.episodes[one.episode];
     const graph::NavGraph& graph = episodes.graph_of(episode);
-    draw::PlannedPath reference{draw::PlannedPath::Role::kReference,
-                                episodes.path_of(episode).viewpoints, "reference path"};
-    draw::PlannedPath agent{draw::PlannedPath::Role::kAgent, {}, run.agent};
-    for (const tasks::TrajectoryPoint& point : run.trajectories[one.episode].points) {
+    draw::PlannedPath reference{draw::PathRole::kReference, episodes.path_of(episode).viewpoints,
+                                "reference path"};
+    draw::PlannedPath agent{draw::PathRole::kAgent, {}, run.agent};
+    for (const tasks::TrajectoryPoint& point : trajectories[one.episode].points) {
       agent.viewpoints.push_back(point.viewpoint);
     }
     draw::FloorPlanOptions options;
@@ -181,6 +253,24 @@ Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
                    {"picture", data_uri("image/svg+xml", svg)}});
   }
   return {{"agent", run.agent}, {"split", run.split}, {"plans", std::move(all)}};
+}
+
+Json walks_part(const ScoredRuns& runs, std::size_t of_a_kind, bool synthetic) {
+  if (runs.runs.empty()) return missing("There are no results that can be scored.");
+  const bool unseen = std::ranges::any_of(
+      runs.runs, [](const ScoredRun& run) { return run.split == "val_unseen"; });
+  const std::string split = unseen ? "val_unseen" : runs.runs.front().split;
+  const std::vector<const ScoredRun*> agents = first_runs(runs, split);
+  const ScoredRun* judge = agents.back();
+  for (const ScoredRun* run : agents) {
+    if (!is_oracle(run->agent)) judge = run;
+  }
+  Json all = Json::array();
+  for (const ChosenEpisode& one : choose_walks(*judge, of_a_kind)) {
+    all.push_back(
+        map_of(one, agents, *runs.split_of(*judge).continuous(), *runs.buildings, synthetic));
+  }
+  return {{"agent", judge->agent}, {"split", split}, {"walks", std::move(all)}};
 }
 
 }  // namespace enfilade::report::parts

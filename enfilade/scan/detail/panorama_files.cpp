@@ -6,7 +6,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/scan/depth_skybox.h"
-#include "enfilade/scan/matterport_names.h"
+#include "enfilade/scan/matterport_images.h"
 
 namespace enfilade::scan::detail {
 namespace {
@@ -79,11 +79,6 @@ void check_grey(Layer layer, const Shape& shape, const std::string& file) {
            fmt::format("{} channels of {} bits, neither greyscale nor RGBA of 8 bits",
                        shape.channels, shape.bits));
   }
-}
-
-image::Image16 decode_depth(const FoundFile& file) {
-  check_grey(Layer::kDepth, image::png_shape(bytes_of(file.bytes), file.path), file.path);
-  return image::decode_png16(bytes_of(file.bytes), file.path);
 }
 
 }  // namespace
@@ -232,7 +227,7 @@ const std::vector<UndistortedCamera>& UndistortedDepth::cameras(
   if (!cameras_) {
     Cameras all;
     if (const auto file = parameters_.read(name_)) {
-      for (auto& camera : parse_undistorted_cameras(file->bytes, file->path).cameras) {
+      for (auto& camera : parse_undistorted_cameras(file->bytes, file->path)) {
         const std::string of(camera.viewpoint());
         all[of].push_back(std::move(camera));
       }
@@ -258,9 +253,10 @@ image::CubeMap<std::uint16_t> UndistortedDepth::read(
       throw FileError(fmt::format("{}: no such file, though {} lists it; tried:{}",
                                   camera.depth_file, name_, images_.tried(camera.depth_file)));
     }
-    images.push_back({camera, decode_depth(*file)});
+    check_grey(Layer::kDepth, image::png_shape(bytes_of(file->bytes), file->path), file->path);
+    images.push_back({camera, image::decode_png16(bytes_of(file->bytes), file->path)});
   }
-  return fill_holes(depth_skybox(images, eye, colour[0].width, 1), colour, {}, 1);
+  return fill_holes(depth_skybox(images, eye, colour[0].width, 1), colour, 1);
 }
 
 std::string UndistortedDepth::tried(const std::string& viewpoint) const {

@@ -13,8 +13,8 @@
 
 #include "enfilade/image/image.h"
 #include "enfilade/scan/file_tree.h"
+#include "enfilade/scan/matterport_cameras.h"
 #include "enfilade/scan/panorama_source.h"
-#include "enfilade/scan/undistorted_cameras.h"
 
 namespace enfilade::scan::detail {
 

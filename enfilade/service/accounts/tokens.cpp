@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "enfilade/service/detail/refusal.h"
-#include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/store/database.h"
 
@@ -19,20 +18,16 @@ constexpr const char* kTeams =
     "SELECT id, name, contact, created, approved, "
     "(SELECT count(*) FROM submission WHERE submission.team = team.id) FROM team ";
 
-/// The owner of a token: a team or a visit, by role.
-struct Owner {
-  std::optional<std::int64_t> team = std::nullopt;
-  std::optional<std::int64_t> visit = std::nullopt;
-};
-
-std::string insert_token(store::Database& db, Role role, Owner owner, const std::string& label,
-                         std::optional<std::int64_t> expires) {
+/// \param team, visit the owner, by role
+std::string insert_token(store::Database& db, ClientRole role, const std::string& label,
+                         std::optional<std::int64_t> expires, std::optional<std::int64_t> team,
+                         std::optional<std::int64_t> visit = {}) {
   // By the prefix, people and scanners of published sources recognise a leaked token.
   std::string token = detail::new_secret("enfilade_");
   db.run(
       "INSERT INTO token (hash, role, team, label, created, expires, visit) "
       "VALUES (?, ?, ?, ?, ?, ?, ?)",
-      detail::sha256(token), role, owner.team, label, db.now(), expires, owner.visit);
+      detail::sha256(token), role, team, label, db.now(), expires, visit);
   return token;
 }
 
@@ -63,7 +58,7 @@ NewTeam add_team(store::Database& db, const std::string& name, const std::string
     }
     const std::int64_t id = db.insert("INSERT INTO team (name, contact, created) VALUES (?, ?, ?)",
                                       name, contact, db.now());
-    return NewTeam{id, insert_token(db, Role::kTeam, {.team = id}, name, std::nullopt)};
+    return NewTeam{id, insert_token(db, ClientRole::kTeam, name, std::nullopt, id)};
   });
 }
 
@@ -89,20 +84,20 @@ bool set_approved(store::Database& db, std::int64_t team, bool approved) {
   return db.run("UPDATE team SET approved = ? WHERE id = ?", at, team) == 1;
 }
 
-std::string add_token(store::Database& db, Role role, const std::string& label,
+std::string add_token(store::Database& db, ClientRole role, const std::string& label,
                       std::optional<std::int64_t> expires) {
   return db.transact([&] {
-    Owner owner;
-    if (role == Role::kTeam) {
-      owner.team = find_team_named(db, label);
-      if (!owner.team) throw LookupError(fmt::format("{:?}: no team has this name", label));
+    std::optional<std::int64_t> team;
+    if (role == ClientRole::kTeam) {
+      team = find_team_named(db, label);
+      if (!team) throw LookupError(fmt::format("{:?}: no team has this name", label));
     }
-    return insert_token(db, role, owner, label, expires);
+    return insert_token(db, role, label, expires, team);
   });
 }
 
 // A session is valid as long as its token is.
-int revoke_tokens(store::Database& db, Role role, const std::string& label) {
+int revoke_tokens(store::Database& db, ClientRole role, const std::string& label) {
   return db.run(
       "UPDATE token SET revoked = ?1 WHERE role = ?2 AND revoked IS NULL AND "
       "(label = ?3 OR team = (SELECT id FROM team WHERE lower(name) = ?4))",
@@ -112,7 +107,7 @@ int revoke_tokens(store::Database& db, Role role, const std::string& label) {
 std::string add_worker_token(store::Database& db, std::int64_t visit, const std::string& label) {
   return db.transact([&] {
     db.run("DELETE FROM token WHERE role = 'worker' AND expires <= ?", db.now());
-    return insert_token(db, Role::kWorker, {.visit = visit}, label, db.now() + kWorkerSeconds);
+    return insert_token(db, ClientRole::kWorker, label, db.now() + kWorkerSeconds, {}, visit);
   });
 }
 

@@ -1,6 +1,5 @@
 /// \file  Access: teams, tokens, and sessions of browsers.
 #pragma once
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,20 +7,19 @@
 #include <tuple>
 #include <vector>
 
+#include "enfilade/service/server.h"
+
 namespace enfilade::service::store {
 class Database;
 }
 
 namespace enfilade::service::accounts {
 
-enum class Role : std::uint8_t { kTeam, kOrganiser, kReviewer, kWorker };
-constexpr std::array<std::string_view, 4> names_of(Role /*enum*/) {
-  return {"team", "organiser", "reviewer", "worker"};
-}
+using ClientRole = TokenRole;
 
 /// The client behind a token or a session.
 struct Principal {
-  Role role = Role::kTeam;
+  ClientRole role = ClientRole::kTeam;
   std::int64_t token = 0;  ///< id of the token
   std::int64_t team = 0;   ///< of teams, else 0
   std::int64_t visit = 0;  ///< of workers, else 0
@@ -73,10 +71,10 @@ bool set_approved(store::Database& db, std::int64_t team, bool approved);
 /// \param expires seconds since 1970; no value: never
 /// \pre role is not kWorker
 /// \throws LookupError for an unknown team
-std::string add_token(store::Database& db, Role role, const std::string& label,
+std::string add_token(store::Database& db, ClientRole role, const std::string& label,
                       std::optional<std::int64_t> expires);
 /// Revokes all with that label, and with them the sessions that they began. \returns how many
-int revoke_tokens(store::Database& db, Role role, const std::string& label);
+int revoke_tokens(store::Database& db, ClientRole role, const std::string& label);
 /// For a visit, valid for kWorkerSeconds; deletes workers' tokens that have expired. \returns the
 /// token
 std::string add_worker_token(store::Database& db, std::int64_t visit, const std::string& label);

@@ -1,4 +1,4 @@
-#include "enfilade/service/browsing/episode_json.h"
+#include "enfilade/service/browsing/site_json.h"
 
 #include <cmath>
 #include <filesystem>
@@ -13,9 +13,10 @@
 #include "enfilade/draw/outlines.h"
 #include "enfilade/draw/planned_goal.h"
 #include "enfilade/service/detail/json_list.h"
+#include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/instruction_ids.h"
+#include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/pose_trace.h"
 
 namespace enfilade::service::browsing {
@@ -40,8 +41,7 @@ ordered_json part_json(const tasks::SubInstruction& part) {
   return one;
 }
 
-// To a thousandth of a degree.
-double rounded(double radians) { return std::round(radians * 1e5) / 1e5; }
+using detail::rounded;  // radians to a thousandth of a degree
 
 void append_outlines(const graph::NavGraph& graph, const tasks::Goal& goal,
                      const std::vector<ViewpointIndex>& viewpoints,
@@ -148,8 +148,7 @@ tasks::EpisodeSet looked_up(const Site& site, const PublicSplit& split,
   return set;
 }
 
-}  // namespace
-
+// An instruction as lists of episodes have it: id, path, text, language.
 ordered_json brief_episode_json(const tasks::PathAnnotation& path, std::size_t k) {
   ordered_json one{{"instruction_id", tasks::instruction_id(path, k)},
                    {"path_id", path.path_id},
@@ -167,6 +166,15 @@ ordered_json brief_episode_json(const tasks::PathAnnotation& path, std::size_t k
   return one;
 }
 
+// The same with the dialogue's turns, timed words, pieces and named parts, as far as there are
+// any, and with `trace` and `goal`. `trace` has a guide's views in time (RxR), if its file is in
+// the folder pose_traces/ beside the annotations (`trace_problem` if that cannot be read). Trace
+// and goal are absent if goals are hidden.
+//
+// A goal is {"kind": "end" | "turning_point" | "object" | "region" | "boxes", "name",
+// "viewpoints", "outlines"}. An outline is {"viewpoint", "label", "rim"}: headings and elevations
+// alternating, radians, of a closed line around the goal's object.
+// \pre path is one of the split's, which is one of the site's
 ordered_json whole_episode_json(const Site& site, const PublicSplit& split,
                                 const tasks::PathAnnotation& path, std::size_t k) {
   ordered_json one = brief_episode_json(path, k);
@@ -184,6 +192,34 @@ ordered_json whole_episode_json(const Site& site, const PublicSplit& split,
   if (split.annotations.task == tasks::Task::kRxr) add_trace(split, one);
   one["goal"] = goal_json(looked_up(site, split, path, k, objects), objects);
   return one;
+}
+
+bool contains(std::string_view text, std::string_view wanted) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  return !std::ranges::search(text, wanted, {}, lower, lower).empty() || wanted.empty();
+}
+
+}  // namespace
+
+ordered_json episodes_json(const Site& site, const PublicSplit& split,
+                           const EpisodeFilter& filter) {
+  std::int64_t matching = 0;
+  auto list = ordered_json::array();
+  for (const tasks::PathAnnotation& path : split.annotations.paths) {
+    if (!filter.scan.empty() && path.scan != filter.scan) continue;
+    for (std::size_t k = 0; k < path.instructions.size(); ++k) {
+      if (!contains(path.instructions[k], filter.words)) continue;
+      if (!filter.id.empty() && tasks::instruction_id(path, k) != filter.id) continue;
+      if (!filter.shows(matching++)) continue;
+      list.push_back(filter.id.empty() ? brief_episode_json(path, k)
+                                       : whole_episode_json(site, split, path, k));
+    }
+  }
+  return {{"split", split.annotations.split},
+          {"task", tasks::benchmark(split.annotations.task).name},
+          {"goals_hidden", split.goals_hidden},
+          {"matching", matching},
+          {"episodes", list}};
 }
 
 }  // namespace enfilade::service::browsing

@@ -1,7 +1,6 @@
-#include "enfilade/service/browsing/roaming.h"
+#include "enfilade/service/browsing/site_json.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,8 +17,9 @@
 #include "enfilade/dataset/mesh_files.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
-#include "enfilade/mesh/vertex_light.h"
-#include "enfilade/mesh/write_glb.h"
+#include "enfilade/mesh/lighting.h"
+#include "enfilade/mesh/read_mesh.h"
+#include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/tasks/benchmark.h"
 
@@ -43,8 +43,8 @@ std::vector<homes::HomeEntry> homes_of(const Site& site) {
   return homes::read_home_list(site.folder());
 }
 
-/// A hundredth of a millimetre is less than a step of single precision in a large building.
-double rounded(double metres) { return std::round(metres * 1e5) / 1e5; }
+// A hundredth of a millimetre is less than a step of single precision in a large building.
+using detail::rounded;
 
 ordered_json point(Vec3d p) { return {rounded(p.x), rounded(p.y), rounded(p.z)}; }
 
@@ -107,12 +107,9 @@ ordered_json polygon_json(const mesh::FloorPolygons& floor, std::size_t p) {
 /// Whether the ends of R2R's paths of that split are shown to everybody: a continuous episode has
 /// the path of one of them.
 bool shows_goals(const Site& site, const std::string& split) {
-  const bool secret = std::ranges::any_of(site.phases(), [&split](const Phase& phase) {
-    return phase.goals_secret() && phase.split == split &&
-           share_paths(*phase.benchmark, *setup().benchmark);
-  });
   const PublicSplit* r2r = site.find_split(split);
-  return !secret && (r2r == nullptr || !r2r->goals_hidden);
+  return find_secret(site.phases(), split, *setup().benchmark) == nullptr &&
+         (r2r == nullptr || !r2r->goals_hidden);
 }
 
 ordered_json episode_json(const tasks::ContinuousEpisode& episode, bool with_goal) {
@@ -140,7 +137,8 @@ ordered_json episode_json(const tasks::ContinuousEpisode& episode, bool with_goa
 
 /// Names of files are made of splits: those that the site knows, or that data sets have.
 bool is_split(const Site& site, const std::string& name) {
-  return std::ranges::find(dataset::kSplits, name) != dataset::kSplits.end() ||
+  const auto usual = tasks::benchmark(tasks::Task::kR2r).splits;
+  return std::ranges::find(usual, name) != usual.end() ||
          std::ranges::any_of(site.phases(), [&name](const Phase& p) { return p.split == name; }) ||
          std::ranges::any_of(site.splits(), [&name](const PublicSplit& split) {
            return split.annotations.split == name;
@@ -228,14 +226,15 @@ ordered_json Roaming::floor_json(ScanIndex scan) const {
   return out;
 }
 
-ordered_json Roaming::episodes_json(const std::string& split, const ContinuousFilter& filter) {
+ordered_json Roaming::episodes_json(const std::string& split, const EpisodeFilter& filter) {
   if (!is_split(*site_, split)) {
     throw detail::Refusal(detail::Reason::kNotFound, "no split of this name");
   }
   const Episodes episodes = episodes_.get(split, [&] {
     try {
-      return std::make_shared<const tasks::ContinuousEpisodes>(
-          agents::load_continuous_split(*setup().benchmark, site_->folder(), split));
+      return dataset::Dataset(site_->folder())
+          .split(*setup().benchmark, split, {.experts = false})
+          .continuous();
     } catch (const FileError&) {  // its message names folders of this machine
       throw detail::Refusal(
           detail::Reason::kNotFound,
@@ -253,10 +252,7 @@ ordered_json Roaming::episodes_json(const std::string& split, const ContinuousFi
     if (!filter.trajectory.empty() && tasks::text_of(episode.trajectory_id) != filter.trajectory) {
       continue;
     }
-    if (matching >= filter.offset && matching < filter.offset + filter.limit) {
-      list.push_back(episode_json(episode, with_goals));
-    }
-    ++matching;
+    if (filter.shows(matching++)) list.push_back(episode_json(episode, with_goals));
   }
   return {{"split", split}, {"goals_hidden", hidden}, {"matching", matching}, {"episodes", list}};
 }

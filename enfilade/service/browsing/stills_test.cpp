@@ -1,4 +1,4 @@
-#include "enfilade/service/browsing/stills.h"
+#include "enfilade/service/browsing/pictures.h"
 
 #include <gmock/gmock.h>
 #include <map>

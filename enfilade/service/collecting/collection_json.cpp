@@ -43,7 +43,7 @@ ordered_json asked_json(const Question& question) {
 }
 
 /// {"name", "outlines"}. \param viewpoints those whose outlines are given; null: all
-ordered_json object_json(const Item& item, const std::vector<std::string>* viewpoints) {
+ordered_json object_json(const WorkItem& item, const std::vector<std::string>* viewpoints) {
   ordered_json outlines = ordered_json::object();
   if (!item.outlines.empty()) {
     const ordered_json all = ordered_json::parse(item.outlines);
@@ -56,28 +56,11 @@ ordered_json object_json(const Item& item, const std::vector<std::string>* viewp
   return {{"name", item.target}, {"outlines", std::move(outlines)}};
 }
 
-/// What a worker wants to know before agreeing.
-void add_conditions(ordered_json& out, const Collection& collection) {
-  if (!collection.pay.empty()) out["pay"] = collection.pay;
-  if (collection.minutes > 0) out["minutes"] = collection.minutes;
-}
+/// More tasks than that are not counted for a worker, who will not do them today; counting them
+/// would take a millisecond of each answer.
+constexpr std::int64_t kMostCounted = 100;
 
-}  // namespace
-
-ordered_json collection_json(const Collection& collection, bool synthetic) {
-  ordered_json out{{"collection", collection.name},
-                   {"title", collection.title},
-                   {"kind", enum_name(collection.kind)},
-                   {"state", enum_name(collection.state())},
-                   {"platform", {{"kind", enum_name(collection.platform.kind)}}},
-                   {"consent", collection.consent},
-                   {"instructions", collection.instructions},
-                   {"synthetic", synthetic}};
-  if (collection.kind == Kind::kGuide) out["language"] = collection.language;
-  add_conditions(out, collection);
-  return out;
-}
-
+/// Rules, splits and progress.
 ordered_json progress_json(store::Database& db, const Collection& collection) {
   const auto split_json = [](const SplitSize& split) {
     return ordered_json{
@@ -103,10 +86,11 @@ ordered_json progress_json(store::Database& db, const Collection& collection) {
             {"minutes", progress.minutes}}}};
 }
 
+/// {"screening", "checks"} with the right answers.
 ordered_json questions_json(store::Database& db, const Collection& collection) {
   ordered_json out{{"screening", ordered_json::array()}, {"checks", ordered_json::array()}};
   for (const Question& one : questions_of(db, collection.id)) {
-    out[one.stage == Stage::kScreening ? "screening" : "checks"].push_back(asked_json(one));
+    out[one.stage == QuestionStage::kScreening ? "screening" : "checks"].push_back(asked_json(one));
   }
   return out;
 }
@@ -117,6 +101,42 @@ ordered_json platform_json(const Platform& platform) {
   if (platform.kind == PlatformKind::kProlific) {
     out["completion_code"] = platform.completion_code;
     if (!platform.screen_out_code.empty()) out["screen_out_code"] = platform.screen_out_code;
+  }
+  return out;
+}
+
+/// Path and query of the page for workers, with the key and the platform's placeholders.
+std::string link_of(const Collection& collection) {
+  // What Prolific fills in. MTurk adds its parameters itself.
+  constexpr std::string_view kProlific =
+      "&PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}";
+  return fmt::format("/{}?collection={}&key={}{}", shows_path(collection.kind) ? "collect" : "walk",
+                     collection.name, collection.key,
+                     collection.platform.kind == PlatformKind::kProlific ? kProlific : "");
+}
+
+}  // namespace
+
+ordered_json collection_json(store::Database& db, const Collection& collection, bool synthetic,
+                             std::optional<TokenRole> reader) {
+  ordered_json out{{"collection", collection.name},
+                   {"title", collection.title},
+                   {"kind", enum_name(collection.kind)},
+                   {"state", enum_name(collection.state())},
+                   {"platform", {{"kind", enum_name(collection.platform.kind)}}},
+                   {"consent", collection.consent},
+                   {"instructions", collection.instructions},
+                   {"synthetic", synthetic}};
+  if (collection.kind == WorkKind::kGuide) out["language"] = collection.language;
+  // What a worker wants to know before agreeing.
+  if (!collection.pay.empty()) out["pay"] = collection.pay;
+  if (collection.minutes > 0) out["minutes"] = collection.minutes;
+  const bool organiser = reader == TokenRole::kOrganiser;
+  if (organiser || reader == TokenRole::kReviewer) out.update(progress_json(db, collection));
+  if (organiser) {
+    out["platform"] = platform_json(collection.platform);
+    out.update(questions_json(db, collection));
+    out["link"] = link_of(collection);
   }
   return out;
 }
@@ -154,37 +174,52 @@ std::string visits_csv(const std::vector<VisitSummary>& visits) {
   return csv;
 }
 
-ordered_json visit_json(const Collection& collection, const VisitState& state) {
-  const Visit& visit = state.visit;
+ordered_json visit_json(store::Database& db, const Collection& collection, std::int64_t id,
+                        std::optional<bool> finished) {
+  const auto held = db.hold();
+  const Visit visit = get_visit(db, id);
+  const std::optional<Assignment> task = held_task(db, visit);
+  const std::int64_t most = collection.tasks_per_visit;
+  const std::int64_t open =
+      count_open_items(db, collection, visit.worker, most > 0 ? most : kMostCounted);
+  const std::int64_t all = visit.done + (task && !task->item.practice ? 1 : 0) + open;
+  const std::int64_t practice = count_practice(db, collection, visit.worker);
+  const bool had_all = is_finished(collection, visit);
   ordered_json out{{"consented", visit.consented}, {"done", visit.done}};
-  if (state.of) out["of"] = *state.of;
-  if (state.practice > 0) out["practice"] = state.practice;
-  out["finished"] = state.finished;
-  out["task"] = state.task ? task_json(*state.task) : ordered_json();
-  if (!state.questions.empty())
-    out["questions"] = detail::json_list(state.questions, question_json);
-  if (!state.rejected.empty()) {
-    out["rejected"] = detail::json_list(state.rejected, [](const Task& task) {
-      return ordered_json{{"task", task.id},
-                          {"path_id", task.item.path_id},
-                          {"submitted", detail::iso_time(task.submitted)},
-                          {"reason", task.reason}};
+  if (most > 0 || open < kMostCounted) out["of"] = most > 0 ? std::min(most, all) : all;
+  if (practice > 0) out["practice"] = practice;
+  out["finished"] = finished.value_or(had_all);
+  out["task"] = task ? task_json(*task) : ordered_json();
+  if (visit.consented && !task && !had_all && open + practice > 0) {
+    const auto questions = pending_questions_of(db, collection, visit);
+    if (!questions.empty()) out["questions"] = detail::json_list(questions, question_json);
+  }
+  if (const auto rejected = rejected_of(db, visit); !rejected.empty()) {
+    out["rejected"] = detail::json_list(rejected, [](const Assignment& one) {
+      return ordered_json{{"task", one.id},
+                          {"path_id", one.item.path_id},
+                          {"submitted", detail::iso_time(one.submitted)},
+                          {"reason", one.reason}};
     });
   }
-  if (state.bonuses) out["bonuses"] = *state.bonuses;
+  // Only once knowing them helps with no other task.
+  if (is_followed(collection.kind) && visit.done_by_worker > 0 &&
+      has_had_all(db, collection, visit)) {
+    out["bonuses"] = visit.bonuses;
+  }
   const Platform& platform = collection.platform;
-  if (state.screened_out) {
+  if (is_screened_out(db, visit.worker)) {
     out["screened_out"] = true;
     if (!platform.screen_out_code.empty()) {
       out["completion"] = completion_json(platform, visit, platform.screen_out_code);
     }
-  } else if (state.finished && visit.done > 0) {
+  } else if (finished.value_or(had_all) && visit.done > 0) {
     out["completion"] = completion_json(platform, visit, platform.completion_code);
   }
   return out;
 }
 
-ordered_json item_json(const Item& item, Kind kind) {
+ordered_json item_json(const WorkItem& item, WorkKind kind) {
   ordered_json out{{"kind", enum_name(kind)}, {"scan", item.scan}, {"heading", item.heading.value}};
   if (shows_path(kind)) {
     out["path"] = item.path;
@@ -192,12 +227,12 @@ ordered_json item_json(const Item& item, Kind kind) {
     if (is_followed(kind)) out["instruction"] = item.instruction;
     out["start"] = item.path.front();
   }
-  if (kind == Kind::kDescribe) out["object"] = object_json(item, &item.path);
-  if (kind == Kind::kDialogue) out["target"] = item.target;
+  if (kind == WorkKind::kDescribe) out["object"] = object_json(item, &item.path);
+  if (kind == WorkKind::kDialogue) out["target"] = item.target;
   return out;
 }
 
-ordered_json task_json(const Task& task) {
+ordered_json task_json(const Assignment& task) {
   ordered_json out{{"task", task.id},
                    {"state", enum_name(task.state)},
                    {"expires", detail::iso_time(task.expires)}};
@@ -213,20 +248,20 @@ ordered_json task_json(const Task& task) {
   return out;
 }
 
-ordered_json practice_json(const Task& task) {
+ordered_json practice_json(const Assignment& task) {
   ordered_json out = ordered_json::object();
   if (shows_path(task.kind)) {
     if (!task.item.instruction.empty()) out["example"] = task.item.instruction;
   } else if (!task.item.secret) {
     out["reached"] = task.bonus();
-    if (task.kind == Kind::kWalk && std::isfinite(task.error.value_or(0))) {
+    if (task.kind == WorkKind::kWalk && std::isfinite(task.error.value_or(0))) {
       out["distance"] = task.error.value_or(0);
     }
   }
   return out;
 }
 
-void add_times(ordered_json& out, const Task& task) {
+void add_times(ordered_json& out, const Assignment& task) {
   if (task.leased > 0) out["leased"] = detail::iso_time(task.leased);
   out["submitted"] = detail::iso_time(task.submitted);
   if (const auto seconds = task.server_seconds()) out["seconds"] = *seconds;
@@ -247,7 +282,7 @@ ordered_json work_summary_json(const WorkSummary& work, SummaryBy by) {
   return out;
 }
 
-ordered_json work_json(const Task& task, bool secrets) {
+ordered_json work_json(const Assignment& task, bool secrets) {
   ordered_json out{{"task", task.id},
                    {"kind", enum_name(task.kind)},
                    {"state", enum_name(task.state)},
@@ -278,20 +313,20 @@ ordered_json work_json(const Task& task, bool secrets) {
   return out;
 }
 
-void add_content(ordered_json& out, store::Database& db, const Task& task) {
-  if (task.kind == Kind::kDescribe) {
+void add_content(ordered_json& out, store::Database& db, const Assignment& task) {
+  if (task.kind == WorkKind::kDescribe) {
     const Verified verified = verified_of(db, task.id);
     out["verified"] = {{"walked", verified.walked}, {"found", verified.found}};
   }
   if (is_written(task.kind)) return;
   const ordered_json content = ordered_json::parse(task.content);
-  if (task.kind == Kind::kWalk) {
+  if (task.kind == WorkKind::kWalk) {
     out["steps"] = content;
-  } else if (task.kind == Kind::kFind) {
+  } else if (task.kind == WorkKind::kFind) {
     out["steps"] = content.at("steps");
     out["point"] = content.at("point");
     out["pointed_at"] = content.at("object");
-  } else if (task.kind == Kind::kGuide) {
+  } else if (task.kind == WorkKind::kGuide) {
     for (const char* name : {"words", "steps", "spoken"}) out[name] = content.at(name);
   } else {
     out["dialogue"] = content.at("dialogue");

@@ -1,11 +1,12 @@
 #include "enfilade/service/collecting/collections.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <array>
 #include <utility>
 
-#include "enfilade/service/collecting/order.h"
+#include "enfilade/service/collecting/assignments.h"
 #include "enfilade/service/detail/refusal.h"
-#include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/metrics.h"
 
@@ -44,7 +45,7 @@ void insert_collection(store::Database& db, Collection& c) {
       c.language);
 }
 
-void insert_item(store::Database& db, std::int64_t collection, const Item& item) {
+void insert_item(store::Database& db, std::int64_t collection, const WorkItem& item) {
   db.run(
       "INSERT INTO item (collection, split, path_id, number, scan, heading, path, distance, "
       "instruction, secret, practice, block, object, target, region, outlines, of, state) "
@@ -54,13 +55,94 @@ void insert_item(store::Database& db, std::int64_t collection, const Item& item)
       item.target, item.region, item.outlines, item.of);
 }
 
+void add_questions(store::Database& db, std::int64_t collection,
+                   const std::vector<Question>& questions) {
+  for (const Question& one : questions) {
+    db.run(
+        "INSERT INTO question (collection, stage, text, choices, accepted) VALUES (?, ?, ?, ?, ?)",
+        collection, one.stage, one.text, one.choices, one.accepted);
+  }
+}
+
+std::vector<Question> unanswered(store::Database& db, std::int64_t collection, std::int64_t worker,
+                                 QuestionStage stage) {
+  return db.select<Question>(
+      "SELECT id, stage, text, choices, accepted FROM question WHERE collection = ? AND stage = ? "
+      "AND NOT EXISTS (SELECT 1 FROM answer WHERE question = question.id AND worker = ?) "
+      "ORDER BY id",
+      collection, stage, worker);
+}
+
+constexpr std::size_t kLongestWorker = 100;
+constexpr std::size_t kLongestOrigin = 200;
+// What MTurk sends as assignment before the worker has accepted it.
+constexpr std::string_view kNoAssignment = "ASSIGNMENT_ID_NOT_AVAILABLE";
+
+std::string parameter(const Parameters& parameters, std::string_view name) {
+  const auto found = parameters.find(name);
+  return found == parameters.end() ? std::string() : found->second;
+}
+
+std::string external_id(const Parameters& parameters, std::string_view name) {
+  std::string value = parameter(parameters, name);
+  if (!detail::is_external_id(value)) {
+    throw Refusal(
+        Reason::kInvalidInput,
+        fmt::format("{}: {:?}, not 1 to 100 of A-Z, a-z, 0-9, - and _", name, value.substr(0, 40)));
+  }
+  return value;
+}
+
+Arrival by_link(const Parameters& parameters) {
+  constexpr std::size_t kNameSize = 34;  // "w-" and 128 bits
+  const auto named = parameters.find("worker");
+  if (named == parameters.end())
+    return {false, detail::new_secret("w-").substr(0, kNameSize), "", "", ""};
+  if (!detail::is_label(named->second, kLongestWorker)) {
+    throw Refusal(Reason::kInvalidInput,
+                  fmt::format("worker: not 1 to {} printable characters", kLongestWorker));
+  }
+  return {false, named->second, "", "", ""};
+}
+
+Arrival by_mturk(const Platform& platform, const Parameters& parameters) {
+  const std::string assignment = parameter(parameters, "assignmentId");
+  if (assignment.empty() || assignment == kNoAssignment) return {true, "", "", "", ""};
+  std::string submit_to = parameter(parameters, "turkSubmitTo");
+  while (submit_to.ends_with('/')) submit_to.pop_back();
+  // The origin is part of the page's address, which anybody can write: an unknown one could send
+  // the form, and the worker, anywhere.
+  if (std::ranges::find(platform.origins, submit_to) == platform.origins.end()) {
+    throw Refusal(Reason::kInvalidInput,
+                  fmt::format("turkSubmitTo: {:?}, not one of the collection's origins",
+                              submit_to.substr(0, 80)));
+  }
+  return {false, external_id(parameters, "workerId"), external_id(parameters, "assignmentId"),
+          external_id(parameters, "hitId"), std::move(submit_to)};
+}
+
+// Opened by its author: the ids are absent, or the placeholders as they stand in the link.
+bool is_bare(const Parameters& parameters) {
+  return std::ranges::all_of(std::array{"PROLIFIC_PID", "SESSION_ID", "STUDY_ID"},
+                             [&](std::string_view name) {
+                               const std::string value = parameter(parameters, name);
+                               return value.empty() || value == fmt::format("{{{{%{}%}}}}", name);
+                             });
+}
+
+Arrival by_prolific(const Parameters& parameters) {
+  if (is_bare(parameters)) return {true, "", "", "", ""};
+  return {false, external_id(parameters, "PROLIFIC_PID"), external_id(parameters, "SESSION_ID"),
+          external_id(parameters, "STUDY_ID"), ""};
+}
+
 }  // namespace
 
 Collection add_collection(store::Database& db, const NewCollection& added) {
   Collection collection = added.about;
   db.transact([&] {
     insert_collection(db, collection);
-    for (const Item& item : added.items) insert_item(db, collection.id, item);
+    for (const WorkItem& item : added.items) insert_item(db, collection.id, item);
     add_questions(db, collection.id, added.questions);
   });
   return collection;
@@ -69,10 +151,10 @@ Collection add_collection(store::Database& db, const NewCollection& added) {
 Collection copy_collection(store::Database& db, const Collection& from, Collection copy) {
   db.transact([&] {
     insert_collection(db, copy);
-    auto items = db.select<Item>(
+    auto items = db.select<WorkItem>(
         fmt::format("SELECT {} FROM item WHERE collection = ? ORDER BY id", kItemColumns), from.id);
     assign_blocks(copy.seed, items);
-    for (const Item& item : items) insert_item(db, copy.id, item);
+    for (const WorkItem& item : items) insert_item(db, copy.id, item);
     add_questions(db, copy.id, questions_of(db, from.id));
   });
   return copy;
@@ -177,29 +259,88 @@ std::vector<VisitSummary> visits_of(store::Database& db, const Collection& colle
       collection.id, tasks::MetricOptions{}.success_distance, collection.tasks_per_visit);
 }
 
-std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::string_view split) {
-  return db.select<Item>(
+std::vector<WorkItem> items_of(store::Database& db, std::int64_t collection,
+                               std::string_view split) {
+  return db.select<WorkItem>(
       fmt::format("SELECT {} FROM item WHERE collection = ?1 AND split = ?2 AND practice = 0 "
                   "ORDER BY id",
                   kItemColumns),
       collection, split);
 }
 
-Item first_item(store::Database& db, std::int64_t collection) {
-  return db.get<Item>(
+WorkItem first_item(store::Database& db, std::int64_t collection) {
+  return db.get<WorkItem>(
       fmt::format("SELECT {} FROM item WHERE collection = ? ORDER BY practice DESC, id "
                   "LIMIT 1",
                   kItemColumns),
       collection);
 }
 
-std::string link_of(const Collection& collection) {
-  // What Prolific fills in. MTurk adds its parameters itself.
-  constexpr std::string_view kProlific =
-      "&PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}";
-  return fmt::format("/{}?collection={}&key={}{}", shows_path(collection.kind) ? "collect" : "walk",
-                     collection.name, collection.key,
-                     collection.platform.kind == PlatformKind::kProlific ? kProlific : "");
+std::vector<Question> questions_of(store::Database& db, std::int64_t collection) {
+  return db.select<Question>(
+      "SELECT id, stage, text, choices, accepted FROM question WHERE collection = ? ORDER BY id",
+      collection);
+}
+
+std::vector<Question> pending_questions(store::Database& db, std::int64_t collection,
+                                        std::int64_t worker, std::int64_t done, int every) {
+  std::vector<Question> pending = unanswered(db, collection, worker, QuestionStage::kScreening);
+  if (!pending.empty()) return pending;
+  const std::int64_t answered = db.find_number(
+      "SELECT count(*) FROM answer JOIN question ON question.id = question WHERE worker = ? AND "
+      "stage = ?",
+      worker, QuestionStage::kCheck);
+  if (done + 1 < (answered + 1) * every) return {};
+  pending = unanswered(db, collection, worker, QuestionStage::kCheck);
+  if (pending.size() > 1) pending.resize(1);
+  return pending;
+}
+
+void answer(store::Database& db, std::int64_t collection, std::int64_t worker,
+            std::int64_t question, const std::string& choice) {
+  const auto found = db.find<Question>(
+      "SELECT id, stage, text, choices, accepted FROM question WHERE id = ? AND collection = ?",
+      question, collection);
+  if (!found) throw Refusal(Reason::kNotFound, "no such question in this collection");
+  if (std::ranges::find(found->choices, choice) == found->choices.end()) {
+    throw Refusal(Reason::kInvalidInput, "choice: not one of the question's");
+  }
+  const bool accepted = std::ranges::find(found->accepted, choice) != found->accepted.end();
+  db.run(
+      "INSERT INTO answer (question, worker, choice, accepted, at) VALUES (?, ?, ?, ?, ?) "
+      "ON CONFLICT DO NOTHING",
+      question, worker, choice, accepted, db.now());
+}
+
+bool is_screened_out(store::Database& db, std::int64_t worker) {
+  return db.find_number(
+             "SELECT 1 FROM answer JOIN question ON question.id = question WHERE worker = ? AND "
+             "stage = ? AND answer.accepted = 0 LIMIT 1",
+             worker, QuestionStage::kScreening) != 0;
+}
+
+std::vector<std::string> mturk_origins() {
+  return {"https://www.mturk.com", "https://worker.mturk.com", "https://workersandbox.mturk.com"};
+}
+
+bool is_origin(std::string_view text) {
+  if (text.size() > kLongestOrigin) return false;
+  std::string_view host = text;
+  if (host.starts_with("https://")) {
+    host.remove_prefix(8);
+  } else if (host.starts_with("http://127.0.0.1") || host.starts_with("http://localhost")) {
+    host.remove_prefix(7);
+  } else {
+    return false;
+  }
+  return !host.empty() && host.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.:") ==
+                              std::string_view::npos;
+}
+
+Arrival read_arrival(const Platform& platform, const Parameters& parameters) {
+  if (platform.kind == PlatformKind::kMturk) return by_mturk(platform, parameters);
+  if (platform.kind == PlatformKind::kProlific) return by_prolific(parameters);
+  return by_link(parameters);
 }
 
 }  // namespace enfilade::service::collecting

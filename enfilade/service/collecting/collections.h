@@ -2,20 +2,82 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>
 
-#include "enfilade/service/collecting/kind.h"
-#include "enfilade/service/collecting/platforms.h"
-#include "enfilade/service/collecting/questions.h"
 #include "enfilade/service/site.h"
 #include "enfilade/service/store/database.h"
 #include "enfilade/tasks/annotations.h"
 
 namespace enfilade::service::collecting {
+
+enum class WorkKind : std::uint8_t {
+  kWrite,     ///< a path is shown, an instruction is written (Room-to-Room)
+  kWalk,      ///< an instruction is shown, the worker follows it: the Human agent
+  kDescribe,  ///< a path to an object is shown, the worker writes how to find it (REVERIE)
+  kFind,      ///< such a text is shown: the worker follows it, and points at the object
+  kGuide,     ///< the worker moves along a path, and speaks or writes, with times (RxR)
+  kDialogue,  ///< two workers: one moves and asks, one sees the path and answers (CVDN)
+};
+constexpr std::array<std::string_view, 6> names_of(WorkKind /*enum*/) {
+  return {"write", "walk", "describe", "find", "guide", "dialogue"};
+}
+
+/// Whether a task's content is one text, which reviewers may correct.
+constexpr bool is_written(WorkKind kind) {
+  return kind == WorkKind::kWrite || kind == WorkKind::kDescribe;
+}
+/// Whether the worker follows a text to an unknown goal.
+constexpr bool is_followed(WorkKind kind) {
+  return kind == WorkKind::kWalk || kind == WorkKind::kFind;
+}
+/// Whether items have an object, or a region, as their goal.
+constexpr bool has_target(WorkKind kind) {
+  return kind == WorkKind::kDescribe || kind == WorkKind::kFind || kind == WorkKind::kDialogue;
+}
+/// Whether the item is a whole path, and not one of its instructions.
+constexpr bool shows_path(WorkKind kind) { return is_written(kind) || kind == WorkKind::kGuide; }
+
+/// Platforms that send workers: the server's own link, Amazon Mechanical Turk (an
+/// ExternalQuestion), Prolific.
+enum class PlatformKind : std::uint8_t { kSelf, kMturk, kProlific };
+constexpr std::array<std::string_view, 3> names_of(PlatformKind /*enum*/) {
+  return {"self", "mturk", "prolific"};
+}
+
+struct Platform {
+  PlatformKind kind = PlatformKind::kSelf;
+  /// Mechanical Turk: sites that may frame the pages and receive their form; see is_origin().
+  std::vector<std::string> origins;
+  std::string completion_code;  ///< Prolific: of the study
+  std::string screen_out_code;  ///< Prolific: for workers whom the screening sends away; or empty
+};
+
+/// Those of Mechanical Turk and its sandbox.
+std::vector<std::string> mturk_origins();
+/// "https://www.mturk.com"; http for this machine only, where tests run. It has no character that
+/// ends a directive of a Content-Security-Policy.
+bool is_origin(std::string_view text);
+
+/// The query of the page's address, decoded.
+using Parameters = std::map<std::string, std::string, std::less<>>;
+
+/// A worker who opens the link, as the platform describes the worker.
+struct Arrival {
+  bool preview = false;    ///< no worker has accepted the task yet; the rest is empty then
+  std::string worker;      ///< the platform's id of the worker
+  std::string assignment;  ///< the paid unit: assignmentId, SESSION_ID; "" if self-hosted
+  std::string group;       ///< hitId, STUDY_ID
+  std::string submit_to;   ///< Mechanical Turk: the origin to post to when done
+};
+
+/// Reads the platform's query. A self-hosted worker without a name gets a random one.
+/// \throws Refusal kInvalidInput naming the parameter
+Arrival read_arrival(const Platform& platform, const Parameters& parameters);
 
 /// Whether workers may join, and whether lists show it.
 enum class CollectionState : std::uint8_t {
@@ -30,7 +92,7 @@ constexpr std::array<std::string_view, 3> names_of(CollectionState /*enum*/) {
 struct Collection {
   std::int64_t id = 0;
   std::string name, title;
-  Kind kind = Kind::kWrite;
+  WorkKind kind = WorkKind::kWrite;
   bool open = true;
   std::string key;  ///< part of the link; needed to join
   Platform platform;
@@ -40,7 +102,7 @@ struct Collection {
   int tasks_per_visit = 0;  ///< 0: no limit
   std::int64_t created = 0;
   std::optional<std::int64_t> archived;  ///< when
-  std::int64_t seed = 0;                 ///< of the order of tasks: order.h
+  std::int64_t seed = 0;                 ///< of the order of tasks: assignments.h
   std::string pay;                       ///< shown to workers: "$1.20 a path"; may be empty
   double minutes = 0;                    ///< duration of a task, shown to workers; 0: not shown
   int check_every = 3;                   ///< an attention check comes before every such task
@@ -62,7 +124,7 @@ struct Collection {
 
 /// The object of a task. kWrite, kGuide: a path. kDescribe, kDialogue: a path with an object at its
 /// end. kWalk, kFind: an instruction of one.
-struct Item {
+struct WorkItem {
   std::int64_t id = 0;
   std::string split;
   std::int64_t path_id = 0;
@@ -79,7 +141,7 @@ struct Item {
   std::string instruction;
   bool secret = false;     ///< the goal is of a phase with secret goals: it never leaves the server
   bool practice = false;   ///< every worker's first tasks: never reviewed, never exported
-  std::int64_t block = 0;  ///< order.h
+  std::int64_t block = 0;  ///< assign_blocks()
   // If has_target().
   std::optional<std::int64_t> object = {};  ///< of REVERIE's boxes; no value for a region only
   std::string target = {};                  ///< its name for people: "plant"
@@ -94,9 +156,45 @@ struct Item {
   }
 };
 
+/// When a question to workers is asked. Which answers are right never leaves the server.
+enum class QuestionStage : std::uint8_t {
+  kScreening,  ///< before anything else: a wrong answer means no task
+  kCheck,      ///< between tasks: wrong answers are counted, and shown to reviewers
+};
+constexpr std::array<std::string_view, 2> names_of(QuestionStage /*enum*/) {
+  return {"screening", "check"};
+}
+
+struct Question {
+  std::int64_t id = 0;
+  QuestionStage stage = QuestionStage::kScreening;
+  std::string text;
+  std::vector<std::string> choices;
+  std::vector<std::string> accepted;  ///< the right ones of them
+
+  auto columns() { return std::tie(id, stage, text, choices, accepted); }
+};
+
+/// By id: in the order in which they were written.
+std::vector<Question> questions_of(store::Database& db, std::int64_t collection);
+
+/// Questions for a worker before the next task: all of the screening, or the next attention check.
+/// The first check comes before task number `every`, the second before 2 * every, ...
+/// \param done tasks that the worker submitted in all visits, without practice
+std::vector<Question> pending_questions(store::Database& db, std::int64_t collection,
+                                        std::int64_t worker, std::int64_t done, int every);
+
+/// Stores an answer; a second one to the same question changes nothing.
+/// \throws Refusal kNotFound for a question of another collection, kInvalidInput for a choice that
+/// it does not have
+void answer(store::Database& db, std::int64_t collection, std::int64_t worker,
+            std::int64_t question, const std::string& choice);
+/// Whether an answer to the screening was wrong.
+bool is_screened_out(store::Database& db, std::int64_t worker);
+
 struct NewCollection {
   Collection about;
-  std::vector<Item> items;
+  std::vector<WorkItem> items;
   std::vector<Question> questions;
 };
 
@@ -171,14 +269,12 @@ std::vector<SplitSize> splits_of(store::Database& db, std::int64_t collection);
 std::vector<VisitSummary> visits_of(store::Database& db, const Collection& collection);
 
 /// The items of a split, by id, without practice.
-std::vector<Item> items_of(store::Database& db, std::int64_t collection, std::string_view split);
+std::vector<WorkItem> items_of(store::Database& db, std::int64_t collection,
+                               std::string_view split);
 /// The first item: for a preview.
-Item first_item(store::Database& db, std::int64_t collection);
+WorkItem first_item(store::Database& db, std::int64_t collection);
 
-/// Path and query of the page for workers, with the key and the platform's placeholders.
-std::string link_of(const Collection& collection);
-
-/// The columns of an Item, for a query of the table item.
+/// The columns of a WorkItem, for a query of the table item.
 inline constexpr const char* kItemColumns =
     "item.id, item.split, item.path_id, item.number, item.scan, item.heading, item.path, "
     "item.distance, item.instruction, item.secret, item.practice, item.block, item.object, "

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/scan/zip_writer.h"
+#include "enfilade/scan/file_tree.h"
 #include "enfilade/service/collecting/collection_json.h"
 #include "enfilade/service/collecting/kinds/dialogues.h"
 #include "enfilade/service/detail/json_list.h"
@@ -27,18 +27,18 @@ namespace {
 using nlohmann::ordered_json;
 
 /// The first walk of each instruction, only of paths whose instructions were all walked.
-void keep_whole_walks(const std::vector<Item>& items, Selection& selection) {
+void keep_whole_walks(const std::vector<WorkItem>& items, Selection& selection) {
   std::set<std::int64_t> walked;
   const std::size_t before = selection.tasks.size();
   std::erase_if(selection.tasks,
-                [&](const Task& task) { return !walked.insert(task.item.id).second; });
+                [&](const Assignment& task) { return !walked.insert(task.item.id).second; });
   const std::size_t once = selection.tasks.size();
   std::set<std::int64_t> incomplete;  // path ids
-  for (const Item& item : items) {
+  for (const WorkItem& item : items) {
     if (!walked.contains(item.id)) incomplete.insert(item.path_id);
   }
   std::erase_if(selection.tasks,
-                [&](const Task& task) { return incomplete.contains(task.item.path_id); });
+                [&](const Assignment& task) { return incomplete.contains(task.item.path_id); });
   selection.report.repeated = static_cast<std::int64_t>(before - once);
   selection.report.incomplete = static_cast<std::int64_t>(once - selection.tasks.size());
 }
@@ -46,12 +46,12 @@ void keep_whole_walks(const std::vector<Item>& items, Selection& selection) {
 /// Dialogues of which both tasks are there. Whoever sat there alone to the end has one, too.
 void keep_whole_dialogues(Selection& selection) {
   std::map<std::int64_t, std::set<std::string>> roles;
-  const auto dialogue_of = [](const Task& task) {
+  const auto dialogue_of = [](const Assignment& task) {
     return ordered_json::parse(task.content).at("dialogue").get<std::int64_t>();
   };
-  for (const Task& task : selection.tasks) roles[dialogue_of(task)].insert(task.role);
+  for (const Assignment& task : selection.tasks) roles[dialogue_of(task)].insert(task.role);
   const auto left = std::erase_if(
-      selection.tasks, [&](const Task& task) { return roles[dialogue_of(task)].size() < 2; });
+      selection.tasks, [&](const Assignment& task) { return roles[dialogue_of(task)].size() < 2; });
   selection.report.incomplete = static_cast<std::int64_t>(left);
 }
 
@@ -60,17 +60,17 @@ struct ObjectOfPath {
   std::int64_t path_id = 0, object = 0;
   friend auto operator<=>(const ObjectOfPath&, const ObjectOfPath&) = default;
 };
-ObjectOfPath object_of(const Item& item) { return {item.path_id, item.object.value_or(0)}; }
+ObjectOfPath object_of(const WorkItem& item) { return {item.path_id, item.object.value_or(0)}; }
 
 /// The ids of instructions, by item. REVERIE's count those of one object.
 std::map<std::int64_t, std::string> instruction_ids(const Selection& selection) {
   std::map<std::int64_t, std::string> ids;
   std::map<ObjectOfPath, std::size_t> numbers;
-  for (const Task& task : selection.tasks) {
-    const Item& item = task.item;
+  for (const Assignment& task : selection.tasks) {
+    const WorkItem& item = task.item;
     if (ids.contains(item.id)) continue;
     const ObjectOfPath object = object_of(item);
-    ids[item.id] = selection.report.kind == Kind::kFind
+    ids[item.id] = selection.report.kind == WorkKind::kFind
                        ? fmt::format("{}_{}_{}", item.path_id, object.object, numbers[object]++)
                        : tasks::instruction_id(item.path_id, item.number);
   }
@@ -78,7 +78,7 @@ std::map<std::int64_t, std::string> instruction_ids(const Selection& selection) 
 }
 
 /// \throws Refusal kConflict if there are none
-const std::vector<Task>& tasks_of(const Selection& selection) {
+const std::vector<Assignment>& tasks_of(const Selection& selection) {
   if (selection.tasks.empty()) {
     const char* hint = selection.report.waiting > 0 ? "; state=all takes what waits, too" : "";
     throw detail::Refusal(detail::Reason::kConflict,
@@ -94,20 +94,22 @@ std::string list_lines(const std::vector<ordered_json>& entries) {
 }
 
 /// The instruction of a guide has the number of its task.
-std::string guide_id(const Task& task) { return fmt::format("{}_{}", task.item.path_id, task.id); }
+std::string guide_id(const Assignment& task) {
+  return fmt::format("{}_{}", task.item.path_id, task.id);
+}
 
-ordered_json steps_of(const Task& task) {
+ordered_json steps_of(const Assignment& task) {
   ordered_json content = ordered_json::parse(task.content);
-  return task.kind == Kind::kWalk ? content : content.at("steps");
+  return task.kind == WorkKind::kWalk ? content : content.at("steps");
 }
 
 /// The walks as [a, b, ...], one a line. \param add adds the other fields of a walk
 template <class Add>
 std::string list_walks(const Selection& selection, const Add& add) {
   std::vector<ordered_json> entries;
-  const bool guide = selection.report.kind == Kind::kGuide;
+  const bool guide = selection.report.kind == WorkKind::kGuide;
   const auto ids = instruction_ids(selection);
-  for (const Task& task : tasks_of(selection)) {
+  for (const Assignment& task : tasks_of(selection)) {
     ordered_json one{{"instr_id", guide ? guide_id(task) : ids.at(task.item.id)}};
     add(one, task);
     entries.push_back(std::move(one));
@@ -119,11 +121,11 @@ std::string list_walks(const Selection& selection, const Add& add) {
 
 std::string ExportReport::summary() const {
   const bool written = shows_path(kind);
-  const bool dialogue = kind == Kind::kDialogue;
-  const char* exported = kind == Kind::kDescribe ? "objects have a description"
-                         : written               ? "paths have directions"
-                         : dialogue              ? "goals have a dialogue"
-                                                 : "instructions have a walk";
+  const bool dialogue = kind == WorkKind::kDialogue;
+  const char* exported = kind == WorkKind::kDescribe ? "objects have a description"
+                         : written                   ? "paths have directions"
+                         : dialogue                  ? "goals have a dialogue"
+                                                     : "instructions have a walk";
   std::string text = fmt::format("{} of {} {}", exported_items, items, exported);
   std::vector<std::string> parts;
   const auto add = [&parts](std::int64_t count, const char* what) {
@@ -146,28 +148,28 @@ std::string ExportReport::summary() const {
 
 Selection select_work(store::Database& db, const ExportedSplit& exported) {
   const auto held = db.hold();
-  const std::vector<Item> items = items_of(db, exported.collection.id, exported.split);
+  const std::vector<WorkItem> items = items_of(db, exported.collection.id, exported.split);
   Selection selection{work_of(db, exported), {exported.split, exported.collection.kind}};
   ExportReport& report = selection.report;
-  const auto count = [&](TaskState state) {
+  const auto count = [&](AssignmentState state) {
     return db.find_number(
         "SELECT count(*) FROM task JOIN item ON item.id = task.item WHERE collection = ? AND split "
         "= ? AND practice = 0 AND task.state = ?",
         exported.collection.id, exported.split, state);
   };
-  report.waiting = exported.with_waiting ? 0 : count(TaskState::kSubmitted);
-  report.rejected = count(TaskState::kRejected);
+  report.waiting = exported.with_waiting ? 0 : count(AssignmentState::kSubmitted);
+  report.rejected = count(AssignmentState::kRejected);
   report.language = exported.collection.language;
   if (is_followed(report.kind)) keep_whole_walks(items, selection);
-  if (report.kind == Kind::kDialogue) keep_whole_dialogues(selection);
+  if (report.kind == WorkKind::kDialogue) keep_whole_dialogues(selection);
   std::set<std::int64_t> paths, exported_items, exported_paths;
-  for (const Item& item : items) paths.insert(item.path_id);
-  for (const Task& task : selection.tasks) {
+  for (const WorkItem& item : items) paths.insert(item.path_id);
+  for (const Assignment& task : selection.tasks) {
     exported_items.insert(task.item.id);
     exported_paths.insert(task.item.path_id);
   }
   const auto size = [](const auto& of) { return static_cast<std::int64_t>(of.size()); };
-  selection.secret = std::ranges::any_of(items, &Item::secret);
+  selection.secret = std::ranges::any_of(items, &WorkItem::secret);
   report.items = size(items);
   report.paths = size(paths);
   report.exported_items = size(exported_items);
@@ -198,8 +200,8 @@ std::string r2r_json(const Selection& selection) {
   const bool written = is_written(selection.report.kind);
   tasks::Annotations annotations{selection.report.split, "", {}};
   auto& paths = annotations.paths;
-  for (const Task& task : tasks_of(selection)) {
-    const Item& item = task.item;
+  for (const Assignment& task : tasks_of(selection)) {
+    const WorkItem& item = task.item;
     if (paths.empty() || paths.back().path_id != item.path_id) {  // tasks are sorted by item
       paths.push_back({item.path_id, item.scan, item.heading, item.path, item.distance, {}});
     }
@@ -211,8 +213,8 @@ std::string r2r_json(const Selection& selection) {
 std::string reverie_json(const Selection& selection) {
   std::vector<ordered_json> entries;
   std::map<ObjectOfPath, std::size_t> places;
-  for (const Task& task : tasks_of(selection)) {
-    const Item& item = task.item;
+  for (const Assignment& task : tasks_of(selection)) {
+    const WorkItem& item = task.item;
     const ObjectOfPath object = object_of(item);
     const auto [place, fresh] = places.emplace(object, entries.size());
     if (fresh) {
@@ -225,15 +227,15 @@ std::string reverie_json(const Selection& selection) {
                          {"instructions", ordered_json::array()}});
     }
     entries[place->second]["instructions"].push_back(
-        task.kind == Kind::kDescribe ? task.content : item.instruction);
+        task.kind == WorkKind::kDescribe ? task.content : item.instruction);
   }
   return list_lines(entries);
 }
 
 std::string rxr_lines(const Selection& selection) {
   tasks::Annotations annotations{selection.report.split, "", {}, tasks::Task::kRxr};
-  for (const Task& task : tasks_of(selection)) {
-    const Item& item = task.item;
+  for (const Assignment& task : tasks_of(selection)) {
+    const WorkItem& item = task.item;
     const ordered_json content = ordered_json::parse(task.content);
     tasks::PathAnnotation path{item.path_id,  item.scan,
                                item.heading,  item.path,
@@ -253,7 +255,7 @@ std::string rxr_lines(const Selection& selection) {
 
 std::string cvdn_json(const Selection& selection, const graph::GraphSet& graphs) {
   std::vector<ordered_json> entries;
-  for (const Task& task : tasks_of(selection)) {
+  for (const Assignment& task : tasks_of(selection)) {
     if (task.role != "navigator") continue;
     for (ordered_json& one : kinds::cvdn_instances(task, graphs)) entries.push_back(std::move(one));
   }
@@ -263,24 +265,16 @@ std::string cvdn_json(const Selection& selection, const graph::GraphSet& graphs)
 }  // namespace
 
 std::string annotations_json(const Selection& selection, const graph::GraphSet& graphs) {
-  switch (selection.report.kind) {
-    case Kind::kDescribe:
-    case Kind::kFind:
-      return reverie_json(selection);
-    case Kind::kGuide:
-      return rxr_lines(selection);
-    case Kind::kDialogue:
-      return cvdn_json(selection, graphs);
-    case Kind::kWrite:
-    case Kind::kWalk:
-      break;
-  }
+  const WorkKind kind = selection.report.kind;
+  if (kind == WorkKind::kDescribe || kind == WorkKind::kFind) return reverie_json(selection);
+  if (kind == WorkKind::kGuide) return rxr_lines(selection);
+  if (kind == WorkKind::kDialogue) return cvdn_json(selection, graphs);
   return r2r_json(selection);
 }
 
 std::string dialogues_json(const Selection& selection) {
   std::map<std::int64_t, ordered_json> dialogues;
-  for (const Task& task : tasks_of(selection)) {
+  for (const Assignment& task : tasks_of(selection)) {
     const ordered_json content = ordered_json::parse(task.content);
     const auto id = content.at("dialogue").get<std::int64_t>();
     ordered_json& one = dialogues[id];
@@ -303,23 +297,23 @@ std::string dialogues_json(const Selection& selection) {
 }
 
 std::string results_json(const Selection& selection) {
-  return list_walks(selection, [](ordered_json& one, const Task& task) {
+  return list_walks(selection, [](ordered_json& one, const Assignment& task) {
     one["trajectory"] = detail::json_list(steps_of(task), [](const auto& step) {
       return ordered_json{step["viewpoint"], step["heading"], step["elevation"]};
     });
-    if (task.kind == Kind::kFind) {
+    if (task.kind == WorkKind::kFind) {
       one["predObjId"] = ordered_json::parse(task.content).at("object");
     }
   });
 }
 
 std::string walks_json(const Selection& selection) {
-  return list_walks(selection, [](ordered_json& one, const Task& task) {
+  return list_walks(selection, [](ordered_json& one, const Assignment& task) {
     one["scan"] = task.item.scan;
     one["worker"] = task.worker;
     add_times(one, task);
     if (!task.camera.empty()) one["camera"] = ordered_json::parse(task.camera);
-    if (task.kind == Kind::kFind) one["point"] = ordered_json::parse(task.content).at("point");
+    if (task.kind == WorkKind::kFind) one["point"] = ordered_json::parse(task.content).at("point");
     one["steps"] = steps_of(task);
   });
 }
@@ -328,7 +322,7 @@ std::string traces_zip(const Selection& selection, const graph::GraphSet& graphs
   constexpr Radians kHigh(std::numbers::pi / 3);
   constexpr double kAspect = 4.0 / 3;
   std::vector<scan::ZipEntry> files;
-  for (const Task& task : tasks_of(selection)) {
+  for (const Assignment& task : tasks_of(selection)) {
     const graph::NavGraph& graph = graphs.graph(task.item.scan);
     tasks::PoseTrace trace;
     for (const ordered_json& step : steps_of(task)) {
@@ -348,7 +342,7 @@ std::string traces_zip(const Selection& selection, const graph::GraphSet& graphs
 
 std::string tasks_json(store::Database& db, const ExportedSplit& exported) {
   std::vector<ordered_json> entries;
-  for (const Task& task : submitted_of(db, exported)) {
+  for (const Assignment& task : submitted_of(db, exported)) {
     ordered_json one{{"task", task.id},
                      {"state", enum_name(task.state)},
                      {"path_id", task.item.path_id},

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/service/collecting/tasks.h"
+#include "enfilade/service/collecting/assignments.h"
 
 namespace enfilade::service::collecting {
 
@@ -14,7 +14,7 @@ namespace enfilade::service::collecting {
 /// Practice is in neither.
 struct ExportReport {
   std::string split;
-  Kind kind = Kind::kWrite;
+  WorkKind kind = WorkKind::kWrite;
   std::string language = {};          ///< kGuide
   std::int64_t items = 0, paths = 0;  ///< of the split
   std::int64_t exported_items = 0, exported_paths = 0, exported_tasks = 0;
@@ -34,7 +34,7 @@ nlohmann::ordered_json report_json(const ExportReport& report);
 
 /// The work in a file of a split.
 struct Selection {
-  std::vector<Task> tasks;  ///< sorted by item and task
+  std::vector<Assignment> tasks;  ///< sorted by item and task
   ExportReport report;
   bool secret = false;  ///< some goals of the split are
 };

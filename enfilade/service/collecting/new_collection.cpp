@@ -8,13 +8,10 @@
 #include <set>
 #include <utility>
 
+#include "enfilade/service/collecting/assignments.h"
 #include "enfilade/service/collecting/collections.h"
 #include "enfilade/service/collecting/kinds/targets.h"
-#include "enfilade/service/collecting/order.h"
-#include "enfilade/service/collecting/tasks.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/json_limits.h"
-#include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/score_table.h"
 
@@ -25,7 +22,7 @@ using detail::Fields;
 using json::Element;
 using json::Path;
 
-constexpr const char* kFileName = "collection";
+constexpr const char* kCollectionFile = "collection";
 constexpr std::size_t kLongestTitle = 80;
 constexpr std::size_t kLongestText = 20'000;
 constexpr std::size_t kLongestPay = 200;
@@ -50,14 +47,14 @@ constexpr const char* kTitleRule = "1 to 80 printable characters";
 constexpr const char* kTextRule = "1 to 20000 characters";
 
 /// So many different workers have an item, unless it is said.
-int usual_places(Kind kind) {
+int usual_places(WorkKind kind) {
   if (is_written(kind)) return 3;
-  return kind == Kind::kDialogue ? 2 : 1;
+  return kind == WorkKind::kDialogue ? 2 : 1;
 }
 
 /// Two have each dialogue.
 void check_places(const Collection& about, const Fields& fields, json::Faults& faults) {
-  if (about.kind != Kind::kDialogue || about.per_item % 2 == 0) return;
+  if (about.kind != WorkKind::kDialogue || about.per_item % 2 == 0) return;
   faults.error(fields.path("per_item"), "odd-number",
                fmt::format("{}, and two workers have each dialogue", about.per_item));
 }
@@ -75,6 +72,14 @@ void read_rules(Collection& about, const Fields& fields) {
   if (fields.has("minutes")) about.minutes = fields.number("minutes", 0, 600);
 }
 
+/// Codes of a study; those that are absent leave what the platform has.
+void read_codes(Platform& platform, const Fields& fields) {
+  for (const auto& [name, code] : {std::pair("completion_code", &platform.completion_code),
+                                   std::pair("screen_out_code", &platform.screen_out_code)}) {
+    if (fields.has(name)) *code = fields.text(name, detail::is_external_id, "a study's code");
+  }
+}
+
 std::int64_t random_seed() {
   constexpr std::size_t kDigits = 7;  // hexadecimal ones: below kMostSeed
   return std::stol(detail::new_secret("").substr(0, kDigits), nullptr, 16);
@@ -86,79 +91,62 @@ void set_state(Collection& collection, std::string_view name, std::int64_t now) 
   const auto state = find_enum<CollectionState>(name);
   if (!state) return;
   collection.open = state == CollectionState::kOpen;
-  if (state != CollectionState::kArchived) {
-    collection.archived.reset();
-  } else if (!collection.archived) {
-    collection.archived = now;
-  }
+  const bool archived = state == CollectionState::kArchived;
+  collection.archived = archived ? std::optional(collection.archived.value_or(now)) : std::nullopt;
 }
 
 class Reader {
  public:
-  Reader(const Site& site, store::Database& db) : site_(site), db_(db) {}
+  Reader(const Site& site, store::Database& db, json::Faults& faults)
+      : site_(site), db_(db), faults_(faults) {}
 
-  NewCollection read(Element root) {
-    const Fields fields(root, root_, faults_,
-                        {"name", "title", "kind", "consent", "instructions", "sources"},
-                        {"per_item", "lease_minutes", "tasks_per_visit", "pay", "minutes",
-                         "check_every", "platform", "seed", "screening", "checks", "language"});
+  NewCollection read(const Fields& fields) {
     NewCollection added;
-    if (fields.complete()) {
-      Collection& about = added.about;
-      about.name = fields.text("name", detail::is_name, kNameRule);
-      about.title = fields.text("title", is_title, kTitleRule);
-      about.kind = kind_ = one_of<Kind>(fields, "kind");
-      about.consent = fields.text("consent", is_long_text, kTextRule);
-      about.instructions = fields.text("instructions", is_long_text, kTextRule);
-      if (fields.has("platform")) {
-        about.platform = read_platform(fields["platform"], fields.path("platform"));
-      }
-      about.per_item = usual_places(kind_);
-      about.tasks_per_visit = about.platform.kind == PlatformKind::kSelf ? 0 : 1;
-      read_rules(about, fields);
-      check_places(about, fields, faults_);
-      if (fields.has("language")) {
-        about.language =
-            fields.text("language", is_language, fmt::format("{}", fmt::join(kLanguages, ", ")),
-                        "unknown-language");
-      }
-      about.seed = fields.has("seed") ? fields.integer("seed", 0, kMostSeed, 0) : random_seed();
-      read_questions(fields, "screening", Stage::kScreening, added.questions);
-      read_questions(fields, "checks", Stage::kCheck, added.questions);
-      read_sources(fields["sources"], fields.path("sources"));
-      added.items = std::move(items_);
-      assign_blocks(about.seed, added.items);
+    Collection& about = added.about;
+    about.name = fields.text("name", detail::is_name, kNameRule);
+    about.title = fields.text("title", is_title, kTitleRule);
+    about.kind = kind_ = one_of<WorkKind>(fields, "kind");
+    about.consent = fields.text("consent", is_long_text, kTextRule);
+    about.instructions = fields.text("instructions", is_long_text, kTextRule);
+    if (fields.has("platform")) {
+      about.platform = read_platform(fields["platform"], fields.path("platform"));
     }
-    faults_.throw_if_errors();
+    about.per_item = usual_places(kind_);
+    about.tasks_per_visit = about.platform.kind == PlatformKind::kSelf ? 0 : 1;
+    read_rules(about, fields);
+    check_places(about, fields, faults_);
+    if (fields.has("language")) {
+      about.language =
+          fields.text("language", is_language, fmt::format("{}", fmt::join(kLanguages, ", ")),
+                      "unknown-language");
+    }
+    about.seed = fields.has("seed") ? fields.integer("seed", 0, kMostSeed, 0) : random_seed();
+    read_questions(fields, "screening", QuestionStage::kScreening, added.questions);
+    read_questions(fields, "checks", QuestionStage::kCheck, added.questions);
+    read_sources(fields["sources"], fields.path("sources"));
+    added.items = std::move(items_);
+    assign_blocks(about.seed, added.items);
     return added;
   }
 
  private:
-  void read_questions(const Fields& fields, std::string_view name, Stage stage,
+  void read_questions(const Fields& fields, std::string_view name, QuestionStage stage,
                       std::vector<Question>& questions) {
     if (!fields.has(name)) return;
-    const Path path = fields.path(name);
-    const auto list = json::array(fields[name], path, faults_);
-    if (!list) return;
-    std::size_t k = 0;
-    for (const Element one : *list) {
-      if (faults_.full()) return;
-      if (k == kMostQuestions) {
-        faults_.error(path, "too-many", fmt::format("more than {}", kMostQuestions));
-        return;
-      }
-      questions.push_back(read_question(one, Path(path, k++), stage));
-    }
+    fields.list(name, kMostQuestions, "", [&](Element one, const Path& path) {
+      questions.push_back(read_question(one, path, stage));
+    });
   }
 
-  Question read_question(Element element, const Path& path, Stage stage) {
+  Question read_question(Element element, const Path& path, QuestionStage stage) {
     const Fields fields(element, path, faults_, {"question", "choices", "accept"});
     Question question;
     question.stage = stage;
     if (!fields.complete()) return question;
     question.text = fields.text("question", is_question, "1 to 1000 characters");
-    question.choices = read_choices(fields["choices"], fields.path("choices"));
-    question.accepted = read_choices(fields["accept"], fields.path("accept"));
+    constexpr const char* kRule = "1 to 200 printable characters";
+    question.choices = fields.texts("choices", kMostChoices, is_choice, kRule);
+    question.accepted = fields.texts("accept", kMostChoices, is_choice, kRule);
     if (question.choices.size() < 2) {
       faults_.error(fields.path("choices"), "too-few", "two choices are the least");
     }
@@ -169,21 +157,6 @@ class Reader {
       faults_.error(fields.path("accept"), "unknown-choice", "one or more of the choices");
     }
     return question;
-  }
-
-  std::vector<std::string> read_choices(Element element, const Path& path) {
-    std::vector<std::string> choices;
-    const auto list = json::array(element, path, faults_);
-    if (!list) return choices;
-    for (const Element one : *list) {
-      if (choices.size() == kMostChoices) {
-        faults_.error(path, "too-many", fmt::format("more than {}", kMostChoices));
-        break;
-      }
-      choices.push_back(detail::read_text(one, Path(path, choices.size()), is_choice,
-                                          "1 to 200 printable characters", faults_));
-    }
-    return choices;
   }
 
   /// One of the enumeration's names; the first value for any other text.
@@ -203,33 +176,17 @@ class Reader {
     platform.kind = one_of<PlatformKind>(fields, "kind");
     if (platform.kind == PlatformKind::kMturk) {
       platform.origins = fields.has("origins")
-                             ? read_origins(fields["origins"], fields.path("origins"))
+                             ? fields.texts("origins", detail::kAnyNumber, is_origin,
+                                            "an origin such as https://host")
                              : mturk_origins();
     } else if (platform.kind == PlatformKind::kProlific) {
-      if (fields.has("completion_code")) {
-        platform.completion_code =
-            fields.text("completion_code", detail::is_external_id, "a study's code");
-      } else {
+      read_codes(platform, fields);
+      if (!fields.has("completion_code")) {
         faults_.error(fields.path("completion_code"), "missing-field",
                       "Prolific pays by it, and it is not there");
       }
-      if (fields.has("screen_out_code")) {
-        platform.screen_out_code =
-            fields.text("screen_out_code", detail::is_external_id, "a study's code");
-      }
     }
     return platform;
-  }
-
-  std::vector<std::string> read_origins(Element element, const Path& path) {
-    std::vector<std::string> origins;
-    const auto list = json::array(element, path, faults_);
-    if (!list) return origins;
-    for (const Element one : *list) {
-      origins.push_back(detail::read_text(one, Path(path, origins.size()), is_origin,
-                                          "an origin such as https://host", faults_));
-    }
-    return origins;
   }
 
   void read_sources(Element element, const Path& path) {
@@ -248,7 +205,7 @@ class Reader {
       faults_.error(path, "too-many",
                     fmt::format("{} items; {} are allowed", items_.size(), kMostItems));
     }
-    const bool no_work = std::ranges::all_of(items_, &Item::practice);
+    const bool no_work = std::ranges::all_of(items_, &WorkItem::practice);
     if (no_work && faults_.errors() == 0) {
       faults_.error(path, "no-paths", "there is nothing to do in it");
     }
@@ -261,18 +218,17 @@ class Reader {
 
   void read_source(Element element, const Path& path) {
     simdjson::dom::element named;
-    if (kind_ == Kind::kFind && element["collection"].get(named) == simdjson::SUCCESS) {
+    if (kind_ == WorkKind::kFind && element["collection"].get(named) == simdjson::SUCCESS) {
       return take_texts(element, path);
     }
     const Fields fields(element, path, faults_, {"split"},
                         {"paths", "most", "practice", "objects"});
     if (!fields.complete()) return;
-    practice_ = fields.has("practice") &&
-                json::boolean(fields["practice"], fields.path("practice"), faults_).value_or(false);
+    practice_ = fields.boolean("practice");
     const std::string split = fields.text("split", detail::is_name, kNameRule);
     most_ = static_cast<std::size_t>(fields.integer("most", 1, kMostItems, kMostItems));
     objects_ = static_cast<std::size_t>(fields.integer("objects", 1, kMostObjects, 1));
-    if (practice_ && kind_ == Kind::kDialogue) {
+    if (practice_ && kind_ == WorkKind::kDialogue) {
       faults_.error(fields.path("practice"), "no-practice", "dialogues have none");
       return;
     }
@@ -295,16 +251,16 @@ class Reader {
         fields.has("state") ? fields.text("state", is_choice, "accepted or all") : "accepted";
     most_ = static_cast<std::size_t>(fields.integer("most", 1, kMostItems, kMostItems));
     const auto from = find_collection(db_, name);
-    if (!from || from->kind != Kind::kDescribe) {
+    if (!from || from->kind != WorkKind::kDescribe) {
       faults_.error(fields.path("collection"), "unknown-collection",
                     fmt::format("{:?} is no collection of descriptions", name));
       return;
     }
     std::size_t taken = 0;
     for (const SplitSize& split : splits_of(db_, from->id)) {
-      for (const Task& task : work_of(db_, {*from, split.split, state == "all"})) {
+      for (const Assignment& task : work_of(db_, {*from, split.split, state == "all"})) {
         if (taken++ == most_ || items_.size() > kMostItems) return;
-        Item item = task.item;
+        WorkItem item = task.item;
         item.number = numbers_[item.path_id]++;
         item.instruction = task.content;
         item.of = task.id;
@@ -316,9 +272,9 @@ class Reader {
   void read_paths(Element element, const Path& path, const std::string& split) {
     try {
       const std::string text = simdjson::minify(element);
-      const tasks::Annotations annotations = has_target(kind_)
-                                                 ? kinds::parse_any(text, kFileName, split)
-                                                 : tasks::parse_annotations(text, kFileName, split);
+      const tasks::Annotations annotations =
+          has_target(kind_) ? kinds::parse_any(text, kCollectionFile, split)
+                            : tasks::parse_annotations(text, kCollectionFile, split);
       tasks::look_up_paths(annotations, site_.graphs());
       add_annotations(annotations, path, false);
     } catch (const InvalidInput& error) {
@@ -336,9 +292,8 @@ class Reader {
              one.goals_secret();
     });
     const PublicSplit* open = site_.find_split(split);
-    if (kind_ == Kind::kWalk && phase != site_.phases().end()) {
-      add_annotations(annotations_of(std::get<tasks::EpisodeSet>(site_.secret_episodes(*phase))),
-                      path, true);
+    if (kind_ == WorkKind::kWalk && phase != site_.phases().end()) {
+      add_annotations(annotations_of(*site_.secret_episodes(*phase).split.on_graph()), path, true);
     } else if (open != nullptr && !open->goals_hidden) {
       add_annotations(open->annotations, path, false);
     } else {
@@ -385,16 +340,16 @@ class Reader {
     }
   }
 
-  static Item item_of(const std::string& split, const tasks::PathAnnotation& one, bool secret,
-                      bool practice) {
-    Item item{0,        split,        one.path_id, 0,      one.scan, one.heading,
-              one.path, one.distance, "",          secret, practice};
+  static WorkItem item_of(const std::string& split, const tasks::PathAnnotation& one, bool secret,
+                          bool practice) {
+    WorkItem item{0,        split,        one.path_id, 0,      one.scan, one.heading,
+                  one.path, one.distance, "",          secret, practice};
     if (practice && !one.instructions.empty()) item.instruction = one.instructions.front();
     return item;
   }
 
   void add_items(const std::string& split, const tasks::PathAnnotation& one, bool secret) {
-    Item item = item_of(split, one, secret, practice_);
+    WorkItem item = item_of(split, one, secret, practice_);
     if (shows_path(kind_) || practice_) {
       items_.push_back(std::move(item));
       return;
@@ -410,32 +365,32 @@ class Reader {
   void add_targets(const std::string& split, const tasks::PathAnnotation& one, const Path& path) {
     const kinds::KnownObjects known{site_.objects(), site_.graphs()};
     const bool region = std::holds_alternative<tasks::NamedRegion>(one.goal);
-    if (known.boxes == nullptr && (!region || kind_ != Kind::kDialogue)) {
+    if (known.boxes == nullptr && (!region || kind_ != WorkKind::kDialogue)) {
       faults_.error(path, "no-objects", "the data set has no boxes of objects (REVERIE's)");
       return;
     }
     const bool object = std::holds_alternative<tasks::NamedObject>(one.goal);
-    if ((kind_ != Kind::kDialogue && region) || (kind_ == Kind::kFind && !object)) {
+    if ((kind_ != WorkKind::kDialogue && region) || (kind_ == WorkKind::kFind && !object)) {
       faults_.error(path, "no-objects",
                     "names no object; entries of REVERIE do, and what people described here");
       return;
     }
-    const std::vector<kinds::Target> targets =
+    const std::vector<kinds::PathTarget> targets =
         kinds::targets_of(one, known, practice_ ? 1 : objects_);
     if (targets.empty() && !std::holds_alternative<tasks::NearEnd>(one.goal)) {
       faults_.error(path, "unseen-object", "no viewpoint sees its goal by the data set's boxes");
     }
-    for (const kinds::Target& target : targets) {
-      Item item = item_of(split, one, false, practice_);
+    for (const kinds::PathTarget& target : targets) {
+      WorkItem item = item_of(split, one, false, practice_);
       item.object = target.object;
       item.target = target.name;
       item.region = target.region;
       item.outlines = target.outlines;
-      item.number = kind_ == Kind::kFind ? numbers_[one.path_id]
-                                         : static_cast<std::size_t>(target.object.value_or(0));
-      if (kind_ != Kind::kFind || practice_) {
+      item.number = kind_ == WorkKind::kFind ? numbers_[one.path_id]
+                                             : static_cast<std::size_t>(target.object.value_or(0));
+      if (kind_ != WorkKind::kFind || practice_) {
         items_.push_back(std::move(item));
-        if (kind_ == Kind::kFind) ++numbers_[one.path_id];
+        if (kind_ == WorkKind::kFind) ++numbers_[one.path_id];
         continue;
       }
       for (const std::string& instruction : one.instructions) {
@@ -448,69 +403,63 @@ class Reader {
 
   const Site& site_;
   store::Database& db_;
-  const Path root_;
-  json::Faults faults_{kFileName};
-  Kind kind_ = Kind::kWrite;
+  json::Faults& faults_;
+  WorkKind kind_ = WorkKind::kWrite;
   std::size_t most_ = kMostItems;
   bool practice_ = false;    // of the source that is being read
   std::size_t objects_ = 1;  // of a path whose annotation names none
   std::set<std::pair<std::int64_t, std::int64_t>> path_ids_, practice_ids_;  // with the object
   std::map<std::int64_t, std::size_t> numbers_;  // kFind: the next text of a path
-  std::vector<Item> items_;
+  std::vector<WorkItem> items_;
 };
 
 }  // namespace
 
 NewCollection read_new_collection(const Site& site, store::Database& db, std::string_view body) {
-  detail::check_limits(body, kFileName, detail::kCollectionLimits);
-  const json::Document document = json::Document::parse(body, kFileName);
-  return Reader(site, db).read(document.root());
+  NewCollection added;
+  detail::read_body(body, kCollectionFile, detail::kCollectionLimits,
+                    {"name", "title", "kind", "consent", "instructions", "sources"},
+                    {"per_item", "lease_minutes", "tasks_per_visit", "pay", "minutes",
+                     "check_every", "platform", "seed", "screening", "checks", "language"},
+                    [&](const Fields& fields, json::Faults& faults) {
+                      added = Reader(site, db, faults).read(fields);
+                    });
+  return added;
 }
 
 Collection read_changed_collection(const Collection& collection, std::string_view body,
                                    std::int64_t now) {
-  detail::check_limits(body, kFileName, detail::kFormLimits);
-  const json::Document document = json::Document::parse(body, kFileName);
-  json::Faults faults(kFileName);
-  const Path root;
-  const Fields fields(
-      document.root(), root, faults, {},
-      {"state", "title", "consent", "instructions", "completion_code", "screen_out_code",
-       "per_item", "lease_minutes", "tasks_per_visit", "pay", "minutes", "check_every"});
   Collection changed = collection;
-  if (fields.complete()) {
+  const auto read = [&](const Fields& fields, json::Faults& faults) {
     if (fields.has("title")) changed.title = fields.text("title", is_title, kTitleRule);
     if (fields.has("consent")) changed.consent = fields.text("consent", is_long_text, kTextRule);
     if (fields.has("instructions")) {
       changed.instructions = fields.text("instructions", is_long_text, kTextRule);
     }
-    for (const auto& [name, code] :
-         {std::pair("completion_code", &changed.platform.completion_code),
-          std::pair("screen_out_code", &changed.platform.screen_out_code)}) {
-      if (fields.has(name)) *code = fields.text(name, detail::is_external_id, "a study's code");
-    }
+    read_codes(changed.platform, fields);
     if (fields.has("state")) {
       set_state(changed, fields.text("state", is_state, "open, closed or archived"), now);
     }
     read_rules(changed, fields);
     check_places(changed, fields, faults);
-  }
-  faults.throw_if_errors();
+  };
+  detail::read_body(
+      body, kCollectionFile, detail::kFormLimits, {},
+      {"state", "title", "consent", "instructions", "completion_code", "screen_out_code",
+       "per_item", "lease_minutes", "tasks_per_visit", "pay", "minutes", "check_every"},
+      read);
   return changed;
 }
 
 Collection read_copied_collection(const Collection& collection, std::string_view body) {
-  detail::check_limits(body, kFileName, detail::kFormLimits);
-  const json::Document document = json::Document::parse(body, kFileName);
-  json::Faults faults(kFileName);
-  const Path root;
-  const Fields fields(document.root(), root, faults, {"name"}, {"title"});
   Collection copy = collection;
-  if (fields.complete()) {
-    copy.name = fields.text("name", detail::is_name, kNameRule);
-    if (fields.has("title")) copy.title = fields.text("title", is_title, kTitleRule);
-  }
-  faults.throw_if_errors();
+  detail::read_body(body, kCollectionFile, detail::kFormLimits, {"name"}, {"title"},
+                    [&copy](const Fields& fields, json::Faults& /*faults*/) {
+                      copy.name = fields.text("name", detail::is_name, kNameRule);
+                      if (fields.has("title")) {
+                        copy.title = fields.text("title", is_title, kTitleRule);
+                      }
+                    });
   copy.open = true;
   copy.archived.reset();
   copy.consent_changed = 0;

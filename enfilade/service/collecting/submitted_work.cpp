@@ -1,4 +1,4 @@
-#include "enfilade/service/collecting/submitted_work.h"
+#include "enfilade/service/collecting/collection_json.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -9,11 +9,12 @@
 #include <sstream>
 
 #include "enfilade/core/check.h"
-#include "enfilade/service/collecting/kinds/outlines.h"
+#include "enfilade/service/collecting/kinds/targets.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/json_limits.h"
+#include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/metrics.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::service::collecting {
 namespace {
@@ -27,34 +28,34 @@ using nlohmann::ordered_json;
 constexpr const char* kFileName = "submission";
 constexpr std::size_t kShortestInstruction = 10;
 constexpr std::size_t kLongestInstruction = 2000;
-constexpr std::ptrdiff_t kFewestWords = 3;
+constexpr std::size_t kFewestWords = 3;
 constexpr std::array<std::string_view, 3> kFlags{"short", "pasted", "goal-not-seen"};
 constexpr std::size_t kMostSteps = 5000;
 constexpr double kMostSeconds = 86'400;
 constexpr double kMostPixels = 16'384;
+
+std::vector<std::string> words_of(std::string_view text) {
+  std::istringstream in{std::string(text)};
+  return {std::istream_iterator<std::string>(in), {}};
+}
 
 /// What is wrong with an instruction; empty if nothing is.
 std::string instruction_fault(std::string_view text) {
   if (!detail::is_prose(text, kLongestInstruction)) {
     return fmt::format("not up to {} printable characters", kLongestInstruction);
   }
-  std::istringstream in{std::string(text)};
-  const auto words = std::distance(std::istream_iterator<std::string>(in), {});
-  if (words < kFewestWords || text.size() < kShortestInstruction) {
+  if (words_of(text).size() < kFewestWords || text.size() < kShortestInstruction) {
     return fmt::format("{:?} is too short to lead anybody; {} words are the least", text,
                        kFewestWords);
   }
   return "";
 }
 
-std::vector<std::string> read_flags(Element element, const Path& path, Faults& faults) {
+/// The field "flags"; none if it is absent.
+std::vector<std::string> flags_of(const Fields& fields, Faults& faults) {
   std::vector<std::string> flags;
-  const auto list = json::array(element, path, faults);
-  if (!list) return flags;
-  std::size_t k = 0;
-  for (const Element one : *list) {
-    if (faults.full()) break;
-    const Path here(path, k++);
+  if (!fields.has("flags")) return flags;
+  fields.list("flags", detail::kAnyNumber, "", [&](Element one, const Path& here) {
     const auto text = json::string(one, here, faults);
     if (text && std::ranges::find(kFlags, *text) == kFlags.end()) {
       faults.error(here, "unknown-flag",
@@ -62,30 +63,23 @@ std::vector<std::string> read_flags(Element element, const Path& path, Faults& f
     } else if (text && std::ranges::find(flags, *text) == flags.end()) {
       flags.emplace_back(*text);
     }
-  }
+  });
   return flags;
 }
 
 /// The steps of one walk.
 class WalkReader {
  public:
-  WalkReader(const graph::NavGraph& graph, const Item& item, Faults& faults)
+  WalkReader(const graph::NavGraph& graph, const WorkItem& item, Faults& faults)
       : graph_(graph), item_(item), faults_(faults) {}
 
-  /// All steps; fields that are not read here are dropped.
-  ordered_json read(Element element, const Path& path) {
+  /// The field "steps"; fields of a step that are not read here are dropped.
+  ordered_json read(const Fields& fields) {
     ordered_json steps = ordered_json::array();
-    const auto list = json::array(element, path, faults_);
-    if (!list) return steps;
-    for (const Element one : *list) {
-      if (steps.size() == kMostSteps) {
-        faults_.error(path, "too-many", fmt::format("more than {} steps", kMostSteps));
-        return steps;
-      }
-      if (faults_.full()) return steps;
-      steps.push_back(read_step(one, Path(path, steps.size())));
-    }
-    if (steps.empty()) faults_.error(path, "no-steps", "the start at least is expected");
+    fields.list("steps", kMostSteps, " steps",
+                [&](Element one, const Path& here) { steps.push_back(read_step(one, here)); });
+    const bool empty = fields["steps"].is_array() && steps.empty();
+    if (empty) faults_.error(fields.path("steps"), "no-steps", "the start at least is expected");
     return steps;
   }
 
@@ -131,15 +125,18 @@ class WalkReader {
   }
 
   const graph::NavGraph& graph_;
-  const Item& item_;
+  const WorkItem& item_;
   Faults& faults_;
   bool begun_ = false;
   std::optional<ViewpointIndex> last_;
   double seconds_ = 0;
 };
 
-std::string read_camera(Element element, const Path& path, Faults& faults) {
-  const Fields fields(element, path, faults, {"width", "height", "vfov"});
+/// The field "camera", as JSON; empty if it is absent.
+std::string camera_of(const Fields& all, Faults& faults) {
+  if (!all.has("camera")) return "";
+  const Path path = all.path("camera");
+  const Fields fields(all["camera"], path, faults, {"width", "height", "vfov"});
   if (!fields.complete()) return "";
   const auto pixels = [&fields](std::string_view name) {
     return static_cast<std::int64_t>(fields.number(name, 1, kMostPixels));
@@ -149,9 +146,12 @@ std::string read_camera(Element element, const Path& path, Faults& faults) {
       .dump();
 }
 
-std::vector<std::string> words_of(std::string_view text) {
-  std::istringstream in{std::string(text)};
-  return {std::istream_iterator<std::string>(in), {}};
+/// The field "instruction".
+std::string instruction_of(const Fields& fields, Faults& faults) {
+  std::string text = fields.string("instruction");
+  const std::string fault = fields["instruction"].is_string() ? instruction_fault(text) : "";
+  if (!fault.empty()) faults.error(fields.path("instruction"), "bad-instruction", fault);
+  return text;
 }
 
 /// The words of a guide with their times, checked against the text.
@@ -192,7 +192,8 @@ ordered_json read_words(Element element, const Path& path, std::string_view text
 }
 
 /// Whether the steps keep to the path and come to its end.
-void check_on_path(const ordered_json& steps, const Item& item, const Path& path, Faults& faults) {
+void check_on_path(const ordered_json& steps, const WorkItem& item, const Path& path,
+                   Faults& faults) {
   bool arrived = false;
   for (std::size_t k = 0; k < steps.size(); ++k) {
     if (!steps[k].is_object()) continue;  // a fault is reported
@@ -215,7 +216,7 @@ tasks::Direction read_direction(Element element, const Path& path, Faults& fault
 }
 
 /// Metres from a viewpoint to the nearest from which the item's object is seen.
-double distance_to_region(const graph::NavGraph& graph, ViewpointIndex from, const Item& item) {
+double distance_to_region(const graph::NavGraph& graph, ViewpointIndex from, const WorkItem& item) {
   double least = std::numeric_limits<double>::infinity();
   for (const std::string& id : item.region) {
     const auto to = graph.find(id);
@@ -225,7 +226,7 @@ double distance_to_region(const graph::NavGraph& graph, ViewpointIndex from, con
 }
 
 /// Whether it is the item's object that was pointed at. None: nothing that has a box was.
-std::optional<std::int64_t> pointed_at(const Item& item, const std::string& viewpoint,
+std::optional<std::int64_t> pointed_at(const WorkItem& item, const std::string& viewpoint,
                                        const tasks::Direction& point,
                                        const tasks::ObjectBoxes* objects) {
   if (objects != nullptr && objects->has(item.scan, viewpoint)) {
@@ -240,81 +241,48 @@ std::optional<std::int64_t> pointed_at(const Item& item, const std::string& view
   return hit ? item.object : std::nullopt;
 }
 
-}  // namespace
-
-void check_instruction(std::string_view instruction, const char* where) {
-  const std::string fault = instruction_fault(instruction);
-  if (!fault.empty()) {
-    throw InvalidInput({{Severity::kError, kFileName, where, "bad-instruction", fault}});
-  }
-}
-
 SubmittedWork read_instruction(std::string_view body) {
-  detail::check_limits(body, kFileName, detail::kWorkLimits);
-  const json::Document document = json::Document::parse(body, kFileName);
-  Faults faults(kFileName);
-  const Path root;
-  const Fields fields(document.root(), root, faults, {"instruction"}, {"seconds", "flags"});
   SubmittedWork work;
-  if (fields.complete()) {
-    const Element text = fields["instruction"];
-    work.content = json::string(text, fields.path("instruction"), faults).value_or("");
-    const std::string fault = text.is_string() ? instruction_fault(work.content) : "";
-    if (!fault.empty()) faults.error(fields.path("instruction"), "bad-instruction", fault);
+  const auto read = [&work](const Fields& fields, Faults& faults) {
+    work.content = instruction_of(fields, faults);
     if (fields.has("seconds")) work.seconds = fields.number("seconds", 0, kMostSeconds);
-    if (fields.has("flags")) work.flags = read_flags(fields["flags"], fields.path("flags"), faults);
-  }
-  faults.throw_if_errors();
+    work.flags = flags_of(fields, faults);
+  };
+  detail::read_body(body, kFileName, detail::kWorkLimits, {"instruction"}, {"seconds", "flags"},
+                    read);
   return work;
 }
 
-SubmittedWork read_walk(std::string_view body, const Item& item, const graph::GraphSet& graphs) {
-  detail::check_limits(body, kFileName, detail::kWorkLimits);
-  const json::Document document = json::Document::parse(body, kFileName);
-  const graph::NavGraph& graph = graphs.graph(item.scan);
-  Faults faults(kFileName);
-  const Path root;
-  const Fields fields(document.root(), root, faults, {"steps"}, {"camera"});
+/// Of kWalk and kFind.
+SubmittedWork read_followed(std::string_view body, const Assignment& task, const Site& site) {
+  const WorkItem& item = task.item;
+  const bool find = task.kind == WorkKind::kFind;
+  const graph::NavGraph& graph = site.graphs().graph(item.scan);
   SubmittedWork work;
-  WalkReader walk(graph, item, faults);
-  if (fields.complete()) {
-    work.content = walk.read(fields["steps"], fields.path("steps")).dump();
-    if (fields.has("camera")) {
-      work.camera = read_camera(fields["camera"], fields.path("camera"), faults);
-    }
-  }
-  faults.throw_if_errors();
-  const auto goal = graph.find(item.path.back());
-  EN_CHECK(goal && walk.end());  // checked when the collection was made, and above
-  work.seconds = walk.seconds();
-  work.error = graph.distance(*walk.end(), *goal);
-  return work;
-}
-
-SubmittedWork read_find(std::string_view body, const Item& item, const graph::GraphSet& graphs,
-                        const tasks::ObjectBoxes* objects) {
-  detail::check_limits(body, kFileName, detail::kWorkLimits);
-  const json::Document document = json::Document::parse(body, kFileName);
-  const graph::NavGraph& graph = graphs.graph(item.scan);
-  Faults faults(kFileName);
-  const Path root;
-  const Fields fields(document.root(), root, faults, {"steps", "point"}, {"camera"});
-  SubmittedWork work;
-  WalkReader walk(graph, item, faults);
+  std::optional<ViewpointIndex> end;
   ordered_json steps;
   tasks::Direction point;
-  if (fields.complete()) {
-    steps = walk.read(fields["steps"], fields.path("steps"));
-    point = read_direction(fields["point"], fields.path("point"), faults);
-    if (fields.has("camera")) {
-      work.camera = read_camera(fields["camera"], fields.path("camera"), faults);
-    }
+  const auto read = [&](const Fields& fields, Faults& faults) {
+    WalkReader walk(graph, item, faults);
+    steps = walk.read(fields);
+    if (find) point = read_direction(fields["point"], fields.path("point"), faults);
+    work.camera = camera_of(fields, faults);
+    work.seconds = walk.seconds();
+    end = walk.end();
+  };
+  detail::read_body(body, kFileName, detail::kWorkLimits,
+                    find ? Fields::Names{"steps", "point"} : Fields::Names{"steps"}, {"camera"},
+                    read);
+  EN_CHECK(end);
+  if (!find) {
+    const auto goal = graph.find(item.path.back());
+    EN_CHECK(goal);  // checked when the collection was made
+    work.error = graph.distance(*end, *goal);
+    work.content = steps.dump();
+    return work;
   }
-  faults.throw_if_errors();
-  EN_CHECK(walk.end());
-  const auto found = pointed_at(item, graph.id(*walk.end()), point, objects);
-  const double distance = distance_to_region(graph, *walk.end(), item);
-  work.seconds = walk.seconds();
+  const auto found = pointed_at(item, graph.id(*end), point, site.objects());
+  const double distance = distance_to_region(graph, *end, item);
   work.error = found && found == item.object
                    ? 0
                    : std::max(distance, tasks::MetricOptions{}.success_distance);
@@ -327,35 +295,43 @@ SubmittedWork read_find(std::string_view body, const Item& item, const graph::Gr
   return work;
 }
 
-SubmittedWork read_guide(std::string_view body, const Item& item, const graph::GraphSet& graphs) {
-  detail::check_limits(body, kFileName, detail::kWorkLimits);
-  const json::Document document = json::Document::parse(body, kFileName);
-  Faults faults(kFileName);
-  const Path root;
-  const Fields fields(document.root(), root, faults, {"instruction", "words", "steps"},
-                      {"spoken", "seconds", "flags"});
+SubmittedWork read_guide(std::string_view body, const WorkItem& item,
+                         const graph::GraphSet& graphs) {
   SubmittedWork work;
-  WalkReader walk(graphs.graph(item.scan), item, faults);
   ordered_json content;
-  if (fields.complete()) {
-    const Element text = fields["instruction"];
-    const std::string said(json::string(text, fields.path("instruction"), faults).value_or(""));
-    const std::string fault = text.is_string() ? instruction_fault(said) : "";
-    if (!fault.empty()) faults.error(fields.path("instruction"), "bad-instruction", fault);
+  const auto read = [&](const Fields& fields, Faults& faults) {
+    WalkReader walk(graphs.graph(item.scan), item, faults);
+    const std::string said = instruction_of(fields, faults);
     content["instruction"] = said;
     content["words"] = read_words(fields["words"], fields.path("words"), said, faults);
-    content["steps"] = walk.read(fields["steps"], fields.path("steps"));
+    content["steps"] = walk.read(fields);
     check_on_path(content["steps"], item, fields.path("steps"), faults);
-    content["spoken"] =
-        fields.has("spoken") &&
-        json::boolean(fields["spoken"], fields.path("spoken"), faults).value_or(false);
-    if (fields.has("flags")) work.flags = read_flags(fields["flags"], fields.path("flags"), faults);
+    content["spoken"] = fields.boolean("spoken");
+    work.flags = flags_of(fields, faults);
     work.seconds = walk.seconds();
     if (fields.has("seconds")) work.seconds = fields.number("seconds", 0, kMostSeconds);
-  }
-  faults.throw_if_errors();
+  };
+  detail::read_body(body, kFileName, detail::kWorkLimits, {"instruction", "words", "steps"},
+                    {"spoken", "seconds", "flags"}, read);
   work.content = content.dump();
   return work;
+}
+
+}  // namespace
+
+void check_instruction(std::string_view instruction, const char* where) {
+  const std::string fault = instruction_fault(instruction);
+  if (!fault.empty()) {
+    throw InvalidInput({{Severity::kError, kFileName, where, "bad-instruction", fault}});
+  }
+}
+
+SubmittedWork read_work(std::string_view body, const Assignment& task, const Site& site) {
+  if (is_written(task.kind)) return read_instruction(body);
+  if (is_followed(task.kind)) return read_followed(body, task, site);
+  if (task.kind == WorkKind::kGuide) return read_guide(body, task.item, site.graphs());
+  throw detail::Refusal(detail::Reason::kConflict,
+                        "a dialogue is submitted when its navigator stops");
 }
 
 }  // namespace enfilade::service::collecting

@@ -16,8 +16,7 @@ T within(std::optional<T> value, T least, T most, const json::Path& path, json::
   return value.value_or(least);
 }
 
-}  // namespace
-
+/// \param code of a text that check() does not allow
 std::string read_text(json::Element element, const json::Path& path, TextCheck check,
                       std::string_view allowed, json::Faults& faults, const char* code) {
   const auto text = json::string(element, path, faults);
@@ -25,6 +24,21 @@ std::string read_text(json::Element element, const json::Path& path, TextCheck c
     faults.error(path, code, fmt::format("{:?}, not {}", text->substr(0, kQuoted), allowed));
   }
   return std::string(text.value_or(""));
+}
+
+}  // namespace
+
+void read_body(std::string_view body, const char* file, const json::Limits& limits,
+               Fields::Names required, Fields::Names optional,
+               const std::function<void(const Fields&, json::Faults&)>& read) {
+  const std::string excess = json::excess(body, limits);
+  if (!excess.empty()) refuse(file, "$", "too-large", excess);
+  const json::Document document = json::Document::parse(body, file);
+  json::Faults faults(file);
+  const json::Path root;
+  const Fields fields(document.root(), root, faults, required, optional);
+  if (fields.complete()) read(fields, faults);
+  faults.throw_if_errors();
 }
 
 Fields::Fields(json::Element element, const json::Path& path, json::Faults& faults, Names required,
@@ -49,6 +63,39 @@ json::Element Fields::operator[](std::string_view name) const { return find(name
 std::string Fields::text(std::string_view name, TextCheck check, std::string_view allowed,
                          const char* code) const {
   return read_text((*this)[name], path(name), check, allowed, faults_, code);
+}
+
+std::string Fields::string(std::string_view name) const {
+  return std::string(json::string((*this)[name], path(name), faults_).value_or(""));
+}
+
+bool Fields::boolean(std::string_view name) const {
+  return has(name) && json::boolean((*this)[name], path(name), faults_).value_or(false);
+}
+
+void Fields::list(std::string_view name, std::size_t most, std::string_view things,
+                  const std::function<void(json::Element, const json::Path&)>& read) const {
+  const json::Path here = path(name);
+  const auto elements = json::array((*this)[name], here, faults_);
+  if (!elements) return;
+  std::size_t k = 0;
+  for (const json::Element one : *elements) {
+    if (faults_.full()) return;
+    if (k == most) {
+      faults_.error(here, "too-many", fmt::format("more than {}{}", most, things));
+      return;
+    }
+    read(one, json::Path(here, k++));
+  }
+}
+
+std::vector<std::string> Fields::texts(std::string_view name, std::size_t most, TextCheck check,
+                                       std::string_view allowed) const {
+  std::vector<std::string> found;
+  list(name, most, "", [&](json::Element one, const json::Path& here) {
+    found.push_back(read_text(one, here, check, allowed, faults_, "bad-text"));
+  });
+  return found;
 }
 
 int Fields::integer(std::string_view name, int least, int most, int otherwise) const {

@@ -1,7 +1,9 @@
 /// \file  The fields of JSON objects that people write, read by name and checked. Faults are not
 /// thrown: they are added to a json::Faults, whose owner throws them all at once.
 #pragma once
+#include <functional>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,12 +19,8 @@ inline constexpr std::size_t kQuoted = 40;
 /// Whether a text is allowed.
 using TextCheck = bool (*)(std::string_view);
 
-/// Reads a text. Reports an element that is not a text ("" is returned then). With `code`, reports
-/// a text that check() does not allow (which is returned).
-/// \param allowed the texts that check() allows, for the message: "1 to 40 of a-z, 0-9, - and _"
-std::string read_text(json::Element element, const json::Path& path, TextCheck check,
-                      std::string_view allowed, json::Faults& faults,
-                      const char* code = "bad-text");
+/// For lists of any length.
+inline constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 /// The fields of one object. Its functions report faults to the constructor's list, and return a
 /// substitute for unreadable values: "", or the least allowed number. An object of this class
@@ -47,9 +45,22 @@ class Fields {
 
   /// The field's value. \pre has(name)
   json::Element operator[](std::string_view name) const;
-  /// The field as read_text() reads it. \pre has(name)
+  /// A text; "", reported, for any other element. With `code`, reports a text that check() does not
+  /// allow (which is returned). \pre has(name)
+  /// \param allowed the texts that check() allows, for the message: "1 to 40 of a-z, 0-9, - and _"
   std::string text(std::string_view name, TextCheck check, std::string_view allowed,
                    const char* code = "bad-text") const;
+  /// Any text. \pre has(name)
+  std::string string(std::string_view name) const;
+  /// false if the field is absent
+  bool boolean(std::string_view name) const;
+  /// Reads a list, element by element, until the faults are full. Reports "too-many" after `most`.
+  /// \param things what they are, for that message: " steps"  \pre has(name)
+  void list(std::string_view name, std::size_t most, std::string_view things,
+            const std::function<void(json::Element, const json::Path&)>& read) const;
+  /// A list of texts, each as text() reads it. \pre has(name)
+  std::vector<std::string> texts(std::string_view name, std::size_t most, TextCheck check,
+                                 std::string_view allowed) const;
   /// A whole number. Reports "out-of-range" unless it is from `least` to `most`; the nearest
   /// allowed number is returned then. \returns `otherwise` if the field is absent
   int integer(std::string_view name, int least, int most, int otherwise) const;
@@ -66,5 +77,22 @@ class Fields {
   std::vector<std::optional<json::Element>> found_;
   bool complete_ = false;
 };
+
+/// Limits of the JSON of requests. A body is bounded in bytes, levels and values before it is
+/// parsed, and so is the memory that it takes. No request has more than seven levels.
+inline constexpr std::size_t kMostLevels = 16;
+/// Names, texts, choices: of routes that take up to 16 KiB.
+inline constexpr json::Limits kFormLimits{1000, kMostLevels};
+/// A worker's draft or trajectory: 5000 steps of four numbers and their names.
+inline constexpr json::Limits kWorkLimits{60'000, kMostLevels};
+/// A new collection: 100,000 paths with three instructions each, 23 values and keys per path.
+inline constexpr json::Limits kCollectionLimits{2'500'000, kMostLevels};
+
+/// Parses a request's body, an object, and reads it if it has all required fields, each once.
+/// \param file its name in messages
+/// \throws InvalidInput with all faults; "too-large" for a body beyond the limits
+void read_body(std::string_view body, const char* file, const json::Limits& limits,
+               Fields::Names required, Fields::Names optional,
+               const std::function<void(const Fields&, json::Faults&)>& read);
 
 }  // namespace enfilade::service::detail

@@ -2,12 +2,14 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
 #include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -116,6 +118,48 @@ bool OwnNames::contains(const Host& host) const {
 bool OwnNames::is_given(std::string_view origin) const {
   const auto page = parse_origin(origin);
   return page && given_.contains(page->host.name);
+}
+
+std::optional<std::string> parse_address(std::string_view entry) {
+  constexpr std::string_view kAround = " \t\"";
+  entry.remove_prefix(std::min(entry.find_first_not_of(kAround), entry.size()));
+  entry = entry.substr(0, entry.find_last_not_of(kAround) + 1);  // npos + 1 is 0
+  const auto is_port = [](std::string_view text) {
+    return text.starts_with(':') && parse_number<std::uint16_t>(text.substr(1)).has_value();
+  };
+  const auto address = [](std::string_view text) -> std::optional<std::string> {
+    std::string literal(text.substr(0, text.find('%')));
+    if (literal.find('\0') != std::string::npos) return std::nullopt;
+    const bool has_zone = literal.size() < text.size();  // which IPv4 has not
+    const bool is_one =
+        is_literal(AF_INET6, literal) || (!has_zone && is_literal(AF_INET, literal));
+    return is_one ? std::optional(std::move(literal)) : std::nullopt;
+  };
+  if (entry.starts_with('[')) {
+    const std::size_t end = std::min(entry.find(']'), entry.size() - 1);
+    const std::string_view rest = entry.substr(end + 1), inner = entry.substr(1, end - 1);
+    if (entry[end] != ']' || inner.find(':') == std::string_view::npos) return std::nullopt;
+    return rest.empty() || is_port(rest) ? address(inner) : std::nullopt;
+  }
+  if (auto whole = address(entry)) return whole;
+  // "2001:db8::1:51234" without brackets: five digits are no part of an address. Four could be one,
+  // but then of the part that a group of addresses leaves out.
+  const std::size_t colon = std::min(entry.rfind(':'), entry.size());
+  return is_port(entry.substr(colon)) ? address(entry.substr(0, colon)) : std::nullopt;
+}
+
+std::string address_group(std::string_view address) {
+  const std::string text = parse_address(address).value_or(std::string(address));
+  in6_addr bytes{};
+  if (inet_pton(AF_INET6, text.c_str(), &bytes) != 1) return text;
+  std::array<char, INET6_ADDRSTRLEN> written{};
+  if (IN6_IS_ADDR_V4MAPPED(&bytes)) {
+    inet_ntop(AF_INET, &bytes.s6_addr[12], written.data(), written.size());
+    return written.data();
+  }
+  std::fill(std::begin(bytes.s6_addr) + 8, std::end(bytes.s6_addr), std::uint8_t{0});
+  inet_ntop(AF_INET6, &bytes, written.data(), written.size());
+  return std::string(written.data()) + "/64";
 }
 
 }  // namespace enfilade::service::detail

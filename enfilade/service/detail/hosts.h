@@ -1,5 +1,6 @@
-/// \file  The server's own names in the headers Host and Origin. They protect against pages of
-/// other names that resolve to this computer (DNS rebinding).
+/// \file  Addresses of clients as limits count them, and the server's own names in the headers Host
+/// and Origin. They protect against pages of other names that resolve to this computer (DNS
+/// rebinding).
 #pragma once
 #include <optional>
 #include <set>
@@ -42,5 +43,17 @@ class OwnNames {
  private:
   std::set<std::string, std::less<>> given_, machine_;
 };
+
+/// The address in an entry of X-Forwarded-For. Forms of proxies: "192.0.2.7", "192.0.2.7:51234",
+/// "2001:db8::1", "[2001:db8::1]", "[2001:db8::1]:51234". There may be quotes and blanks around. A
+/// port is left out, as it changes with each connection; so is a zone (fe80::1%eth0). No value for
+/// other texts: "unknown", "_hidden", a name. Any thread.
+std::optional<std::string> parse_address(std::string_view entry);
+
+/// The address that limits count by. An IPv4 address, also one written as IPv6 (::ffff:1.2.3.4).
+/// The first 64 bits of an IPv6 address, as a home or a lab has all addresses that begin with them.
+/// A port, brackets and a zone do not count, as of parse_address(). Any other text is returned
+/// unchanged. Any thread.
+std::string address_group(std::string_view address);
 
 }  // namespace enfilade::service::detail

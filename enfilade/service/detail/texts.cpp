@@ -1,13 +1,18 @@
 #include "enfilade/service/detail/texts.h"
 
 #include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <openssl/evp.h>
+#include <openssl/hmac.h>
+#include <openssl/rand.h>
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <charconv>
 #include <ctime>
 #include <span>
 
-#include "enfilade/core/numbers.h"
+#include "enfilade/core/check.h"
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::service::detail {
@@ -103,26 +108,33 @@ bool is_external_id(std::string_view text) {
   return is_made_of(text, kIdCharacters, kLongestExternalId);
 }
 
+std::string decode_percent(std::string_view text) {
+  std::string decoded;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    unsigned char byte = 0;
+    const std::string_view digits = text.substr(k + 1, 2);
+    const char* const end = digits.data() + digits.size();
+    if (text[k] == '%' && digits.size() == 2 &&
+        std::from_chars(digits.data(), end, byte, 16).ptr == end) {
+      decoded += static_cast<char>(byte);
+      k += 2;
+    } else {
+      decoded += text[k];
+    }
+  }
+  return decoded;
+}
+
 std::string iso_time(std::int64_t seconds) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
 }
 
 std::optional<std::int64_t> parse_time(std::string_view text) {
-  constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
-  const auto fits = [](char c, char wanted) {
-    return wanted == 'd' ? c >= '0' && c <= '9' : c == wanted;
-  };
-  if (!std::ranges::equal(text, kForm, fits)) return std::nullopt;
-  const auto part = [text](std::size_t begin, std::size_t digits) {
-    return parse_number<int>(text.substr(begin, digits)).value();
-  };
-  using namespace std::chrono;
-  const year_month_day day{year(part(0, 4)), month(static_cast<unsigned>(part(5, 2))),
-                           std::chrono::day(static_cast<unsigned>(part(8, 2)))};
-  const int hour = part(11, 2), minute = part(14, 2), second = part(17, 2);
-  if (!day.ok() || hour > 23 || minute > 59 || second > 59) return std::nullopt;
-  const auto at = sys_days(day) + hours(hour) + minutes(minute) + seconds(second);
-  return duration_cast<seconds>(at.time_since_epoch()).count();
+  std::tm at{};
+  if (::strptime(std::string(text).c_str(), "%Y-%m-%dT%H:%M:%SZ", &at) == nullptr) return {};
+  const std::int64_t seconds = ::timegm(&at);
+  // A day or a time of day that does not exist comes out as another one.
+  return iso_time(seconds) == text ? std::optional(seconds) : std::nullopt;
 }
 
 std::string sheet_text(const std::string& text) {
@@ -132,6 +144,31 @@ std::string sheet_text(const std::string& text) {
   }
   for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
   return out + '"';
+}
+
+std::string new_secret(std::string_view prefix) {
+  std::array<unsigned char, 32> bytes{};
+  EN_CHECK_EQ(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())), 1);
+  return fmt::format("{}{:02x}", prefix, fmt::join(bytes, ""));
+}
+
+std::string sha256(std::string_view text) {
+  std::array<unsigned char, 32> digest{};
+  unsigned length = 0;
+  EN_CHECK_EQ(EVP_Digest(text.data(), text.size(), digest.data(), &length, EVP_sha256(), nullptr),
+              1);
+  EN_CHECK_EQ(length, digest.size());
+  return fmt::format("{:02x}", fmt::join(digest, ""));
+}
+
+std::string keyed_hash(std::string_view key, std::string_view text) {
+  std::array<unsigned char, 32> digest{};
+  unsigned length = 0;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(text.data());
+  EN_CHECK(HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), bytes, text.size(),
+                digest.data(), &length) != nullptr);
+  EN_CHECK_EQ(length, digest.size());
+  return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
 }  // namespace enfilade::service::detail

@@ -1,5 +1,6 @@
-/// \file  Rules for texts that users send, and formats of texts that they get. All functions may be
-/// called from any thread, keep no reference to their arguments, and throw nothing of their own.
+/// \file  Rules for texts that users send, formats of texts that they get, random secrets and their
+/// hashes. All functions may be called from any thread, keep no reference to their arguments, and
+/// throw nothing of their own.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +34,9 @@ bool is_https_address(std::string_view text);
 /// a-z, 0-9, - and _.
 bool is_external_id(std::string_view text);
 
+/// With the byte that each %HH stands for; a % without two digits stays as it is.
+std::string decode_percent(std::string_view text);
+
 /// A time in UTC as in ISO 8601: "2026-11-21T16:15:09Z". \param seconds since 1970
 std::string iso_time(std::int64_t seconds);
 
@@ -43,5 +47,16 @@ std::optional<std::int64_t> parse_time(std::string_view text);
 /// `text` as a field of CSV, in quotes. If it begins with =, +, - or @, an apostrophe is put before
 /// it: spreadsheets would run it as a formula.
 std::string sheet_text(const std::string& text);
+
+/// `prefix` and 256 bits of the system's randomness in hexadecimal digits.
+std::string new_secret(std::string_view prefix);
+
+/// SHA-256 in hexadecimal digits. Enough for secrets of 256 random bits, which cannot be guessed
+/// however fast the hash is; passwords would need a slow hash.
+std::string sha256(std::string_view text);
+
+/// HMAC-SHA-256 in hexadecimal digits. Only holders of the key can compute this hash, so it suits
+/// values that are few enough to be tried one by one.
+std::string keyed_hash(std::string_view key, std::string_view text);
 
 }  // namespace enfilade::service::detail

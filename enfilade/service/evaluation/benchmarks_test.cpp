@@ -5,7 +5,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/benchmark.h"
-#include "enfilade/tasks/measures.h"
+#include "enfilade/tasks/scorer.h"
 #include "tests/support/refusal.h"
 #include "tests/support/served_benchmarks.h"
 #include "tests/support/served_data.h"

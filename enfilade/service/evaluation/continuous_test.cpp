@@ -1,6 +1,6 @@
-// Phases of walking freely, over real sockets: checked, scored and ranked, and their goals kept.
+// Phases of continuous benchmarks, over real sockets: checked, scored and ranked, and their goals
+// kept.
 #include <gmock/gmock.h>
-
 #include <cmath>
 #include <memory>
 #include <string>
@@ -9,7 +9,7 @@
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/continuous/navigation_mesh.h"
 #include "enfilade/core/gzip.h"
-#include "enfilade/service/evaluation/near_copies.h"
+#include "enfilade/service/evaluation/submissions.h"
 #include "enfilade/tasks/score_table.h"
 #include "tests/support/made_meshes.h"
 #include "tests/support/refusal.h"
@@ -83,7 +83,7 @@ class ContinuousPhases : public ::testing::Test {
     return agents::run_continuous(*walker, episodes_, buildings(), {.batch_size = 2});
   }
   std::string results(const std::string& agent) const {
-    return to_json(walks(agent), episodes_, tasks::ContinuousResultsForm::kR2r);
+    return to_json(walks(agent), episodes_, tasks::ContinuousForm::kR2r);
   }
   void serve(const std::string& phases) {
     served_.restart_with(phases);
@@ -179,7 +179,7 @@ TEST_F(ContinuousPhases, AWalkHasTheStepsOfABody) {
   auto jumping = walks("shortest");
   jumping[1].positions.back() = {6, 0, 0};
   const auto text = [this](const std::vector<tasks::ContinuousResult>& all) {
-    return to_json(all, episodes_, tasks::ContinuousResultsForm::kR2r);
+    return to_json(all, episodes_, tasks::ContinuousForm::kR2r);
   };
   EXPECT_THAT(refused(text(jumping)), HasSubstr("step-too-long"));
   EXPECT_THAT(refused(text(jumping)), HasSubstr("episode 2, pose"));
@@ -205,8 +205,7 @@ TEST_F(ContinuousPhases, RoomAcrossRoomTakesItsFormAndRanksByNdtw) {
                       "annotations": "walks.json.gz", "experts": "experts.json"%})"));
   EXPECT_EQ(served_.json("/api/v1/phases").at("phases").at(0).at("primary"), "ndtw");
   const auto walked = walks("shortest");
-  const json scored =
-      score(to_json(walked, episodes_, tasks::ContinuousResultsForm::kRxr)).at("means");
+  const json scored = score(to_json(walked, episodes_, tasks::ContinuousForm::kRxr)).at("means");
   const auto mean = [&](const tasks::ExpertWalks& with) {
     double sum = 0;
     for (const auto& one : agents::score_continuous_walks(walked, episodes_, *buildings(), with)) {

@@ -1,4 +1,4 @@
-#include "enfilade/service/evaluation/leaderboard.h"
+#include "enfilade/service/evaluation/submissions.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/service/evaluation/shown_metrics.h"
+#include "enfilade/service/evaluation/leakage.h"
 #include "enfilade/tasks/score_table.h"
 
 namespace enfilade::service::evaluation {
@@ -48,7 +48,7 @@ ordered_json exact_json(const tasks::MeanInterval& mean, const tasks::Measure& m
 }
 
 /// The means that the visibility allows. \param view of kBestRows or kAll
-ordered_json means_json(const tasks::ScoreTable& score, const View& view) {
+ordered_json means_json(const tasks::ScoreTable& score, const PhaseView& view) {
   ordered_json means = ordered_json::object();
   for (const tasks::Measure& measure : score.scorer->columns) {
     if (view.visibility == Visibility::kAll) {
@@ -63,16 +63,10 @@ ordered_json means_json(const tasks::ScoreTable& score, const View& view) {
 }
 
 /// What "withheld" says of a scored submission without means.
-const char* why_withheld(const View& view) {
-  switch (view.visibility) {
-    case Visibility::kImprovements:
-      return "no-improvement";
-    case Visibility::kBestRows:
-      return "not-best";
-    default:
-      return view.phase != nullptr && view.phase->scores == Scores::kAfterEnd ? "until-end"
-                                                                              : "hidden";
-  }
+const char* why_withheld(const PhaseView& view) {
+  if (view.visibility == Visibility::kImprovements) return "no-improvement";
+  if (view.visibility == Visibility::kBestRows) return "not-best";
+  return view.phase != nullptr && view.phase->scores == Scores::kAfterEnd ? "until-end" : "hidden";
 }
 
 /// A submission with the two values that it is compared by.
@@ -83,7 +77,7 @@ struct Ranked {
 };
 
 /// None if the submission has no place on the leaderboard.
-std::optional<Ranked> ranked(const Submission& submission, const View& view) {
+std::optional<Ranked> ranked(const Submission& submission, const PhaseView& view) {
   if (view.visibility == Visibility::kImprovements) {
     if (!submission.shown) return std::nullopt;
     return Ranked{&submission, *submission.shown, *submission.shown};
@@ -96,31 +90,6 @@ std::optional<Ranked> ranked(const Submission& submission, const View& view) {
   return Ranked{&submission, exact, grid_of(*view.phase, primary).round(exact)};
 }
 
-std::vector<Ranked> rank(const std::vector<Submission>& scored, const View& view) {
-  std::vector<Ranked> list;
-  for (const Submission& submission : scored) {
-    if (view.visibility != Visibility::kAll && !submission.approved) continue;
-    if (const auto one = ranked(submission, view)) list.push_back(*one);
-  }
-  return list;
-}
-
-/// Keeps each team's best.
-void keep_best(std::vector<Ranked>& list) {
-  std::ranges::stable_sort(list, std::ranges::greater{}, &Ranked::exact);
-  std::set<std::int64_t> seen;
-  std::erase_if(list,
-                [&seen](const Ranked& one) { return !seen.insert(one.submission->team).second; });
-}
-
-/// By what is shown, then by age: where two shown values are equal, an order by the exact ones
-/// would tell which is larger.
-void sort_rows(std::vector<Ranked>& list) {
-  std::ranges::sort(list, [](const Ranked& a, const Ranked& b) {
-    return a.shown != b.shown ? a.shown > b.shown : a.submission->id < b.submission->id;
-  });
-}
-
 /// A number of a mean as the sheet has it; empty where it is not shown.
 std::string cell(const ordered_json& means, const char* measure, const char* part) {
   const auto found = means.find(measure);
@@ -129,8 +98,8 @@ std::string cell(const ordered_json& means, const char* measure, const char* par
 
 }  // namespace
 
-View view_of(const Phase* phase, std::optional<accounts::Role> role, bool is_final) {
-  if (role == accounts::Role::kOrganiser) return {Visibility::kAll, phase};
+PhaseView view_of(const Phase* phase, std::optional<accounts::ClientRole> role, bool is_final) {
+  if (role == accounts::ClientRole::kOrganiser) return {Visibility::kAll, phase};
   if (phase == nullptr || phase->scores == Scores::kHidden) return {Visibility::kNothing, phase};
   if (!phase->goals_secret()) return {Visibility::kAll, phase};
   if (is_final) return {Visibility::kBestRows, phase};
@@ -138,16 +107,31 @@ View view_of(const Phase* phase, std::optional<accounts::Role> role, bool is_fin
   return {ladder ? Visibility::kImprovements : Visibility::kNothing, phase};
 }
 
-std::vector<Submission> best_submissions(const std::vector<Submission>& scored, const View& view) {
-  std::vector<Ranked> list = rank(scored, view);
-  keep_best(list);
-  sort_rows(list);
+std::vector<Submission> best_submissions(const std::vector<Submission>& scored,
+                                         const PhaseView& view, bool all) {
+  std::vector<Ranked> list;
+  for (const Submission& submission : scored) {
+    if (view.visibility != Visibility::kAll && !submission.approved) continue;
+    if (const auto one = ranked(submission, view)) list.push_back(*one);
+  }
+  if (!all || view.visibility != Visibility::kAll) {
+    std::ranges::stable_sort(list, std::ranges::greater{}, &Ranked::exact);
+    std::set<std::int64_t> seen;
+    std::erase_if(list,
+                  [&seen](const Ranked& one) { return !seen.insert(one.submission->team).second; });
+  }
+  // By what is shown, then by age: where two shown values are equal, an order by the exact ones
+  // would tell which is larger.
+  std::ranges::sort(list, [](const Ranked& a, const Ranked& b) {
+    return a.shown != b.shown ? a.shown > b.shown : a.submission->id < b.submission->id;
+  });
   std::vector<Submission> best;
   for (const Ranked& one : list) best.push_back(*one.submission);
   return best;
 }
 
-ordered_json submission_json(const Submission& submission, const View& view, bool stands_for_team) {
+ordered_json submission_json(const Submission& submission, const PhaseView& view,
+                             bool stands_for_team) {
   const bool nothing = view.visibility == Visibility::kNothing;
   const bool waits =
       submission.state == SubmissionState::kQueued || submission.state == SubmissionState::kScored;
@@ -179,15 +163,6 @@ ordered_json submission_json(const Submission& submission, const View& view, boo
                         {"differing", submission.near_copy.differing}};
   }
   return one;
-}
-
-ordered_json leaderboard_rows(const std::vector<Submission>& scored, const View& view, bool all) {
-  std::vector<Ranked> list = rank(scored, view);
-  if (!all || view.visibility != Visibility::kAll) keep_best(list);
-  sort_rows(list);
-  auto rows = ordered_json::array();
-  for (const Ranked& one : list) rows.push_back(submission_json(*one.submission, view, true));
-  return rows;
 }
 
 ordered_json columns_json(const Phase& phase) {

@@ -17,10 +17,30 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <vector>
 
+#include "enfilade/service/phases.h"
 #include "enfilade/service/site.h"
+#include "enfilade/tasks/scorer.h"
 
 namespace enfilade::service::evaluation {
+
+/// Multiples of `step` from `least` to `most`.
+struct Grid {
+  double step = 0;
+  double most = 0;
+  double least = 0;
+
+  /// How many values there are.
+  std::int64_t levels() const;
+  /// The nearest one: an end for values beyond it, or infinite; `least` for NaN.
+  double round(double value) const;
+};
+
+/// The grid of a mean over secret goals. Shares are rounded to the phase's step, metres to ten
+/// times as many metres, at most 30 (progress also at least -30).
+/// \pre measure.tells_goals
+Grid grid_of(const Phase& phase, const tasks::Measure& measure);
 
 /// Bits of a ladder that shows at most `levels` scores to a team with n submissions: log2 C(n +
 /// levels - 1, n).
@@ -47,6 +67,27 @@ double used_bits(const Phase& phase, std::span<const std::int64_t> submissions, 
 /// knowledge of how the paths were drawn, fewer are enough. Other parts of a goal are not counted:
 /// objects, regions, turning points, boxes. Continuous episodes count the paths that they follow,
 /// each once: they end at viewpoints of the same graphs.
-double goal_bits(const SecretEpisodes& episodes, const graph::GraphSet& graphs);
+double goal_bits(const tasks::Split& split, const graph::GraphSet& graphs);
+
+/// Which phases share their goals. Immutable: any thread.
+class SharedGoals {
+ public:
+  struct PhaseGroup {
+    std::vector<const Phase*> phases;  ///< in the order of Site::phases()
+    double goal_bits = 0;              ///< leakage.h
+  };
+
+  /// Secret phases share their goals if they name one annotations file, by any path, or one split
+  /// of benchmarks that share their paths.
+  /// \pre site outlives *this
+  explicit SharedGoals(const Site& site);
+
+  /// The group that a phase is in; of open goals it is the phase alone. \pre phase is one of the
+  /// site's
+  const PhaseGroup& of(const Phase& phase) const;
+
+ private:
+  std::vector<PhaseGroup> groups_;
+};
 
 }  // namespace enfilade::service::evaluation

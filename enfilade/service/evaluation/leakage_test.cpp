@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/service/evaluation/shown_metrics.h"
 #include "enfilade/tasks/benchmark.h"
 #include "tests/support/graphs.h"
 
@@ -112,17 +111,18 @@ TEST(Leakage, AGoalIsAnyViewpointInReachOfItsStart) {
   }
   const auto episodes = tasks::make_episodes(annotations, graph::GraphSet::of(std::move(graphs)));
   EXPECT_EQ(episodes.episodes.size(), 6U);
-  EXPECT_NEAR(goal_bits(episodes, *episodes.graphs), 2 * std::log2(3), kRounding);
+  EXPECT_NEAR(goal_bits(tasks::Split(episodes), *episodes.graphs), 2 * std::log2(3), kRounding);
   // The same as walks: two episodes of one path, which starts on the floor under v1.
-  ContinuousGoals goals;
+  auto goals = std::make_shared<tasks::ContinuousEpisodes>();
   for (std::int64_t id = 1; id <= 2; ++id) {
-    tasks::ContinuousEpisode& one = goals.episodes.episodes.emplace_back();
+    tasks::ContinuousEpisode& one = goals->episodes.emplace_back();
     one.id = id;
     one.trajectory_id = std::int64_t{7};
     one.scene = "mp3d/scan/scan.glb";
     one.start = {2, 0, 0};
   }
-  EXPECT_NEAR(goal_bits(goals, *episodes.graphs), std::log2(3), kRounding);
+  const tasks::Split split(tasks::benchmark("r2r-ce"), std::move(goals));
+  EXPECT_NEAR(goal_bits(split, *episodes.graphs), std::log2(3), kRounding);
 }
 
 TEST(Leakage, AGridHasAsManyValuesAsItSays) {

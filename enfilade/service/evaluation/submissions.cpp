@@ -9,13 +9,10 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/service/detail/fields.h"
+#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/detail/refusal.h"
-#include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/leakage.h"
-#include "enfilade/service/evaluation/limits.h"
-#include "enfilade/service/evaluation/scoring.h"
-#include "enfilade/service/evaluation/shown_metrics.h"
 #include "enfilade/service/store/database.h"
 
 namespace enfilade::service::evaluation {
@@ -65,6 +62,101 @@ std::optional<double> ladder_step(const Phase& phase, std::optional<double> best
   return grid.round(primary);
 }
 
+// How often a team and an address may submit to a phase: rows of the table `attempt`, one for each
+// file that was checked, with the submission that it became. Without one it was refused.
+
+// Files with faults that a team may send to a phase in 24 hours. They give away nothing of goals,
+// so they are not submissions; but a check takes time and memory.
+constexpr int kRefusedPerDay = 20;
+// Likewise by all teams of an address.
+constexpr int kRefusedPerAddressDay = 100;
+
+// The sender of a file.
+struct Sender {
+  std::int64_t team = 0;
+  std::string address;  ///< as stored: see stored_address()
+};
+
+constexpr std::int64_t kDay = 24L * 3600;
+constexpr const char* kAddressKey = "address-key";
+
+/// \param most none: no limit  \param what "submissions of a team in all"
+/// \param rows those that count: a table and a condition on the values
+template <class... Values>
+void refuse_if_full(store::Database& db, const Phase& phase, std::optional<int> most,
+                    std::string_view what, const std::string& rows, const Values&... values) {
+  if (!most || db.find_number("SELECT count(*) FROM " + rows, values...) < *most) return;
+  throw Refusal(Reason::kRateLimited,
+                fmt::format("phase {} takes at most {} {}", phase.name, *most, what));
+}
+
+// The bound on a phase's leakage holds for Phase::teams teams.
+void check_place(store::Database& db, const Phase& phase, std::int64_t team) {
+  if (!phase.goals_secret()) return;
+  const std::int64_t others =
+      db.find_number("SELECT count(DISTINCT team) FROM submission WHERE phase = ? AND team <> ?",
+                     phase.name, team);
+  if (others < phase.teams) return;
+  throw Refusal(
+      Reason::kForbidden,
+      fmt::format("phase {} takes submissions of {} teams, and has them", phase.name, phase.teams));
+}
+
+// The stored form of a client's address: a hash with a key of this database. So addresses of two
+// databases cannot be compared, nor read without the file. One for a whole /64 of IPv6.
+std::string stored_address(store::Database& db, std::string_view address) {
+  const std::string key = db.transact([&db] {
+    const std::string find = "SELECT value FROM secret WHERE name = ?";
+    if (const auto found = db.find<std::string>(find, kAddressKey)) return *found;
+    db.run("INSERT INTO secret (name, value) VALUES (?, ?)", kAddressKey, detail::new_secret(""));
+    return db.get<std::string>(find, kAddressKey);
+  });
+  return detail::keyed_hash(key, detail::address_group(address));
+}
+
+// \throws Refusal kRateLimited naming the limit that another submission would exceed; kForbidden
+// if the phase has secret goals and all the teams that it takes
+void check_limits(store::Database& db, const Phase& phase, const Sender& sender) {
+  check_place(db, phase, sender.team);
+  const std::int64_t since = db.now() - kDay;
+  // Submissions of databases that are older than the table `attempt` count too.
+  const std::string of_team = "submission WHERE team = ? AND phase = ?";
+  refuse_if_full(db, phase, phase.per_day, "submissions of a team in 24 hours",
+                 of_team + " AND created > ?", sender.team, phase.name, since);
+  refuse_if_full(db, phase, phase.per_team, "submissions of a team in all", of_team, sender.team,
+                 phase.name);
+  const std::string of_address =
+      "attempt WHERE address = ? AND phase = ? AND submission IS NOT NULL";
+  refuse_if_full(db, phase, phase.per_address_day, "submissions from an address in 24 hours",
+                 of_address + " AND created > ?", sender.address, phase.name, since);
+  refuse_if_full(db, phase, phase.per_address, "submissions from an address in all", of_address,
+                 sender.address, phase.name);
+}
+
+// check_limits(), and counts the file as a refused one until accept_attempt(). Many files that
+// come at once are so counted before the first of them is checked. \returns the attempt's number
+std::int64_t begin_attempt(store::Database& db, const Phase& phase, const Sender& sender) {
+  return db.transact([&] {
+    check_limits(db, phase, sender);
+    const std::string refused =
+        "attempt WHERE phase = ? AND submission IS NULL AND created > ? AND ";
+    const std::int64_t since = db.now() - kDay;
+    refuse_if_full(db, phase, kRefusedPerDay, "files with faults of a team in 24 hours",
+                   refused + "team = ?", phase.name, since, sender.team);
+    refuse_if_full(db, phase, kRefusedPerAddressDay,
+                   "files with faults from an address in 24 hours", refused + "address = ?",
+                   phase.name, since, sender.address);
+    // Addresses of refused files are not kept for longer than they count.
+    db.run("DELETE FROM attempt WHERE submission IS NULL AND created <= ?", since);
+    return db.insert("INSERT INTO attempt (team, phase, address, created) VALUES (?, ?, ?, ?)",
+                     sender.team, phase.name, sender.address, db.now());
+  });
+}
+
+void accept_attempt(store::Database& db, std::int64_t attempt, std::int64_t submission) {
+  db.run("UPDATE attempt SET submission = ? WHERE id = ?", submission, attempt);
+}
+
 }  // namespace
 
 Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report)
@@ -96,7 +188,7 @@ Receipt Submissions::receive(const Delivery& delivery, const std::string& result
     // at once on the last day.
     const std::scoped_lock lock(checking_);
     attempt = begin_attempt(db_, *phase, sender);
-    receipt.warnings = check_results(*phase, site_->secret_episodes(*phase), results);
+    receipt.warnings = check_results(site_->secret_episodes(*phase), results);
   }
   receipt.submission = db_.transact([&] {
     std::int64_t id = find_same(delivery, digest);  // the same file may have come twice at once
@@ -199,7 +291,7 @@ bool Submissions::is_final(const Phase& phase) const {
 }
 
 Leakage Submissions::leakage(const Phase& phase) const {
-  const SharedGoals::Group& group = goals_.of(phase);
+  const SharedGoals::PhaseGroup& group = goals_.of(phase);
   Leakage all;
   all.goals = group.goal_bits;
   for (const Phase* one : group.phases) {
@@ -222,7 +314,11 @@ std::int64_t Submissions::count_near_copies(const Phase& phase) const {
 
 void Submissions::work(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    wait_until_asked(stop);
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, stop, kLookAgain, [this] { return asked_; });
+      asked_ = false;
+    }
     try {
       while (!stop.stop_requested() && score_next()) {
       }
@@ -230,30 +326,12 @@ void Submissions::work(const std::stop_token& stop) {
       // The disk may be full, or another program may hold the file for long. Submissions stay
       // queued, and an exception that left the thread would end the process.
       if (report_) report_(error.what());
-      wait_after_failure(stop);
+      // Waits whatever is received meanwhile; not if it is to stop.
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, stop, kRetry, [] { return false; });
+      asked_ = true;
     }
   }
-}
-
-void Submissions::wait_until_asked(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  wake_.wait_for(lock, stop, kLookAgain, [this] { return asked_; });
-  asked_ = false;
-}
-
-// Waits for kRetry, whatever is received meanwhile; returns at once when asked to stop.
-void Submissions::wait_after_failure(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  wake_.wait_for(lock, stop, kRetry, [] { return false; });
-  asked_ = true;
-}
-
-Judgement Submissions::score(const Phase* phase, const std::string& results) const {
-  if (phase == nullptr) throw LookupError("the phase is gone");
-  Judgement judged = score_results(*phase, site_->secret_episodes(*phase), results);
-  // The worst where an episode has no value: it beats nothing on a ladder.
-  if (!std::isfinite(judged.primary)) judged.primary = -HUGE_VAL;
-  return judged;
 }
 
 // Scores the oldest queued submission; false if there is none. A file that cannot be scored is
@@ -264,9 +342,13 @@ bool Submissions::score_next() {
   if (!next) return false;
   const auto& [id, phase, content] = *next;
   const Phase* of = site_->find_phase(phase);
-  std::optional<Judgement> judged;
+  std::optional<ScoredSubmission> judged;
   try {
-    judged = score(of, gunzip(content, kMostBytes));
+    if (of != nullptr) {
+      judged = score_results(*of, site_->secret_episodes(*of), gunzip(content, kMostBytes));
+      // The worst where an episode has no value: it beats nothing on a ladder.
+      if (!std::isfinite(judged->primary)) judged->primary = -HUGE_VAL;
+    }
   } catch (const std::exception&) {
     judged.reset();  // the phase, its annotations or the graphs changed since it was received
   }
@@ -281,7 +363,7 @@ bool Submissions::score_next() {
 }
 
 // Submissions are scored one after another, by their numbers: what a ladder showed before is known.
-void Submissions::store_score(std::int64_t id, const Phase& phase, const Judgement& judged) {
+void Submissions::store_score(std::int64_t id, const Phase& phase, const ScoredSubmission& judged) {
   std::optional<NearCopy> near;
   if (phase.goals_secret()) {
     std::vector<std::string> names;

@@ -1,11 +1,16 @@
-/// \file  Submissions: checked when they are received, stored, and scored in the background.
+/// \file  Submissions: checked when they are received, stored, and scored in the background. Scores
+/// for clients: only means over a whole split leave the server, as the navigation error of one
+/// episode would give its goal away. With secret goals, leakage.h bounds the shown means. Nothing
+/// else may depend on goals: not the order of rows, not the time of a response's change.
 #pragma once
 #include <array>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,13 +20,60 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/service/accounts/tokens.h"
-#include "enfilade/service/evaluation/near_copies.h"
-#include "enfilade/service/evaluation/scoring.h"
-#include "enfilade/service/evaluation/shared_goals.h"
+#include "enfilade/service/evaluation/leakage.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/service/site.h"
+#include "enfilade/tasks/split.h"
+
+namespace enfilade::service::store {
+class Database;
+}
 
 namespace enfilade::service::evaluation {
+
+/// The result of scoring a file.
+struct ScoredSubmission {
+  std::string score;   ///< as Submission::score
+  double primary = 0;  ///< the mean of the phase's primary metric: shares from 0 to 1; may be NaN
+  std::string ends;    ///< trajectory_ends()
+};
+
+/// Checks a whole file. \param episodes of the phase \returns its warnings
+/// \throws InvalidInput with its faults (up to 1000). For continuous trajectories also for steps
+/// that are longer, or more actions, than the benchmark allows. The public scorers check neither,
+/// and would accept a jump to the goal.
+std::vector<Diagnostic> check_results(const SecretEpisodes& episodes, const std::string& results);
+/// \throws as check_results()
+ScoredSubmission score_results(const Phase& phase, const SecretEpisodes& episodes,
+                               const std::string& results);
+
+// Submissions that equal an earlier one in all but a few episodes. Goals can be read from scores by
+// small changes, so organisers are notified. Teams are not, and nothing is refused: tuning a method
+// may give such files too.
+
+/// The end and the answer (an object, a turning point, a point in the panorama) of each trajectory,
+/// as hashes of 4 bytes, in order. Success, navigation error and grounding depend on nothing else
+/// of it. Detours, turns and another order of the file change nothing. The bytes of two files on
+/// the same graphs can be compared. Continuous trajectories have their end to a quarter of a metre,
+/// a step's length, and whether the agent stopped there.
+std::string trajectory_ends(const tasks::Trajectories& trajectories);
+
+/// How many episodes end elsewhere; none if the two are of different numbers of episodes.
+std::optional<std::size_t> count_differing(std::string_view ends, std::string_view other);
+
+/// An earlier submission, of whatever team, and how many episodes end elsewhere.
+struct NearCopy {
+  std::int64_t of = 0;
+  std::int64_t differing = 0;
+  auto columns() { return std::tie(of, differing); }
+};
+
+/// The nearest of the submissions before `id` in these phases, the first of several; no value if
+/// there is no near-copy. In one, 5 episodes or 2 % may differ, whichever is more, but no more than
+/// a quarter.
+/// \param phases with the same episodes
+std::optional<NearCopy> find_near_copy(store::Database& db, const std::vector<std::string>& phases,
+                                       std::int64_t id, std::string_view ends);
 
 enum class SubmissionState : std::uint8_t { kQueued, kScored, kFailed, kWithdrawn };
 constexpr std::array<std::string_view, 4> names_of(SubmissionState /*enum*/) {
@@ -29,7 +81,7 @@ constexpr std::array<std::string_view, 4> names_of(SubmissionState /*enum*/) {
 }
 
 /// Links about a method: addresses that begin with https://, or empty.
-struct Links {
+struct MethodLinks {
   std::string paper, code;
 
   auto columns() { return std::tie(paper, code); }
@@ -47,7 +99,7 @@ struct Submission {
   bool approved = false;        ///< its team is
   std::optional<double> shown;  ///< the score on the ladder; no value without an improvement
   NearCopy near_copy;           ///< of an earlier submission; of 0: no near copy
-  Links links;
+  MethodLinks links;
 
   auto columns() {
     return std::tie(id, team, team_name, phase, method, state, created, score, approved, shown,
@@ -61,7 +113,7 @@ struct Delivery {
   std::string address;  ///< of the client
   std::string phase;
   std::string method;
-  Links links;
+  MethodLinks links;
 };
 
 /// How much is given away of the goals that a phase shares with others: see leakage.h.
@@ -129,11 +181,8 @@ class Submissions {
 
  private:
   void work(const std::stop_token& stop);
-  void wait_until_asked(const std::stop_token& stop);
-  void wait_after_failure(const std::stop_token& stop);
   bool score_next();
-  Judgement score(const Phase* phase, const std::string& results) const;
-  void store_score(std::int64_t id, const Phase& phase, const Judgement& judged);
+  void store_score(std::int64_t id, const Phase& phase, const ScoredSubmission& judged);
   std::int64_t find_same(const Delivery& delivery, const std::string& digest) const;
   void check_open(const Phase& phase, std::int64_t team) const;
 
@@ -147,5 +196,46 @@ class Submissions {
   bool asked_ = true;    // something may be queued
   std::jthread worker_;  // last: it uses the others
 };
+
+/// How much of a phase's scores a client may see.
+enum class Visibility : std::uint8_t {
+  kNothing,       ///< not even that a submission is scored: how long that took depends on goals
+  kImprovements,  ///< scores shown on a ladder
+  kBestRows,      ///< each team's best submission, its means rounded, without intervals
+  kAll,
+};
+
+/// A phase as one client sees it now.
+struct PhaseView {
+  Visibility visibility = Visibility::kNothing;
+  /// The phase's rules; null: a phase that is no longer there, of which nothing is seen but by
+  /// organisers.
+  const Phase* phase = nullptr;
+};
+/// \param role of the client; no value for strangers  \param is_final Submissions::is_final()
+PhaseView view_of(const Phase* phase, std::optional<accounts::ClientRole> role, bool is_final);
+
+/// The submission that represents each team, in the order of the leaderboard. It is the best by the
+/// primary metric, or with a ladder the last improvement; the first of several. Rows are sorted by
+/// the shown values, older ones first if equal. With secret goals, only approved teams.
+/// \param scored of one phase, oldest first
+/// \param all every submission instead of each team's best; only where all scores are seen
+/// \pre visibility is not kNothing
+std::vector<Submission> best_submissions(const std::vector<Submission>& scored,
+                                         const PhaseView& view, bool all = false);
+
+/// With "means" as far as the client may see them, shares from 0 to 1 in any scorer's units.
+/// Otherwise "withheld" gives the reason: "until-end", "no-improvement", "not-best", "hidden", or
+/// "other-scorer" if the phase had another task or scorer when it was scored.
+/// \param stands_for_team whether it is among best_submissions(); used for kBestRows
+nlohmann::ordered_json submission_json(const Submission& submission, const PhaseView& view,
+                                       bool stands_for_team);
+
+/// The columns that the rows' means have, in their order: [{"name", "short", "title", "unit": "m"
+/// or "share", "better"?: "higher" or "lower"}].
+nlohmann::ordered_json columns_json(const Phase& phase);
+/// Submissions, as submission_json(), as a sheet, with the ends of the intervals where they are
+/// seen.
+std::string leaderboard_csv(const nlohmann::ordered_json& rows, const Phase& phase);
 
 }  // namespace enfilade::service::evaluation

@@ -1,4 +1,4 @@
-// Phases, submissions, leaderboards.
+// Teams, and logging in to the pages. Phases, submissions, leaderboards.
 #include <fmt/format.h>
 #include <cmath>
 #include <limits>
@@ -7,63 +7,138 @@
 #include <set>
 
 #include "enfilade/core/enum_names.h"
+#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/service/evaluation/leaderboard.h"
+#include "enfilade/service/evaluation/submissions.h"
+#include "enfilade/service/http/messages.h"
 #include "enfilade/service/http/routes.h"
-#include "enfilade/tasks/files.h"
 
 namespace enfilade::service::http {
 namespace {
 
-using accounts::Role;
+using accounts::ClientRole;
+using evaluation::PhaseView;
 using evaluation::Submission;
-using evaluation::View;
 using evaluation::Visibility;
 using nlohmann::ordered_json;
 
-/// A phase as the client sees it now.
-View view_of(Context& context, const Request& request, const Phase* phase) {
-  std::optional<Role> role;
-  if (request.principal) role = request.principal->role;
-  return evaluation::view_of(phase, role, phase != nullptr && context.submissions.is_final(*phase));
+ordered_json principal_json(const accounts::Principal& principal) {
+  return {{"role", enum_name(principal.role)}, {"name", principal.name}};
 }
 
-/// Submissions as the client sees them; each phase is looked at once.
-class SubmissionViews {
- public:
-  SubmissionViews(Context& context, const Request& request)
-      : context_(context), request_(request) {}
+void set_cookie(Response& response, std::string_view secret, std::int64_t seconds,
+                const Request& request, const ServerConfig& config) {
+  response.add_header("Set-Cookie",
+                      fmt::format("{}={}; Path=/; Max-Age={}; HttpOnly; SameSite=Strict{}",
+                                  session_cookie(request, config), secret, seconds,
+                                  is_encrypted(request, config) ? "; Secure" : ""));
+}
 
-  ordered_json json(const Submission& submission) {
-    const PhaseView& phase = of(submission.phase);
-    return evaluation::submission_json(submission, phase.view, phase.best.contains(submission.id));
+ordered_json team_json(const accounts::Team& team) {
+  return {{"id", team.id},
+          {"name", team.name},
+          {"contact", team.contact},
+          {"created", detail::iso_time(team.created)},
+          {"approved", team.approved.has_value()},
+          {"submissions", team.submissions}};
+}
+
+/// An organiser makes a team whenever they like, and approves it by that.
+Response register_team(RouteContext& context, const Request& request) {
+  const bool organiser = request.is_from(accounts::ClientRole::kOrganiser);
+  if (!organiser) {
+    if (!context.config.open_registration) {
+      throw HttpError(403, "registration is closed: ask the organisers for a team");
+    }
+    context.registrations.count(detail::address_group(request.address), context.db.now());
   }
+  const ordered_json body = parse_object(request.body);
+  const std::string name = text_field(body, "name");
+  const accounts::NewTeam team =
+      accounts::add_team(context.db, name, text_field(body, "contact", Presence::kOptional));
+  if (organiser) accounts::set_approved(context.db, team.id, true);
+  return json_response(
+      {{"id", team.id}, {"name", name}, {"token", team.token}, {"approved", organiser}}, 201);
+}
 
- private:
-  struct PhaseView {
-    View view;
+Response list_teams(RouteContext& context, const Request& /*request*/) {
+  return json_response({{"teams", detail::json_list(accounts::list_teams(context.db), team_json)}});
+}
+
+Response set_approval(RouteContext& context, const Request& request) {
+  constexpr const char* kMissing = "no such team";
+  const std::int64_t id = request.id("team", kMissing);
+  const ordered_json body = parse_object(request.body);
+  const ordered_json& approved =
+      form_field(body, "approved", &ordered_json::is_boolean, "true or false");
+  if (!accounts::set_approved(context.db, id, approved.get<bool>())) {
+    throw HttpError(404, kMissing);
+  }
+  return json_response(team_json(accounts::find_team(context.db, id).value()));
+}
+
+Response log_in(RouteContext& context, const Request& request) {
+  const auto principal =
+      accounts::find_token(context.db, text_field(parse_object(request.body), "token"));
+  if (!principal) {
+    context.failures.count(request.address, context.db.now());
+    throw HttpError(401, "the token is unknown, expired or revoked");
+  }
+  // Workers come by a link, and their pages keep the token: a frame inside another site has no
+  // cookies.
+  if (principal->role == accounts::ClientRole::kWorker) throw HttpError(403, "not for workers");
+  Response response = json_response(principal_json(*principal));
+  set_cookie(response, accounts::start_session(context.db, *principal), accounts::kSessionSeconds,
+             request, context.config);
+  return response;
+}
+
+Response session(RouteContext& context, const Request& request) {
+  if (!request.principal) return json_response({{"role", "stranger"}});
+  ordered_json out = principal_json(*request.principal);
+  if (request.is_from(accounts::ClientRole::kTeam)) {
+    out["approved"] = accounts::is_approved(context.db, request.principal->team);
+  }
+  return json_response(out);
+}
+
+Response log_out(RouteContext& context, const Request& request) {
+  if (request.principal && request.principal->by_cookie) {
+    accounts::end_sessions(context.db, request.principal->token);
+  }
+  Response response = json_response(ordered_json::object());
+  set_cookie(response, "", 0, request, context.config);
+  return response;
+}
+
+/// A phase as the client sees it now.
+PhaseView view_of(RouteContext& context, const Request& request, const Phase* phase) {
+  const bool is_final = phase != nullptr && context.submissions.is_final(*phase);
+  return evaluation::view_of(phase, request.role(), is_final);
+}
+
+/// Gives submissions as the client sees them; each phase is looked at once.
+/// \pre context and request outlive it
+auto viewer(RouteContext& context, const Request& request) {
+  struct SeenPhase {
+    PhaseView view;
     std::set<std::int64_t> best;  // submissions that stand for their teams, where it matters
   };
-
-  const PhaseView& of(const std::string& name) {
-    const auto [found, is_new] = seen_.try_emplace(name);
-    PhaseView& made = found->second;
-    if (!is_new) return made;
-    const Phase* phase = context_.site->find_phase(name);
-    made.view = view_of(context_, request_, phase);
-    if (made.view.visibility != Visibility::kBestRows) return made;
-    const auto scored = context_.submissions.scored(*phase);
-    for (const Submission& one : evaluation::best_submissions(scored, made.view)) {
-      made.best.insert(one.id);
+  return [&, seen = std::map<std::string, SeenPhase>()](const Submission& submission) mutable {
+    const auto [found, is_new] = seen.try_emplace(submission.phase);
+    SeenPhase& of = found->second;
+    const Phase* phase = context.site->find_phase(submission.phase);
+    if (is_new) of.view = view_of(context, request, phase);
+    if (is_new && of.view.visibility == Visibility::kBestRows) {
+      const auto scored = context.submissions.scored(*phase);
+      for (const Submission& one : evaluation::best_submissions(scored, of.view)) {
+        of.best.insert(one.id);
+      }
     }
-    return made;
-  }
-
-  Context& context_;
-  const Request& request_;
-  std::map<std::string, PhaseView> seen_;
-};
+    return evaluation::submission_json(submission, of.view, of.best.contains(submission.id));
+  };
+}
 
 /// null: no limit
 ordered_json limit_json(std::optional<int> most) {
@@ -84,7 +159,7 @@ ordered_json leakage_json(const evaluation::Leakage& leakage, bool organiser) {
   return out;
 }
 
-ordered_json phase_json(Context& context, const Phase& phase, bool organiser) {
+ordered_json phase_json(RouteContext& context, const Phase& phase, bool organiser) {
   ordered_json out{
       {"phase", phase.name},
       {"title", phase.title},
@@ -92,7 +167,7 @@ ordered_json phase_json(Context& context, const Phase& phase, bool organiser) {
       {"task", phase.benchmark->name},
       {"task_title", phase.benchmark->title},
       {"scorer", phase.scorer->name},
-      {"episodes", count_episodes(context.site->secret_episodes(phase))},
+      {"episodes", context.site->secret_episodes(phase).split.size()},
       {"goals_secret", phase.goals_secret()},
       {"scores", enum_name(phase.scores)},
       {"primary", phase.primary},
@@ -112,14 +187,14 @@ ordered_json phase_json(Context& context, const Phase& phase, bool organiser) {
   return out;
 }
 
-Response phases(Context& context, const Request& request) {
-  const bool organiser = request.is_from(Role::kOrganiser);
+Response phases(RouteContext& context, const Request& request) {
+  const bool organiser = request.is_from(ClientRole::kOrganiser);
   const auto view = [&](const Phase& phase) { return phase_json(context, phase, organiser); };
   return json_response({{"registration", context.config.open_registration ? "open" : "closed"},
                         {"phases", detail::json_list(context.site->phases(), view)}});
 }
 
-Response receive(Context& context, const Request& request) {
+Response receive(RouteContext& context, const Request& request) {
   const evaluation::Receipt receipt =
       context.submissions.receive({request.principal->team,
                                    request.address,
@@ -127,42 +202,41 @@ Response receive(Context& context, const Request& request) {
                                    request.text("method"),
                                    {request.text("paper"), request.text("code")}},
                                   request.body);
-  ordered_json out = SubmissionViews(context, request).json(receipt.submission);
+  ordered_json out = viewer(context, request)(receipt.submission);
   out["warnings"] = detail::json_list(receipt.warnings,
                                       [](const Diagnostic& warning) { return to_string(warning); });
   return json_response(out, receipt.known ? 200 : 202);
 }
 
 /// The submission of the path, if the client may see it.
-Submission submission_of(Context& context, const Request& request) {
+Submission submission_of(RouteContext& context, const Request& request) {
   constexpr const char* kMissing = "no such submission of this team";
   const auto found = context.submissions.find(request.id("id", kMissing));
   const accounts::Principal& principal = *request.principal;
-  if (!found || (principal.role != Role::kOrganiser && found->team != principal.team)) {
+  if (!found || (principal.role != ClientRole::kOrganiser && found->team != principal.team)) {
     throw HttpError(404, kMissing);
   }
   return *found;
 }
 
-Response list_submissions(Context& context, const Request& request) {
+Response list_submissions(RouteContext& context, const Request& request) {
   const accounts::Principal& principal = request.known_principal();
-  if (principal.role != Role::kTeam && principal.role != Role::kOrganiser) {
+  if (principal.role != ClientRole::kTeam && principal.role != ClientRole::kOrganiser) {
     throw HttpError(403, "this is for a team or an organiser");
   }
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   const std::int64_t before = request.number("before", kMost, 1, kMost);
-  SubmissionViews views(context, request);
-  const auto view = [&views](const Submission& one) { return views.json(one); };
   return json_response(
-      {{"submissions", detail::json_list(context.submissions.list(principal.team, before), view)}});
+      {{"submissions", detail::json_list(context.submissions.list(principal.team, before),
+                                         viewer(context, request))}});
 }
 
-Response show_submission(Context& context, const Request& request) {
+Response show_submission(RouteContext& context, const Request& request) {
   request.known_principal();
-  return json_response(SubmissionViews(context, request).json(submission_of(context, request)));
+  return json_response(viewer(context, request)(submission_of(context, request)));
 }
 
-Response withdraw(Context& context, const Request& request) {
+Response withdraw(RouteContext& context, const Request& request) {
   context.submissions.withdraw(request.principal->team, submission_of(context, request).id);
   return json_response(ordered_json::object());
 }
@@ -175,13 +249,15 @@ std::string withheld_text(const Phase& phase) {
                      detail::iso_time(*phase.ends));
 }
 
-Response leaderboard(Context& context, const Request& request) {
+Response leaderboard(RouteContext& context, const Request& request) {
   const Phase* phase = context.site->find_phase(request.parameter("phase"));
   if (phase == nullptr) throw HttpError(404, "no phase of this name");
-  const View view = view_of(context, request, phase);
+  const PhaseView view = view_of(context, request, phase);
   if (view.visibility == Visibility::kNothing) throw HttpError(403, withheld_text(*phase));
-  const ordered_json rows = evaluation::leaderboard_rows(context.submissions.scored(*phase), view,
-                                                         request.text("all") == "1");
+  const ordered_json rows = detail::json_list(
+      evaluation::best_submissions(context.submissions.scored(*phase), view,
+                                   request.text("all") == "1"),
+      [&view](const Submission& one) { return evaluation::submission_json(one, view, true); });
   if (request.text("format") == "csv") {
     return csv_response(evaluation::leaderboard_csv(rows, *phase));
   }
@@ -199,6 +275,12 @@ Response leaderboard(Context& context, const Request& request) {
 }  // namespace
 
 void add_evaluation_routes(Router& router, std::size_t most_bytes) {
+  router.add({"POST", "/api/v1/teams", Access::kPublic, register_team});
+  router.add({"GET", "/api/v1/teams", Access::kOrganiser, list_teams});
+  router.add({"PUT", "/api/v1/teams/{team}/approval", Access::kOrganiser, set_approval});
+  router.add({"POST", "/api/v1/session", Access::kPublic, log_in});
+  router.add({"GET", "/api/v1/session", Access::kPublic, session});
+  router.add({"DELETE", "/api/v1/session", Access::kPublic, log_out});
   const std::string one = "/api/v1/submissions/{id}";
   router.add({"GET", "/api/v1/phases", Access::kPublic, phases});
   router.add({"POST", "/api/v1/submissions", Access::kTeam, receive, most_bytes});

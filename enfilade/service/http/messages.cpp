@@ -3,15 +3,17 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <ranges>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/service/detail/json_limits.h"
+#include "enfilade/service/detail/fields.h"
+#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/detail/refusal.h"
-#include "enfilade/service/store/health.h"
+#include "enfilade/service/detail/texts.h"
+#include "enfilade/service/store/database.h"
 
 namespace enfilade::service::http {
 namespace {
@@ -86,22 +88,19 @@ Response try_later(std::string_view message) {
   return response;
 }
 
-/// Of a name or a value in a query.
+/// A part of a query: + is a blank, too.
 std::string decode(std::string_view text) {
-  std::string decoded;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    unsigned char byte = 0;
-    const std::string_view digits = text.substr(k + 1, 2);
-    const char* end = digits.data() + digits.size();
-    if (text[k] == '%' && digits.size() == 2 &&
-        std::from_chars(digits.data(), end, byte, 16).ptr == end) {
-      decoded += static_cast<char>(byte);
-      k += 2;
-    } else {
-      decoded += text[k] == '+' ? ' ' : text[k];
-    }
-  }
-  return decoded;
+  std::string blanks(text);
+  std::ranges::replace(blanks, '+', ' ');
+  return detail::decode_percent(blanks);
+}
+
+constexpr std::size_t kWorthCompressing = 1024;  // bytes; of less, the headers are the larger part
+
+// Pictures are compressed already.
+bool is_worth_compressing(std::string_view type) {
+  return type.starts_with("text/") || type.starts_with("application/json") ||
+         type.starts_with("image/svg") || type == "application/octet-stream";
 }
 
 }  // namespace
@@ -172,11 +171,15 @@ void Response::add_header(std::string name, std::string value) {
   headers.emplace_back(std::move(name), std::move(value));
 }
 
-Response text_response(std::string type, std::string text) {
+Response shared_response(std::string type, std::shared_ptr<const std::string> body) {
   Response response;
   response.type = std::move(type);
-  response.body = std::make_shared<const std::string>(std::move(text));
+  response.body = std::move(body);
   return response;
+}
+
+Response text_response(std::string type, std::string text) {
+  return shared_response(std::move(type), std::make_shared<const std::string>(std::move(text)));
 }
 
 Response json_response(const ordered_json& json, int status) {
@@ -189,14 +192,8 @@ Response csv_response(std::string csv) {
   return text_response("text/csv; charset=utf-8", std::move(csv));
 }
 
-Response file_response(std::string json, const std::string& name) {
-  Response response = text_response("application/json", std::move(json));
-  response.add_header("Content-Disposition", fmt::format("attachment; filename=\"{}\"", name));
-  return response;
-}
-
-Response archive_response(std::string zip, const std::string& name) {
-  Response response = text_response("application/zip", std::move(zip));
+Response file_response(std::string type, std::string content, const std::string& name) {
+  Response response = text_response(std::move(type), std::move(content));
   response.add_header("Content-Disposition", fmt::format("attachment; filename=\"{}\"", name));
   return response;
 }
@@ -249,13 +246,75 @@ ordered_json parse_object(const std::string& body) {
   return object;
 }
 
-std::string text_field(const ordered_json& object, const char* name, Presence presence) {
+const ordered_json& form_field(const ordered_json& object, const char* name,
+                               bool (ordered_json::*is)() const noexcept, const char* what) {
   const auto found = object.find(name);
-  if (found == object.end() && presence == Presence::kOptional) return {};
-  if (found == object.end() || !found->is_string()) {
-    throw HttpError(400, fmt::format("{}: must be there, and a text", name));
+  if (found == object.end() || !((*found).*is)()) {
+    throw HttpError(400, fmt::format("{}: must be there, and {}", name, what));
   }
-  return found->get<std::string>();
+  return *found;
+}
+
+std::string text_field(const ordered_json& object, const char* name, Presence presence) {
+  if (presence == Presence::kOptional && !object.contains(name)) return {};
+  return form_field(object, name, &ordered_json::is_string, "a text").get<std::string>();
+}
+
+bool accepts_gzip(const Request& request) {
+  const std::string_view accepted = request.header("accept-encoding");
+  return accepted.find("gzip") != std::string_view::npos &&
+         accepted.find("gzip;q=0") == std::string_view::npos;
+}
+
+void compress(const Request& request, Response& response) {
+  if (!is_worth_compressing(response.type) || response.body->size() < kWorthCompressing) return;
+  if (response.header("Content-Encoding")) return;
+  response.add_header("Vary", "Accept-Encoding");
+  if (!accepts_gzip(request)) return;
+  response.body = std::make_shared<const std::string>(gzip(*response.body, 5));
+  response.add_header("Content-Encoding", "gzip");
+}
+
+void compare_with_cached(const Request& request, Response& response) {
+  const std::string_view known = request.header("if-none-match");
+  const auto tag = response.header("ETag");
+  if (response.status != 200 || !tag || known.find(*tag) == std::string_view::npos) return;
+  response.status = 304;
+  response.body = std::make_shared<const std::string>();
+}
+
+bool is_encrypted(const Request& request, const ServerConfig& config) {
+  return config.behind_proxy && request.header("x-forwarded-proto") == "https";
+}
+
+std::string session_cookie(const Request& request, const ServerConfig& config) {
+  const auto host = detail::parse_host(request.header("host"));
+  const bool with_port = host && !host->port.empty();
+  return fmt::format("{}{}{}{}", is_encrypted(request, config) ? "__Host-" : "",
+                     accounts::kSessionCookie, with_port ? "_" : "", with_port ? host->port : "");
+}
+
+std::string content_policy(std::string_view form_action, std::string_view frame_ancestors) {
+  return fmt::format(
+      "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+      "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action {}; frame-ancestors {}",
+      form_action, frame_ancestors);
+}
+
+void add_security_headers(Response& response) {
+  const auto add = [&response](const char* name, std::string_view value) {
+    if (!response.header(name)) response.add_header(name, std::string(value));
+  };
+  static const std::string kContentPolicy = content_policy("'self'", "'none'");
+  add("Content-Security-Policy", kContentPolicy);
+  add("X-Content-Type-Options", "nosniff");
+  if (!response.frameable) add("X-Frame-Options", "DENY");
+  add("Referrer-Policy", "no-referrer");
+  add("Cross-Origin-Opener-Policy", "same-origin");
+  add("Cross-Origin-Resource-Policy", "same-origin");
+  add("Permissions-Policy", "camera=(), microphone=(), geolocation=(), payment=()");
+  // Responses may depend on the client: none is cached unless its route says so.
+  add("Cache-Control", "no-store");
 }
 
 }  // namespace enfilade::service::http

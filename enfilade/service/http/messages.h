@@ -1,4 +1,5 @@
-/// \file  Requests and responses as routes see them, whatever library carries them.
+/// \file  Requests and responses as routes see them, whatever library carries them, and the headers
+/// that all responses get.
 #pragma once
 #include <cstdint>
 #include <exception>
@@ -13,6 +14,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/service/accounts/tokens.h"
+#include "enfilade/service/server.h"
 
 namespace enfilade::service::http {
 
@@ -49,7 +51,10 @@ struct Request {
                       std::int64_t most) const;
   std::string text(std::string_view name) const;  ///< of the query; "" if absent
 
-  bool is_from(accounts::Role role) const { return principal && principal->role == role; }
+  std::optional<accounts::ClientRole> role() const {  ///< of the sender, if identified
+    return principal ? std::optional(principal->role) : std::nullopt;
+  }
+  bool is_from(accounts::ClientRole wanted) const { return role() == wanted; }
   /// \throws HttpError 401 if the client is not identified
   const accounts::Principal& known_principal() const;
 };
@@ -72,11 +77,11 @@ struct Response {
 };
 Response json_response(const nlohmann::ordered_json& json, int status = 200);
 Response text_response(std::string type, std::string text);
+/// The same bytes for all requests.
+Response shared_response(std::string type, std::shared_ptr<const std::string> body);
 Response csv_response(std::string csv);
-/// JSON to be saved as a file.
-Response file_response(std::string json, const std::string& name);
-/// A zip file, to be saved.
-Response archive_response(std::string zip, const std::string& name);
+/// A file to be saved.
+Response file_response(std::string type, std::string content, const std::string& name);
 
 /// {"error": {"code", "message"}}, with "diagnostics" if there are any: at most 200 of them, and
 /// how many there were. The code is the word of the status: "not-found" of 404.
@@ -90,9 +95,37 @@ Response error_response(const std::exception_ptr& thrown, std::string& fault);
 
 /// The body as a JSON object. \throws HttpError 400 if it is not one, or beyond detail::kFormLimits
 nlohmann::ordered_json parse_object(const std::string& body);
+/// A field of an object that must be there. \param is of JSON: &ordered_json::is_array
+/// \param what "a list", for the message of HttpError 400
+const nlohmann::ordered_json& form_field(const nlohmann::ordered_json& object, const char* name,
+                                         bool (nlohmann::ordered_json::*is)() const noexcept,
+                                         const char* what);
 enum class Presence : std::uint8_t { kRequired, kOptional };
 /// A text of an object. \throws HttpError 400 if it is not a text, or is required and absent
 std::string text_field(const nlohmann::ordered_json& object, const char* name,
                        Presence presence = Presence::kRequired);
+
+// Headers of responses: security, compression, caching.
+
+bool accepts_gzip(const Request& request);
+/// Compresses a text that is long enough, for a client that accepts it.
+void compress(const Request& request, Response& response);
+/// Makes it a 304 if the client's cached copy has the same ETag.
+void compare_with_cached(const Request& request, Response& response);
+
+/// Whether the visitor's side of the connection is encrypted, as a trusted proxy reports.
+bool is_encrypted(const Request& request, const ServerConfig& config);
+/// The name of the session's cookie. A browser sends a host's cookies to all its ports. So the
+/// visitor's port is part of the name, or two servers would log each other's visitors out. On
+/// encrypted connections it begins with "__Host-", so pages of the domain's other hosts cannot set
+/// it.
+std::string session_cookie(const Request& request, const ServerConfig& config);
+
+/// A Content-Security-Policy: scripts and styles from the server's own files only, pictures from it
+/// and from memory.
+std::string content_policy(std::string_view form_action, std::string_view frame_ancestors);
+
+/// Adds the security headers that the response does not have yet.
+void add_security_headers(Response& response);
 
 }  // namespace enfilade::service::http

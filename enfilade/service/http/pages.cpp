@@ -1,12 +1,16 @@
-// The built pages and assets of the web client.
+// The built pages and assets of the web client. For administrators: health, metrics, the API's
+// description.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
 
-#include "enfilade/draw/markup.h"
-#include "enfilade/service/collecting/collections.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/gzip.h"
-#include "enfilade/service/http/headers.h"
+#include "enfilade/draw/markup.h"
+#include "enfilade/service/collecting/assignments.h"
+#include "enfilade/service/http/messages.h"
 #include "enfilade/service/http/routes.h"
 #include "enfilade/service/http/web_files.h"
 
@@ -14,7 +18,7 @@ namespace enfilade::service::http {
 namespace {
 
 /// Mechanical Turk shows a collection's page in a frame and receives its form.
-void allow_platform(Context& context, const Request& request, Response& response) {
+void allow_platform(RouteContext& context, const Request& request, Response& response) {
   const auto collection = collecting::find_collection(context.db, request.text("collection"));
   if (!collection || collection->platform.kind != collecting::PlatformKind::kMturk) return;
   const std::string origins = fmt::format("{}", fmt::join(collection->platform.origins, " "));
@@ -47,6 +51,35 @@ const std::string& style_links() {
   return kLinks;
 }
 
+// By store::Trouble. Strangers may ask: details, which name files, are in the log.
+constexpr std::array<std::string_view, names_of(store::Trouble{}).size()> kExplanations{
+    "the disk of the database is full, or nearly so",
+    "the database's file was moved or replaced; the server must be started again",
+    "the database cannot be read", "the database cannot be written",
+    "the database's server cannot be reached"};
+
+Response health(RouteContext& context, const Request& /*request*/) {
+  if (const auto trouble = context.health.trouble()) {
+    return error_response(503, enum_name(*trouble),
+                          kExplanations[static_cast<std::size_t>(*trouble)]);
+  }
+  return json_response({{"status", "ok"}});
+}
+
+Response metrics(RouteContext& context, const Request& /*request*/) {
+  return text_response(
+      "text/plain; version=0.0.4; charset=utf-8",
+      context.metrics.text(
+          {{"enfilade_submissions_queued", static_cast<double>(context.submissions.queued())},
+           {"enfilade_work_to_review",
+            static_cast<double>(collecting::waiting_for_review(context.db))},
+           {"process_resident_memory_bytes", static_cast<double>(resident_bytes())}}));
+}
+
+Response description(RouteContext& /*context*/, const Request& /*request*/) {
+  return text_response("application/json", std::string(kOpenApi));
+}
+
 }  // namespace
 
 bool is_page(std::string_view path) { return path == "/" || find_file(path) != nullptr; }
@@ -71,7 +104,7 @@ void show_to_people(const Request& request, Response& error) {
 }
 
 // "/leaderboard" is the file /leaderboard.html. Names of assets change with their content.
-Response page(Context& context, const Request& request) {
+Response page(RouteContext& context, const Request& request) {
   const WebFile* found = find_file(request.path);
   if (found == nullptr) {
     if (request.path == "/") {
@@ -94,6 +127,12 @@ Response page(Context& context, const Request& request) {
   if (found->path == "/collect.html" || found->path == "/walk.html")
     allow_platform(context, request, response);
   return response;
+}
+
+void add_operation_routes(Router& router) {
+  router.add({"GET", "/healthz", Access::kPublic, health});
+  router.add({"GET", "/metrics", Access::kPublic, metrics});
+  router.add({"GET", "/api/v1/openapi.json", Access::kPublic, description});
 }
 
 }  // namespace enfilade::service::http

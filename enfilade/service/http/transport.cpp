@@ -1,4 +1,5 @@
-#include "enfilade/service/http/transport.h"
+// A server: requests come by cpp-httplib. Only this file, sockets/ and client.cpp see it.
+#include "enfilade/service/http/routes.h"
 
 #include <fmt/format.h>
 #include <httplib.h>
@@ -8,13 +9,13 @@
 #include <thread>
 #include <utility>
 
-#include "enfilade/service/detail/addresses.h"
+#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/detail/texts.h"
-#include "enfilade/service/http/headers.h"
-#include "enfilade/service/http/sockets/body.h"
+#include "enfilade/service/http/messages.h"
 #include "enfilade/service/http/sockets/connection.h"
 
-namespace enfilade::service::http {
+namespace enfilade::service {
+namespace http {
 namespace {
 
 constexpr std::size_t kLongestTarget = 2048;
@@ -23,7 +24,7 @@ constexpr std::size_t kLeastRoom = 1U << 20U;  // for a body; what a worker subm
 /// The last entry of a list: of X-Forwarded-For the address that the proxy itself saw.
 std::string last_entry(std::string_view header) {
   header = header.substr(header.rfind(',') + 1);  // without a comma npos + 1 = 0
-  header.remove_prefix(std::min(header.find_first_not_of(' '), header.size()));
+  header.remove_prefix(std::min(header.find_first_not_of(" \t"), header.size()));
   return std::string(header);
 }
 
@@ -39,8 +40,11 @@ Request convert(const httplib::Request& from, bool behind_proxy) {
     if (!added) at->second += (at->first == "cookie" ? "; " : ", ") + value;
   }
   request.address = from.remote_addr;
-  if (behind_proxy && !request.header("x-forwarded-for").empty()) {
-    request.address = last_entry(request.header("x-forwarded-for"));
+  if (behind_proxy) {
+    // What is no address stays the proxy's own: as an address of its own, each made-up text would
+    // have limits of its own.
+    auto client = detail::parse_address(last_entry(request.header("x-forwarded-for")));
+    if (client) request.address = std::move(*client);
   }
   const auto protocol = request.headers.find("x-forwarded-proto");
   if (protocol != request.headers.end()) protocol->second = last_entry(protocol->second);
@@ -116,19 +120,21 @@ bool matches_no_route(const httplib::Request& request) {
 
 }  // namespace
 
-struct Transport::Impl {
-  App& app;
+}  // namespace http
+
+struct Server::Impl {
+  http::App app;
   ServerConfig config;
-  sockets::BoundedServer server;
-  sockets::BodyRoom room;
+  http::sockets::BoundedServer server;
+  http::sockets::BodyRoom room;
   int port = 0;
   std::thread listener;
 
-  Impl(App& its_app, const ServerConfig& its_config)
-      : app(its_app),
+  Impl(const std::shared_ptr<const Site>& site, const ServerConfig& its_config)
+      : app(site, its_config),
         config(its_config),
         server(config.body_seconds),
-        room(std::max(config.most_submission_bytes, kLeastRoom)) {
+        room(std::max(config.most_submission_bytes, http::kLeastRoom)) {
     configure();
     route();
     port = config.port == 0 ? server.bind_to_any_port(config.host)
@@ -160,14 +166,14 @@ struct Transport::Impl {
       auto& own = const_cast<httplib::Request&>(from);  // cpp-httplib's own object, passed as const
       // The pages request no byte ranges, and cpp-httplib 0.11 answers them wrongly.
       own.ranges.clear();
-      if (end_is_unclear(from)) {
+      if (http::end_is_unclear(from)) {
         own.method = "GET";  // an answer to HEAD has no provider that could close the connection
-        refuse(400, "it is not clear where this request ends", to);
-      } else if (from.path.size() > kLongestTarget) {
+        http::refuse(400, "it is not clear where this request ends", to);
+      } else if (from.path.size() > http::kLongestTarget) {
         // cpp-httplib matches targets with std::regex, which crashes on a long one.
-        refuse(414, "the path is too long", to);
-      } else if (matches_no_route(from)) {
-        refuse(400, "this is no acceptable request", to);
+        http::refuse(414, "the path is too long", to);
+      } else if (http::matches_no_route(from)) {
+        http::refuse(400, "this is no acceptable request", to);
       } else {
         return httplib::Server::HandlerResponse::Unhandled;
       }
@@ -177,10 +183,10 @@ struct Transport::Impl {
     server.set_error_handler([](const httplib::Request& from, httplib::Response& to) {
       const_cast<httplib::Request&>(from).ranges.clear();
       if (to.has_header("Content-Security-Policy")) return;  // ours
-      refuse(to.status, "this is no acceptable request", to);
+      http::refuse(to.status, "this is no acceptable request", to);
     });
     const auto without_body = [this](const httplib::Request& from, httplib::Response& to) {
-      convert(app.handle(convert(from, config.behind_proxy)), to);
+      http::convert(app.handle(http::convert(from, config.behind_proxy)), to);
     };
     server.Get(".*", without_body);
     server.Options(".*", without_body);  // has no route: the answer says which methods have one
@@ -196,34 +202,38 @@ struct Transport::Impl {
 
   void answer_with_body(const httplib::Request& from, httplib::Response& to,
                         const httplib::ContentReader& reader) {
-    if (!has_body(from)) {  // cpp-httplib would wait for a body
-      convert(app.handle(convert(from, config.behind_proxy)), to);
+    if (!http::has_body(from)) {  // cpp-httplib would wait for a body
+      http::convert(app.handle(http::convert(from, config.behind_proxy)), to);
       return;
     }
     if (from.is_multipart_form_data()) {  // cpp-httplib would parse the parts
-      refuse(415, "no route takes a form in parts", to);
+      http::refuse(415, "no route takes a form in parts", to);
       return;
     }
-    Request request = convert(from, config.behind_proxy);
+    http::Request request = http::convert(from, config.behind_proxy);
     auto& own = const_cast<httplib::Request&>(from);  // as above
-    sockets::Body body(own, reader, detail::address_group(request.address), room,
-                       config.body_seconds);
-    Response response =
+    http::sockets::RequestBody body(own, reader, detail::address_group(request.address), room,
+                                    config.body_seconds);
+    http::Response response =
         app.handle(std::move(request), [&body](std::size_t most) { return body.read(most); });
-    convert(std::move(response), to, body.finish() ? AfterAnswer::kStays : AfterAnswer::kCloses);
+    http::convert(std::move(response), to,
+                  body.finish() ? http::AfterAnswer::kStays : http::AfterAnswer::kCloses);
   }
 };
 
-Transport::Transport(App& app, const ServerConfig& config)
-    : impl_(std::make_unique<Impl>(app, config)) {}
+Server::Server(const std::shared_ptr<const Site>& site, const ServerConfig& config) {
+  check_range("port", config.port, 0, 65535);
+  check_range("threads", config.threads, 1, 4096);
+  impl_ = std::make_unique<Impl>(site, config);
+}
 
-Transport::~Transport() { stop(); }
+Server::~Server() { stop(); }
 
-int Transport::port() const noexcept { return impl_->port; }
+int Server::port() const noexcept { return impl_->port; }
 
-void Transport::stop() {
+void Server::stop() {
   impl_->server.stop();
   if (impl_->listener.joinable()) impl_->listener.join();
 }
 
-}  // namespace enfilade::service::http
+}  // namespace enfilade::service

@@ -1,4 +1,5 @@
-/// \file  The files of the web client, which a build step puts into the library. See web/README.md.
+/// \file  What build steps put into the library: the files of the web client (web/README.md), and
+/// the description of the API.
 #pragma once
 #include <span>
 #include <string_view>
@@ -15,5 +16,7 @@ struct WebFile {
 
 /// Sorted by path; empty in a build without npm.
 std::span<const WebFile> web_files();
+
+extern const std::string_view kOpenApi;  ///< openapi.json
 
 }  // namespace enfilade::service::http

@@ -12,9 +12,6 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/service/store/health.h"
-#include "enfilade/service/store/schema.h"
-#include "enfilade/service/store/sqlite.h"
 #include "tests/support/databases.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"

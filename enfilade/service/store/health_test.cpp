@@ -1,4 +1,4 @@
-#include "enfilade/service/store/health.h"
+#include "enfilade/service/store/database.h"
 
 #include <gmock/gmock.h>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "enfilade/service/store/postgres.h"
+#include "enfilade/service/store/database.h"
 
 #include <fmt/format.h>
 #include <libpq-fe.h>
@@ -20,8 +20,8 @@ using Cause = DatabaseError::Cause;
 // Types, as PostgreSQL's catalogue numbers them for good.
 constexpr Oid kBoolean = 16, kBytes = 17, kInteger = 20, kText = 25, kReal = 701;
 
-/// In the order of Parameter::Type.
-constexpr std::array<Oid, 4> kTypes{kInteger, kReal, kText, kBytes};
+/// In the order of Parameter::ValueType.
+constexpr std::array<Oid, 4> kOids{kInteger, kReal, kText, kBytes};
 
 // "ENFI": the lock that a writer holds until the end of the transaction.
 constexpr int kLock = 0x454e4649;
@@ -31,7 +31,7 @@ constexpr const char* kLost = "the connection to the server was lost";
 // A server that is gone is not asked again by each request in a row.
 constexpr std::chrono::milliseconds kBetweenAttempts{500};
 
-/// What of schema.h PostgreSQL writes otherwise, in the order in which it is replaced. Texts are
+/// What of kMigrations PostgreSQL writes otherwise, in the order in which it is replaced. Texts are
 /// compared and sorted by their bytes as SQLite does, whatever the database's language. Names of
 /// teams have an index of their own, without regard to case.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kDialect{{
@@ -82,6 +82,7 @@ std::string numbered(std::string_view sql) {
 struct Finish {
   void operator()(PGconn* connection) const noexcept { PQfinish(connection); }
   void operator()(PGresult* result) const noexcept { PQclear(result); }
+  void operator()(PQconninfoOption* options) const noexcept { PQconninfoFree(options); }
   void operator()(unsigned char* memory) const noexcept { PQfreemem(memory); }
 };
 using Result = std::unique_ptr<PGresult, Finish>;
@@ -97,15 +98,10 @@ std::string number_text(const Parameter& value) {
   return real == nullptr ? std::string() : fmt::format("{}", *real);
 }
 
-struct FreeOptions {
-  void operator()(PQconninfoOption* options) const noexcept { PQconninfoFree(options); }
-};
-
 /// \throws FileError for a URL that libpq reads otherwise than it was meant: it would tell a part
 /// of the password in its messages
 void check_url(const std::string& url) {
-  const std::unique_ptr<PQconninfoOption, FreeOptions> options(
-      PQconninfoParse(url.c_str(), nullptr));
+  const std::unique_ptr<PQconninfoOption, Finish> options(PQconninfoParse(url.c_str(), nullptr));
   bool good = options != nullptr;
   for (const PQconninfoOption* one = options.get(); good && one->keyword != nullptr; ++one) {
     const std::string_view key = one->keyword;
@@ -120,7 +116,7 @@ void check_url(const std::string& url) {
       shown(url)));
 }
 
-class PostgresRows final : public Rows {
+class PostgresRows final : public ResultSet {
  public:
   explicit PostgresRows(Result result) : result_(std::move(result)) {}
 
@@ -197,7 +193,8 @@ class PostgresConnection final : public Connection {
   int run(const std::string& sql, std::span<const Parameter> values) override {
     return std::atoi(PQcmdTuples(execute(sql, values).get()));
   }
-  std::unique_ptr<Rows> select(const std::string& sql, std::span<const Parameter> values) override {
+  std::unique_ptr<ResultSet> select(const std::string& sql,
+                                    std::span<const Parameter> values) override {
     ensure_connected();
     return std::make_unique<PostgresRows>(execute(sql, values));
   }
@@ -338,7 +335,7 @@ class PostgresConnection final : public Connection {
     std::string key = sql;
     std::vector<Oid> types;
     for (const Parameter& value : values) {
-      types.push_back(kTypes.at(static_cast<std::size_t>(value.type)));
+      types.push_back(kOids.at(static_cast<std::size_t>(value.type)));
       key += fmt::format(" {}", types.back());
     }
     const auto known = statements_.find(key);

@@ -1,4 +1,4 @@
-#include "enfilade/service/store/sqlite.h"
+#include "enfilade/service/store/database.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fcntl.h>
@@ -83,17 +83,17 @@ auto told(const Do& something) {
 }
 
 void bind(SQLite::Statement& statement, int k, const Parameter& value) {
-  if (const auto* integer = std::get_if<std::int64_t>(&value.value)) {
-    statement.bind(k, *integer);
-  } else if (const auto* real = std::get_if<double>(&value.value)) {
-    statement.bind(k, *real);
-  } else if (const auto* text = std::get_if<std::string>(&value.value)) {
-    statement.bind(k, *text);
-  } else if (const auto* bytes = std::get_if<std::string_view>(&value.value)) {
-    statement.bind(k, bytes->data(), static_cast<int>(bytes->size()));
-  } else {
-    statement.bind(k);
-  }
+  const auto bind_one = [&](const auto& one) {
+    using Value = std::remove_cvref_t<decltype(one)>;
+    if constexpr (std::same_as<Value, std::monostate>) {
+      statement.bind(k);
+    } else if constexpr (std::same_as<Value, std::string_view>) {
+      statement.bind(k, one.data(), static_cast<int>(one.size()));
+    } else {
+      statement.bind(k, one);
+    }
+  };
+  std::visit(bind_one, value.value);
 }
 
 // Ends the use of a statement, not the statement: it holds no lock and no values then.
@@ -105,7 +105,7 @@ struct EndUse {
 };
 using Use = std::unique_ptr<SQLite::Statement, EndUse>;
 
-class SqliteRows final : public Rows {
+class SqliteRows final : public ResultSet {
  public:
   explicit SqliteRows(Use use) : use_(std::move(use)) {}
 
@@ -142,7 +142,8 @@ class SqliteConnection final : public Connection {
   int run(const std::string& sql, std::span<const Parameter> values) override {
     return told([&] { return prepare(sql, values)->exec(); });
   }
-  std::unique_ptr<Rows> select(const std::string& sql, std::span<const Parameter> values) override {
+  std::unique_ptr<ResultSet> select(const std::string& sql,
+                                    std::span<const Parameter> values) override {
     return std::make_unique<SqliteRows>(told([&] { return prepare(sql, values); }));
   }
 

@@ -1,4 +1,3 @@
-#include "enfilade/service/store/transfer.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,7 +17,7 @@
 namespace enfilade::service::store {
 namespace {
 
-using Type = Parameter::Type;
+using Type = Parameter::ValueType;
 
 struct Column {
   std::string name;
@@ -96,7 +95,7 @@ std::vector<Table> tables_of(Connection& file) {
   return tables;
 }
 
-Parameter value_of(const Rows& row, int k, Type type, std::string& bytes) {
+Parameter value_of(const ResultSet& row, int k, Type type, std::string& bytes) {
   if (row.is_null(k)) return {type};
   if (type == Type::kInteger) return {type, row.integer(k)};
   if (type == Type::kReal) return {type, row.real(k)};

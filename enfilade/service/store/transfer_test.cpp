@@ -1,4 +1,3 @@
-#include "enfilade/service/store/transfer.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "enfilade/sim/detail/camera_direction.h"
+#include "enfilade/sim/detail/navigable_views.h"
 
 #include <gtest/gtest.h>
 
@@ -15,17 +15,17 @@ namespace EN_UNIT {
 std::uint32_t bits(float x) { return std::bit_cast<std::uint32_t>(x); }
 
 void expect_defined_bits(const std::vector<double>& headings) {
-  std::vector<Direction> fast(headings.size());
+  std::vector<FloorDirection> fast(headings.size());
   compute_directions(headings, fast);
   for (std::size_t i = 0; i < headings.size(); ++i) {
-    const Direction defined = direction_of(Radians(headings[i]));
+    const FloorDirection defined = direction_of(Radians(headings[i]));
     ASSERT_EQ(bits(fast[i].x), bits(defined.x)) << headings[i];
     ASSERT_EQ(bits(fast[i].y), bits(defined.y)) << headings[i];
   }
 }
 
 TEST(CameraDirection, PointsAlongTheAxes) {
-  const Direction right = direction_of(degrees(90));
+  const FloorDirection right = direction_of(degrees(90));
   EXPECT_EQ(right.x, 1);
   EXPECT_NEAR(right.y, 0, 1e-16);  // pi/2 itself is rounded
   EXPECT_EQ(direction_of(Radians(0)).y, 1);

@@ -30,7 +30,7 @@ graph::Edge edge_to(std::size_t target, float dx, float dy, double elevation) {
 std::vector<std::uint32_t> list(const std::vector<graph::Edge>& edges, const ViewLimit& limit) {
   NavigableViews views(1, 8);
   views.clear();
-  views.add(edges, Direction{0, 1}, 0, limit);
+  views.add(edges, FloorDirection{0, 1}, 0, limit);
   views.compute();
   std::array<std::uint32_t, 8> target{};
   std::array<ViewpointIndex, 8> viewpoint{};
@@ -80,9 +80,9 @@ TEST(NavigableViews, AgentsDoNotMix) {
   const NavigableRow row{target.data(), viewpoint.data(), right.data(), up.data(), distance.data()};
   for (int round = 0; round < 2; ++round) {
     views.clear();
-    views.add(two, Direction{0, 1}, 0, {true, 0});
-    views.add(none, Direction{0, 1}, 0, {true, 0});
-    views.add(two, Direction{1, 0}, 0, {false, 0.5});
+    views.add(two, FloorDirection{0, 1}, 0, {true, 0});
+    views.add(none, FloorDirection{0, 1}, 0, {true, 0});
+    views.add(two, FloorDirection{1, 0}, 0, {false, 0.5});
     views.compute();
     EXPECT_EQ(views.write(ViewpointIndex(0), row), 3U);
     EXPECT_THAT(target, ElementsAre(0U, 2U, 1U, ::testing::_));

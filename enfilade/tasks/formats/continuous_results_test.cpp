@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/scan/data_root.h"
+#include "enfilade/tasks/continuous_score.h"
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks {
@@ -87,10 +88,10 @@ TEST(ContinuousResults, AreReadFromRxrsLines) {
 
 TEST(ContinuousResults, AreWrittenBackEqual) {
   const auto walks = parsed(kR2r);
-  const std::string text = to_json(walks, two_episodes(), ContinuousResultsForm::kR2r);
+  const std::string text = to_json(walks, two_episodes(), ContinuousForm::kR2r);
   EXPECT_EQ(Json::parse(text), Json::parse(kR2r));
   EXPECT_EQ(parsed(text), walks);
-  const std::string lines = to_json(walks, two_episodes(), ContinuousResultsForm::kRxr);
+  const std::string lines = to_json(walks, two_episodes(), ContinuousForm::kRxr);
   EXPECT_EQ(parsed(lines), parsed(kRxr));
   EXPECT_TRUE(lines.starts_with("{\"instruction_id\":\"91\"")) << lines;
 }
@@ -139,13 +140,13 @@ TEST(ContinuousResults, ReportFaultsWithTheirPaths) {
 }
 
 TEST(ContinuousResults, AreNotWrittenWhereTheirFormCannotSayThem) {
-  const auto refusal = [](const auto& damage, ContinuousResultsForm form) {
+  const auto refusal = [](const auto& damage, ContinuousForm form) {
     auto walks = parsed(kR2r);
     ContinuousEpisodes episodes = two_episodes();
     damage(walks[0], episodes);
     return tests::refusal<ArgumentError>([&] { to_json(walks, episodes, form); });
   };
-  const auto kR2rForm = ContinuousResultsForm::kR2r, kRxrForm = ContinuousResultsForm::kRxr;
+  const auto kR2rForm = ContinuousForm::kR2r, kRxrForm = ContinuousForm::kRxr;
   EXPECT_THAT(refusal([](auto& walk, auto&) { walk.episode = 2; }, kR2rForm),
               HasSubstr("a walk of episode 2; there are 2"));
   EXPECT_THAT(refusal([](auto& walk, auto&) { walk.actions.pop_back(); }, kR2rForm),
@@ -201,7 +202,7 @@ TEST(RealContinuousResults, TellTheExpertsActionsFromItsPoses) {
       }
       walks.push_back(std::move(walk));
     }
-    const std::string text = to_json(walks, episodes, ContinuousResultsForm::kR2r);
+    const std::string text = to_json(walks, episodes, ContinuousForm::kR2r);
     const auto read = parse_continuous_results(text, "<text>", episodes);
     EXPECT_TRUE(read == walks) << split;
     double ndtw = 0, success = 0;

@@ -1,8 +1,7 @@
-#include "enfilade/tasks/formats/cvdn.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,76 +9,37 @@
 #include <variant>
 
 #include "enfilade/core/numbers.h"
-#include "enfilade/tasks/formats/r2r_entries.h"
 #include "enfilade/tasks/formats/records.h"
 
 namespace enfilade::tasks::formats {
 namespace {
 
-using json::Element;
-using json::Faults;
-using json::Path;
-
-enum Wanted : std::size_t {
-  kId,
-  kScan,
-  kTarget,
-  kStart,
-  kDialogue,
-  kGame,
-  kEnds,
-  kPlayer,
-  kPlanner,
-  kFields
-};
-constexpr std::array<json::Field, kFields> kWanted{{{"inst_idx"},
-                                                    {"scan"},
-                                                    {"target"},
-                                                    {"start_pano"},
-                                                    {"dialog_history"},
-                                                    {"game_idx", false},
-                                                    {"end_panos", false},
-                                                    {"player_path", false},
-                                                    {"planner_path", false}}};
-using Found = std::array<std::optional<Element>, kFields>;
-
-enum OfStart : std::size_t { kStartPlace, kStartHeading, kStartFields };
-constexpr std::array<json::Field, kStartFields> kOfStart{{{"pano"}, {"heading"}}};
-
-enum Encoded : std::size_t {
-  kEncodedId,
-  kEncodedScan,
-  kEncodedTarget,
-  kEncodedStart,
-  kEncodedHeading,
-  kEncodedEnds,
-  kSteps,
-  kStep,
-  kTokens,
-  kEncodedFields
-};
-constexpr std::array<json::Field, kEncodedFields> kEncoded{{{"instr_id"},
-                                                            {"scan"},
-                                                            {"target", false},
-                                                            {"start_pano"},
-                                                            {"start_heading"},
-                                                            {"end_panos", false},
-                                                            {"nav_steps", false},
-                                                            {"nav_idx", false},
-                                                            {"instr_encoding"}}};
-using FoundEncoded = std::array<std::optional<Element>, kEncodedFields>;
-
-// The instance's id, or that of its dialogue.
-std::int64_t read_id(Element element, const Path& path, Faults& faults) {
-  const auto number = json::integer(element, path, faults);
-  if (number && *number < 0) {
-    faults.error(path, "negative-id", fmt::format("{} is no id; 0 and more are", *number));
+DialogueTurn read_turn(Element element, const Path& path, Faults& faults) {
+  DialogueTurn turn;
+  const Fields found(element, {"role", "message", "nav_idx"}, {}, path, faults);
+  if (!found) return turn;
+  if (const auto text = found.get("role", json::string)) {
+    turn.role = *text;
+    if (turn.role != "navigator" && turn.role != "oracle") {
+      faults.error(found.place("role"), "unknown-role",
+                   fmt::format("{:?}, neither \"navigator\" nor \"oracle\"", turn.role));
+    }
   }
-  return number.value_or(0);
+  turn.message = found.text("message");
+  turn.nav_step = found.get("nav_idx", json::integer).value_or(0);
+  if (turn.nav_step < 0) {
+    faults.error(found.place("nav_idx"), "bad-step",
+                 fmt::format("{} is no number of steps; 0 and more are", turn.nav_step));
+  }
+  return turn;
 }
 
-std::string read_text(Element element, const Path& path, Faults& faults) {
-  return std::string(json::string(element, path, faults).value_or(""));
+std::vector<DialogueTurn> read_turns(Element element, const Path& path, Faults& faults) {
+  std::vector<DialogueTurn> turns;
+  const auto list = json::array(element, path, faults);
+  if (!list) return turns;
+  for (const Element one : *list) turns.push_back(read_turn(one, Path(path, turns.size()), faults));
+  return turns;
 }
 
 std::string text_of(const std::vector<DialogueTurn>& turns, const std::string& target) {
@@ -108,17 +68,15 @@ void check_start(const std::vector<std::string>& walk, std::size_t at, const std
 }
 
 // A path of the named field, from the start on. Instances with a region have both.
-std::vector<std::string> read_walk(const Found& found, Wanted field, const std::string& start,
-                                   const Path& path, Faults& faults) {
-  const std::string_view name = kWanted[field].name;
-  if (!found[field]) {
-    faults.error(path, "missing-field", fmt::format("has \"end_panos\", but no field {:?}", name));
+std::vector<std::string> read_walk(const Fields& found, std::string_view field,
+                                   const std::string& start, const Path& path, Faults& faults) {
+  if (!found.has(field)) {
+    faults.error(path, "missing-field", fmt::format("has \"end_panos\", but no field {:?}", field));
     return {};
   }
-  const Path place(path, name);
   const std::size_t errors = faults.errors();
-  std::vector<std::string> walk = read_path(*found[field], place, faults);
-  if (faults.errors() == errors) check_start(walk, 0, start, place, faults);
+  std::vector<std::string> walk = found.get(field, read_path);
+  if (faults.errors() == errors) check_start(walk, 0, start, found.place(field), faults);
   return walk;
 }
 
@@ -130,126 +88,104 @@ const std::vector<std::string>& trusted(const NamedRegion& region) {
   return end == player.end() ? region.planner : player;
 }
 
-void read_goal(const Found& found, const Path& path, Faults& faults, std::string target,
+void read_goal(const Fields& found, const Path& path, Faults& faults, std::string target,
                PathAnnotation& entry) {
   const std::string start = entry.path[0];
-  if (found[kEnds]) {
+  if (found.has("end_panos")) {
     NamedRegion region{std::move(target), {}, {}, {}};
-    region.viewpoints = read_ends(*found[kEnds], Path(path, "end_panos"), faults);
-    region.player = read_walk(found, kPlayer, start, path, faults);
-    region.planner = read_walk(found, kPlanner, start, path, faults);
+    region.viewpoints = found.get("end_panos", read_ends);
+    region.player = read_walk(found, "player_path", start, path, faults);
+    region.planner = read_walk(found, "planner_path", start, path, faults);
     entry.path = trusted(region);
     entry.goal = std::move(region);
     return;
   }
   entry.goal = HiddenGoal{};
-  for (const Wanted field : {kPlayer, kPlanner}) {
-    if (!found[field]) continue;
-    faults.error(path, "missing-field",
-                 fmt::format("has {:?}, but no field \"end_panos\"", kWanted[field].name));
+  for (const std::string_view field : {"player_path", "planner_path"}) {
+    if (!found.has(field)) continue;
+    faults.error(path, "missing-field", fmt::format("has {:?}, but no field \"end_panos\"", field));
   }
 }
 
-PathAnnotation read_instance(Element element, const Path& path, Faults& faults) {
+PathAnnotation read_instance(Element element, std::size_t /*record*/, const Path& path,
+                             Faults& faults) {
   PathAnnotation entry;
-  Found found;
-  if (!json::fields(element, kWanted, found, path, faults)) return entry;
-  entry.path_id = read_id(*found[kId], Path(path, "inst_idx"), faults);
+  const Fields found(element, {"inst_idx", "scan", "target", "start_pano", "dialog_history"},
+                     {"game_idx", "end_panos", "player_path", "planner_path"}, path, faults);
+  if (!found) return entry;
+  entry.path_id = found.get("inst_idx", read_number).value_or(0);
   entry.id = fmt::to_string(entry.path_id);
-  entry.scan = read_text(*found[kScan], Path(path, "scan"), faults);
-  std::string target = read_text(*found[kTarget], Path(path, "target"), faults);
+  entry.scan = found.text("scan");
+  std::string target = found.text("target");
   InstructionDetails& details = entry.details.emplace_back();
   details.id = entry.id;
-  details.turns = read_turns(*found[kDialogue], Path(path, "dialog_history"), faults);
+  details.turns = found.get("dialog_history", read_turns);
   entry.instructions.push_back(text_of(details.turns, target));
-  if (found[kGame]) entry.group = read_id(*found[kGame], Path(path, "game_idx"), faults);
-  const Path place(path, "start_pano");
-  std::array<std::optional<Element>, kStartFields> start;
-  if (!json::fields(*found[kStart], kOfStart, start, place, faults)) return entry;
-  entry.heading = read_angle(*start[kStartHeading], Path(place, "heading"), faults);
-  const auto viewpoint = json::string(*start[kStartPlace], Path(place, "pano"), faults);
+  entry.group = found.get("game_idx", read_number);
+  const Path place = found.place("start_pano");
+  const Fields start(*found["start_pano"], {"pano", "heading"}, {}, place, faults);
+  if (!start) return entry;
+  entry.heading = start.get("heading", read_angle);
+  const auto viewpoint = start.get("pano", json::string);
   if (!viewpoint) return entry;
   entry.path.emplace_back(*viewpoint);
   read_goal(found, path, faults, std::move(target), entry);
   return entry;
 }
 
-void read_steps(const FoundEncoded& found, const Path& path, Faults& faults,
-                PathAnnotation& entry) {
-  for (const Encoded field : {kSteps, kStep}) {
-    if (found[field]) continue;
-    faults.error(path, "missing-field",
-                 fmt::format("has \"end_panos\", but no field {:?}", kEncoded[field].name));
+void read_steps(const Fields& found, const Path& path, Faults& faults, PathAnnotation& entry) {
+  for (const std::string_view field : {"nav_steps", "nav_idx"}) {
+    if (found.has(field)) continue;
+    faults.error(path, "missing-field", fmt::format("has \"end_panos\", but no field {:?}", field));
     return;
   }
-  const Path place(path, "nav_steps"), index(path, "nav_idx");
   const std::size_t errors = faults.errors();
-  std::vector<std::string> steps = read_path(*found[kSteps], place, faults);
-  const auto walked = json::integer(*found[kStep], index, faults);
+  std::vector<std::string> steps = found.get("nav_steps", read_path);
+  const auto walked = found.get("nav_idx", json::integer);
   if (faults.errors() != errors) return;
   if (*walked < 0 || static_cast<std::uint64_t>(*walked) >= steps.size()) {
     faults.error(
-        index, "bad-step",
+        found.place("nav_idx"), "bad-step",
         fmt::format("{}, not 0 to {}, a place in \"nav_steps\"", *walked, steps.size() - 1));
     return;
   }
-  check_start(steps, static_cast<std::size_t>(*walked), entry.path[0], place, faults);
+  check_start(steps, static_cast<std::size_t>(*walked), entry.path[0], found.place("nav_steps"),
+              faults);
   steps.erase(steps.begin(), steps.begin() + *walked);
   entry.path = std::move(steps);
 }
 
 PathAnnotation read_encoded(Element element, std::size_t record, const Path& path, Faults& faults) {
   PathAnnotation entry;
-  FoundEncoded found;
-  if (!json::fields(element, kEncoded, found, path, faults)) return entry;
-  const Path id(path, "instr_id");
+  const Fields found(element, {"instr_id", "scan", "start_pano", "start_heading", "instr_encoding"},
+                     {"target", "end_panos", "nav_steps", "nav_idx"}, path, faults);
+  if (!found) return entry;
   const std::size_t errors = faults.errors();
-  entry.id = read_text(*found[kEncodedId], id, faults);
+  entry.id = found.text("instr_id");
   if (entry.id.empty() && faults.errors() == errors) {
-    faults.error(id, "wrong-id", "an empty text, not the instance's id");
+    faults.error(found.place("instr_id"), "wrong-id", "an empty text, not the instance's id");
   }
-  const auto number = parse_number<std::int64_t>(entry.id);
-  entry.path_id = number ? *number : static_cast<std::int64_t>(record);
-  entry.scan = read_text(*found[kEncodedScan], Path(path, "scan"), faults);
-  entry.heading = read_angle(*found[kEncodedHeading], Path(path, "start_heading"), faults);
+  entry.path_id = parse_number<std::int64_t>(entry.id).value_or(static_cast<std::int64_t>(record));
+  entry.scan = found.text("scan");
+  entry.heading = found.get("start_heading", read_angle);
   entry.instructions.emplace_back();
   InstructionDetails& details = entry.details.emplace_back();
   details.id = entry.id;
-  details.tokens = read_tokens(*found[kTokens], Path(path, "instr_encoding"), faults);
+  details.tokens = found.get("instr_encoding", read_tokens);
   NamedRegion region;
-  if (found[kEncodedTarget]) {
-    region.target = read_text(*found[kEncodedTarget], Path(path, "target"), faults);
-  }
-  const auto start = json::string(*found[kEncodedStart], Path(path, "start_pano"), faults);
+  region.target = found.text("target");
+  const auto start = found.get("start_pano", json::string);
   if (!start) return entry;
   entry.path.emplace_back(*start);
-  if (!found[kEncodedEnds]) {
+  if (!found.has("end_panos")) {
     entry.goal = HiddenGoal{};
     return entry;
   }
-  region.viewpoints = read_ends(*found[kEncodedEnds], Path(path, "end_panos"), faults);
+  region.viewpoints = found.get("end_panos", read_ends);
   read_steps(found, path, faults, entry);
   region.player = entry.path;
   entry.goal = std::move(region);
   return entry;
-}
-
-// \param read  gives an entry of an element, the record's number and its place
-template <class Read>
-Annotations read_all(std::string_view json, const std::string& file, std::string split,
-                     std::string_view id_field, const Read& read) {
-  Annotations result{std::move(split), file, {}, Task::kCvdn};
-  Faults faults(file);
-  Once once("repeated-id");
-  for_each_record(json, faults, [&](Element element, const Path& path) {
-    const std::size_t errors = faults.errors();
-    const std::size_t record = result.paths.size();
-    const PathAnnotation& entry = result.paths.emplace_back(read(element, record, path, faults));
-    if (faults.errors() != errors) return;  // it may have no id
-    once.check(entry.id, record, Path(path, id_field), faults);
-  });
-  faults.throw_if_errors();
-  return result;
 }
 
 ArgumentError not_cvdn(const PathAnnotation& entry, std::string_view why) {
@@ -257,7 +193,7 @@ ArgumentError not_cvdn(const PathAnnotation& entry, std::string_view why) {
 }
 
 // What both forms ask for. \returns the region, or nullptr for a hidden one
-const NamedRegion* check_form(const PathAnnotation& entry) {
+const NamedRegion* check_cvdn(const PathAnnotation& entry) {
   const auto* const region = std::get_if<NamedRegion>(&entry.goal);
   if (region == nullptr && !std::holds_alternative<HiddenGoal>(entry.goal)) {
     throw not_cvdn(entry, "its goal is neither hidden nor a region");
@@ -307,7 +243,7 @@ void check_walks(const PathAnnotation& entry, const NamedRegion& region) {
 }
 
 nlohmann::ordered_json instance_json(const PathAnnotation& entry) {
-  const NamedRegion* const region = check_form(entry);
+  const NamedRegion* const region = check_cvdn(entry);
   if (entry.path_id < 0 || entry.id != fmt::to_string(entry.path_id) ||
       entry.details[0].id != entry.id) {
     throw not_cvdn(entry, "its ids are not its number");
@@ -337,7 +273,7 @@ nlohmann::ordered_json instance_json(const PathAnnotation& entry) {
 }
 
 nlohmann::ordered_json encoded_json(const PathAnnotation& entry) {
-  const NamedRegion* const region = check_form(entry);
+  const NamedRegion* const region = check_cvdn(entry);
   if (entry.id.empty() || entry.details[0].id != entry.id) {
     throw not_cvdn(entry, "no id, or another one of its instruction");
   }
@@ -367,14 +303,11 @@ std::string to_cvdn(const Annotations& annotations) {
 }
 
 Annotations parse_cvdn(std::string_view json, const std::string& file, std::string split) {
-  return read_all(json, file, std::move(split), "inst_idx",
-                  [](Element element, std::size_t /*record*/, const Path& path, Faults& faults) {
-                    return read_instance(element, path, faults);
-                  });
+  return read_records(json, file, std::move(split), Task::kCvdn, "inst_idx", read_instance);
 }
 
 Annotations parse_cvdn_encoded(std::string_view json, const std::string& file, std::string split) {
-  return read_all(json, file, std::move(split), "instr_id", read_encoded);
+  return read_records(json, file, std::move(split), Task::kCvdn, "instr_id", read_encoded);
 }
 
 }  // namespace enfilade::tasks::formats

@@ -1,4 +1,4 @@
-#include "enfilade/tasks/formats/fine_grained.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 
 #include "enfilade/core/gzip.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/tasks/formats/r2r_family.h"
 #include "tests/support/refusal.h"
 
 namespace enfilade::tasks::formats {

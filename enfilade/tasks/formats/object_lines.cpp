@@ -1,9 +1,7 @@
-#include "enfilade/tasks/formats/object_lines.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <fmt/format.h>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,35 +10,10 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/tasks/formats/r2r_entries.h"
 #include "enfilade/tasks/formats/records.h"
 
 namespace enfilade::tasks::formats {
 namespace {
-
-using json::Element;
-using json::Faults;
-using json::Path;
-
-enum Wanted : std::size_t {
-  kId,
-  kScan,
-  kPath,
-  kSeenFrom,
-  kObject,
-  kText,
-  kTokens,
-  kHeading,
-  kFields
-};
-constexpr std::array<json::Field, kFields> kWanted{{{"instr_id"},
-                                                    {"scan"},
-                                                    {"path"},
-                                                    {"pos_vps"},
-                                                    {"objid"},
-                                                    {"instruction", false},
-                                                    {"instr_encoding", false},
-                                                    {"heading", false}}};
 
 // 17 or "17".
 std::int64_t read_object(Element element, const Path& path, Faults& faults) {
@@ -51,20 +24,16 @@ std::int64_t read_object(Element element, const Path& path, Faults& faults) {
     faults.error(path, "wrong-id", fmt::format("{:?}, not the number of an object", text));
     return 0;
   }
-  const auto number = json::integer(element, path, faults);
-  if (number && *number < 0) {
-    faults.error(path, "negative-id", fmt::format("{} is no id; 0 and more are", *number));
-  }
-  return number.value_or(0);
+  return read_number(element, path, faults).value_or(0);
 }
 
-NamedObject read_goal(Element object, Element viewpoints, const Path& path, Faults& faults) {
-  NamedObject goal{read_object(object, Path(path, "objid"), faults)};
-  const Path place(path, "pos_vps");
+NamedObject read_goal(const Fields& found, Faults& faults) {
+  NamedObject goal{found.get("objid", read_object)};
   const std::size_t errors = faults.errors();
-  goal.seen_from = json::strings(viewpoints, place, faults);
+  goal.seen_from = found.get("pos_vps", json::strings);
   if (goal.seen_from.empty() && faults.errors() == errors) {
-    faults.error(place, "unseen-object", "no viewpoint that sees the object; one is expected");
+    faults.error(found.place("pos_vps"), "unseen-object",
+                 "no viewpoint that sees the object; one is expected");
   }
   return goal;
 }
@@ -73,24 +42,18 @@ class RecordReader {
  public:
   PathAnnotation read(Element element, std::size_t record, const Path& path, Faults& faults) {
     PathAnnotation entry;
-    std::array<std::optional<Element>, kFields> found;
-    if (!json::fields(element, kWanted, found, path, faults)) return entry;
+    const Fields found(element, {"instr_id", "scan", "path", "pos_vps", "objid"},
+                       {"instruction", "instr_encoding", "heading"}, path, faults);
+    if (!found) return entry;
     InstructionDetails& details = entry.details.emplace_back();
     entry.instructions.emplace_back();
-    read_id(*found[kId], record, entry, Path(path, "instr_id"), faults);
-    entry.scan = json::string(*found[kScan], Path(path, "scan"), faults).value_or("");
-    entry.path = read_path(*found[kPath], Path(path, "path"), faults);
-    entry.goal = read_goal(*found[kObject], *found[kSeenFrom], path, faults);
-    if (found[kText]) {
-      entry.instructions[0] =
-          json::string(*found[kText], Path(path, "instruction"), faults).value_or("");
-    }
-    if (found[kTokens]) {
-      details.tokens = read_tokens(*found[kTokens], Path(path, "instr_encoding"), faults);
-    }
-    if (found[kHeading]) {
-      entry.heading = read_angle(*found[kHeading], Path(path, "heading"), faults);
-    }
+    read_id(*found["instr_id"], record, entry, found.place("instr_id"), faults);
+    entry.scan = found.text("scan");
+    entry.path = found.get("path", read_path);
+    entry.goal = read_goal(found, faults);
+    entry.instructions[0] = found.text("instruction");
+    details.tokens = found.get("instr_encoding", read_tokens);
+    entry.heading = found.get("heading", read_angle);
     return entry;
   }
 
@@ -111,11 +74,11 @@ class RecordReader {
     entry.group = groups_.emplace(group, entry.path_id).first->second;
   }
 
-  Once ids_{"repeated-id"};
+  Once ids_;
   std::unordered_map<std::string, std::int64_t> groups_;
 };
 
-nlohmann::ordered_json fields_of(const PathAnnotation& entry) {
+nlohmann::ordered_json object_fields(const PathAnnotation& entry) {
   const auto* goal = std::get_if<NamedObject>(&entry.goal);
   if (goal == nullptr || goal->seen_from.empty() || entry.instructions.size() != 1 ||
       entry.details.size() != 1) {
@@ -155,7 +118,7 @@ Annotations parse_object_lines(std::string_view text, const std::string& file, s
 }
 
 std::string to_object_lines(const Annotations& annotations) {
-  return lines_of_entries(annotations, fields_of);
+  return lines_of_entries(annotations, object_fields);
 }
 
 }  // namespace enfilade::tasks::formats

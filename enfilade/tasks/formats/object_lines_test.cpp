@@ -1,4 +1,4 @@
-#include "enfilade/tasks/formats/object_lines.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/formats/r2r_family.h"
 #include "tests/support/graphs.h"
 #include "tests/support/refusal.h"
 

@@ -1,53 +1,31 @@
-#include "enfilade/tasks/formats/r2r_family.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/tasks/formats/python_literal.h"
-#include "enfilade/tasks/formats/r2r_entries.h"
 #include "enfilade/tasks/formats/records.h"
 
-namespace enfilade::tasks::formats {
+namespace enfilade::tasks {
+namespace formats {
 namespace {
 
-enum FamilyField : std::size_t { kFamilyEncodings, kFamilyMidstop, kFamilyFields };
-constexpr std::array<json::Field, kFamilyFields> kOfFamily{
-    {{"instr_encodings", false}, {"midstop", false}}};
-
-enum LineField : std::size_t {
-  kLineId,
-  kLineScan,
-  kLinePath,
-  kLineHeading,
-  kLineTokens,
-  kLineMidstop,
-  kLineText,
-  kLineFields
-};
-constexpr std::array<json::Field, kLineFields> kOfLine{{{"instr_id"},
-                                                        {"scan"},
-                                                        {"path"},
-                                                        {"heading", false},
-                                                        {"instr_encoding"},
-                                                        {"midstop", false},
-                                                        {"instruction", false}}};
-
 // \param path  of the record
-void read_midstop(const std::optional<json::Element>& midstop, Task task, PathAnnotation& entry,
-                  const json::Path& path, json::Faults& faults) {
-  const json::Path place(path, "midstop");
+void read_midstop(const Fields& found, Task task, PathAnnotation& entry, const Path& path,
+                  Faults& faults) {
+  const bool turns = found.has("midstop");
   if (task != Task::kR2rBack) {
-    if (!midstop) return;
-    faults.error(place, "unexpected-field",
+    if (!turns) return;
+    faults.error(found.place("midstop"), "unexpected-field",
                  "a turning point, as R2R-Back has them; this file is read as another task's");
-  } else if (midstop) {
-    entry.goal = NamedTurningPoint{std::string(json::string(*midstop, place, faults).value_or(""))};
+  } else if (turns) {
+    entry.goal = NamedTurningPoint{found.text("midstop")};
   } else if (entry.path.size() > 1) {
     faults.error(path, "missing-field",
                  "has no field \"midstop\", which paths of R2R-Back have, except a start alone");
@@ -67,31 +45,26 @@ std::optional<std::string_view> path_of(std::string_view id) {
 // HAMT's form for pretraining: an instruction, with its path.
 class LineReader {
  public:
-  PathAnnotation read(json::Element element, std::size_t record, Task task, const json::Path& path,
-                      json::Faults& faults) {
+  PathAnnotation read(Element element, std::size_t record, Task task, const Path& path,
+                      Faults& faults) {
     PathAnnotation entry;
-    std::array<std::optional<json::Element>, kLineFields> found;
-    if (!json::fields(element, kOfLine, found, path, faults)) return entry;
+    const Fields found(element, {"instr_id", "scan", "path", "instr_encoding"},
+                       {"heading", "midstop", "instruction"}, path, faults);
+    if (!found) return entry;
     InstructionDetails& details = entry.details.emplace_back();
-    entry.instructions.emplace_back();
-    if (found[kLineText]) {
-      entry.instructions[0] =
-          json::string(*found[kLineText], json::Path(path, "instruction"), faults).value_or("");
-    }
-    read_id(*found[kLineId], record, entry, json::Path(path, "instr_id"), faults);
-    entry.scan = json::string(*found[kLineScan], json::Path(path, "scan"), faults).value_or("");
-    entry.path = read_path(*found[kLinePath], json::Path(path, "path"), faults);
-    if (found[kLineHeading]) {
-      entry.heading = read_angle(*found[kLineHeading], json::Path(path, "heading"), faults);
-    }
-    details.tokens = read_tokens(*found[kLineTokens], json::Path(path, "instr_encoding"), faults);
-    read_midstop(found[kLineMidstop], task, entry, path, faults);
+    entry.instructions.push_back(found.text("instruction"));
+    read_id(*found["instr_id"], record, entry, found.place("instr_id"), faults);
+    entry.scan = found.text("scan");
+    entry.path = found.get("path", read_path);
+    entry.heading = found.get("heading", read_angle);
+    details.tokens = found.get("instr_encoding", read_tokens);
+    read_midstop(found, task, entry, path, faults);
     return entry;
   }
 
  private:
-  void read_id(json::Element element, std::size_t record, PathAnnotation& entry,
-               const json::Path& path, json::Faults& faults) {
+  void read_id(Element element, std::size_t record, PathAnnotation& entry, const Path& path,
+               Faults& faults) {
     const auto id = json::string(element, path, faults);
     if (!id) return;
     const auto name = path_of(*id);
@@ -113,11 +86,11 @@ class LineReader {
     ids_.check(entry.details[0].id, record, path, faults);
   }
 
-  Once ids_{"repeated-id"};
+  Once ids_;
   std::unordered_map<std::string, std::int64_t> texts_;  // path ids that are no numbers
 };
 
-bool has_instruction_id(json::Element element) {
+bool has_instruction_id(Element element) {
   return element.is_object() && !element["instr_id"].error();
 }
 
@@ -206,23 +179,22 @@ Annotations parse_r2r_family(std::string_view text, const std::string& file, std
   PathIds ids;
   LineReader lines;
   std::optional<bool> by_instruction;  // as the first record says
-  const auto read_more = [&](json::Element element, bool complete, PathAnnotation& entry,
-                             const json::Path& path, json::Faults& faults) {
-    std::array<std::optional<json::Element>, kFamilyFields> found;
-    if (!json::fields(element, kOfFamily, found, path, faults)) return;
-    if (found[kFamilyEncodings]) {
-      read_encodings(*found[kFamilyEncodings], complete, entry, json::Path(path, "instr_encodings"),
-                     faults);
+  const auto read_more = [&](Element element, bool complete, PathAnnotation& entry,
+                             const Path& path, Faults& faults) {
+    const Fields found(element, {}, {"instr_encodings", "midstop"}, path, faults);
+    if (!found) return;
+    if (const auto& encodings = found["instr_encodings"]) {
+      read_encodings(*encodings, complete, entry, found.place("instr_encodings"), faults);
     }
-    read_midstop(found[kFamilyMidstop], task, entry, path, faults);
+    read_midstop(found, task, entry, path, faults);
   };
-  return read_records(
-      text, file, std::move(split), task,
-      [&](json::Element element, std::size_t record, const json::Path& path, json::Faults& faults) {
-        if (!by_instruction) by_instruction = has_instruction_id(element);
-        return *by_instruction ? lines.read(element, record, task, path, faults)
-                               : read_entry(element, record, read_more, ids, path, faults);
-      });
+  return read_records(text, file, std::move(split), task,
+                      [&](Element element, std::size_t record, const Path& path, Faults& faults) {
+                        if (!by_instruction) by_instruction = has_instruction_id(element);
+                        return *by_instruction
+                                   ? lines.read(element, record, task, path, faults)
+                                   : read_entry(element, record, read_more, ids, path, faults);
+                      });
 }
 
 std::string to_r2r_family(const Annotations& annotations) {
@@ -234,4 +206,33 @@ std::string to_r2r_family(const Annotations& annotations) {
   return list_of_entries(annotations, fine ? fine_fields : family_fields);
 }
 
-}  // namespace enfilade::tasks::formats
+}  // namespace formats
+
+Annotations load_annotations(const std::filesystem::path& file, std::string split) {
+  return parse_annotations(read_text_file(file), file.string(), std::move(split));
+}
+
+Annotations parse_annotations(std::string_view json, const std::string& file, std::string split) {
+  const json::Document document = json::Document::parse(json, file);
+  Annotations result{std::move(split), file, {}};
+  json::Faults faults(file);
+  const json::Path root;
+  if (const auto entries = json::array(document.root(), root, faults)) {
+    formats::PathIds ids;  // which name results
+    for (const json::Element element : *entries) {
+      const std::size_t i = result.paths.size();
+      const json::Path path(root, i);
+      const std::size_t errors = faults.errors();
+      result.paths.push_back(formats::read_r2r_entry(element, i, path, faults));
+      if (faults.errors() == errors) ids.check(result.paths.back(), i, path, faults);
+    }
+  }
+  faults.throw_if_errors();
+  return result;
+}
+
+std::string to_json(const Annotations& annotations) {
+  return formats::list_of_entries(annotations, formats::r2r_fields);
+}
+
+}  // namespace enfilade::tasks

@@ -1,4 +1,4 @@
-#include "enfilade/tasks/formats/r2r_family.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,63 +1,69 @@
 #include "enfilade/tasks/formats/records.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include <array>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::tasks::formats {
 namespace {
 
-enum OfTurn : std::size_t { kRole, kMessage, kTurnStep, kTurnFields };
-constexpr std::array<json::Field, kTurnFields> kOfTurn{{{"role"}, {"message"}, {"nav_idx"}}};
-
-enum OfWord : std::size_t { kWord, kStart, kEnd, kWordFields };
-constexpr std::array<json::Field, kWordFields> kOfWord{
-    {{"word"}, {"start_time", false}, {"end_time", false}}};
-
-TimedWord read_word(json::Element element, const json::Path& path, json::Faults& faults) {
-  TimedWord word;
-  std::array<std::optional<json::Element>, kWordFields> found;
-  if (!json::fields(element, kOfWord, found, path, faults)) return word;
-  word.word = json::string(*found[kWord], json::Path(path, "word"), faults).value_or("");
-  if (found[kStart]) {
-    word.start = json::number(*found[kStart], json::Path(path, "start_time"), faults);
-  }
-  if (found[kEnd]) word.end = json::number(*found[kEnd], json::Path(path, "end_time"), faults);
-  return word;
-}
-
-DialogueTurn read_turn(json::Element element, const json::Path& path, json::Faults& faults) {
-  DialogueTurn turn;
-  std::array<std::optional<json::Element>, kTurnFields> found;
-  if (!json::fields(element, kOfTurn, found, path, faults)) return turn;
-  const json::Path role(path, "role");
-  if (const auto text = json::string(*found[kRole], role, faults)) {
-    turn.role = *text;
-    if (turn.role != "navigator" && turn.role != "oracle") {
-      faults.error(role, "unknown-role",
-                   fmt::format("{:?}, neither \"navigator\" nor \"oracle\"", turn.role));
-    }
-  }
-  turn.message = json::string(*found[kMessage], json::Path(path, "message"), faults).value_or("");
-  const json::Path step(path, "nav_idx");
-  turn.nav_step = json::integer(*found[kTurnStep], step, faults).value_or(0);
-  if (turn.nav_step < 0) {
-    faults.error(step, "bad-step",
-                 fmt::format("{} is no number of steps; 0 and more are", turn.nav_step));
-  }
-  return turn;
+TimedWord read_word(Element element, const Path& path, Faults& faults) {
+  const Fields found(element, {"word"}, {"start_time", "end_time"}, path, faults);
+  if (!found) return {};
+  return {found.text("word"), found.get("start_time", json::number),
+          found.get("end_time", json::number)};
 }
 
 }  // namespace
 
-std::vector<std::string> read_path(json::Element element, const json::Path& path,
-                                   json::Faults& faults) {
+Fields::Fields(Element element, Names required, Names optional, const Path& path, Faults& faults)
+    : path_(path), faults_(faults) {
+  for (const std::string_view name : required) wanted_.at(count_++) = {name};
+  for (const std::string_view name : optional) wanted_.at(count_++) = {name, false};
+  find(element);
+}
+
+Fields::Fields(Element element, std::span<const json::Field> wanted, const Path& path,
+               Faults& faults)
+    : path_(path), faults_(faults) {
+  for (const json::Field& field : wanted) wanted_.at(count_++) = field;
+  find(element);
+}
+
+void Fields::find(Element element) {
+  good_ = json::fields(element, std::span(wanted_).first(count_), std::span(found_).first(count_),
+                       path_, faults_);
+}
+
+const std::optional<Element>& Fields::operator[](std::string_view name) const {
+  std::size_t k = 0;
+  while (k < count_ && wanted_[k].name != name) ++k;
+  EN_CHECK(k < count_);
+  return found_[k];
+}
+
+std::string Fields::text(std::string_view name) const { return get(name, read_text); }
+
+std::string read_text(Element element, const Path& path, Faults& faults) {
+  return std::string(json::string(element, path, faults).value_or(""));
+}
+
+std::optional<std::int64_t> read_number(Element element, const Path& path, Faults& faults) {
+  const auto number = json::integer(element, path, faults);
+  if (!number || *number >= 0) return number;
+  faults.error(path, "negative-id", fmt::format("{} is no id; 0 and more are", *number));
+  return std::nullopt;
+}
+
+std::vector<std::string> read_path(Element element, const Path& path, Faults& faults) {
   const std::size_t errors = faults.errors();
   std::vector<std::string> viewpoints = json::strings(element, path, faults);
   if (viewpoints.empty() && faults.errors() == errors) {
@@ -66,19 +72,18 @@ std::vector<std::string> read_path(json::Element element, const json::Path& path
   return viewpoints;
 }
 
-Radians read_angle(json::Element element, const json::Path& path, json::Faults& faults) {
+Radians read_angle(Element element, const Path& path, Faults& faults) {
   return Radians(json::number(element, path, faults).value_or(0));
 }
 
-std::vector<std::int32_t> read_tokens(json::Element element, const json::Path& path,
-                                      json::Faults& faults) {
+std::vector<std::int32_t> read_tokens(Element element, const Path& path, Faults& faults) {
   std::vector<std::int32_t> tokens;
   const auto list = json::array(element, path, faults);
   if (!list) return tokens;
   tokens.reserve(list->size());
   std::size_t k = 0;
-  for (const json::Element one : *list) {
-    const json::Path place(path, k++);
+  for (const Element one : *list) {
+    const Path place(path, k++);
     const auto token = json::integer(one, place, faults);
     if (!token) continue;
     if (*token < 0 || *token > std::numeric_limits<std::int32_t>::max()) {
@@ -91,29 +96,16 @@ std::vector<std::int32_t> read_tokens(json::Element element, const json::Path& p
   return tokens;
 }
 
-std::vector<DialogueTurn> read_turns(json::Element element, const json::Path& path,
-                                     json::Faults& faults) {
-  std::vector<DialogueTurn> turns;
-  const auto list = json::array(element, path, faults);
-  if (!list) return turns;
-  for (const json::Element one : *list)
-    turns.push_back(read_turn(one, json::Path(path, turns.size()), faults));
-  return turns;
-}
-
-void refuse_large(std::size_t bytes, const json::Path& path, json::Faults& faults,
-                  std::size_t most) {
+void refuse_large(std::size_t bytes, const Path& path, Faults& faults, std::size_t most) {
   faults.error(path, "too-large", fmt::format("{} bytes; {} are allowed", bytes, most));
 }
 
-std::vector<TimedWord> read_timed_words(json::Element element, const json::Path& path,
-                                        json::Faults& faults) {
+std::vector<TimedWord> read_timed_words(Element element, const Path& path, Faults& faults) {
   std::vector<TimedWord> words;
   const auto list = json::array(element, path, faults);
   if (!list) return words;
   words.reserve(list->size());
-  for (const json::Element one : *list)
-    words.push_back(read_word(one, json::Path(path, words.size()), faults));
+  for (const Element one : *list) words.push_back(read_word(one, Path(path, words.size()), faults));
   return words;
 }
 
@@ -137,11 +129,168 @@ nlohmann::ordered_json timed_words_json(std::span<const TimedWord> words, std::s
   return list;
 }
 
-void Once::check(const std::string& id, std::size_t record, const json::Path& path,
-                 json::Faults& faults) {
+void Once::check(const std::string& id, std::size_t record, const Path& path, Faults& faults) {
   const auto [first, fresh] = places_.emplace(id, record);
   if (fresh) return;
-  faults.error(path, code_, fmt::format("{:?} stands at $[{}] already", id, first->second));
+  faults.error(path, "repeated-id", fmt::format("{:?} stands at $[{}] already", id, first->second));
+}
+
+namespace {
+
+void read_path_id(Element element, std::size_t record, const Path& path, Faults& faults,
+                  PathAnnotation& entry) {
+  if (!element.is_string()) {
+    entry.path_id = json::integer(element, path, faults).value_or(0);
+    return;
+  }
+  entry.id = json::string(element, path, faults).value_or("");
+  entry.path_id = static_cast<std::int64_t>(record);
+  if (entry.id.empty()) faults.error(path, "bad-id", "an empty text, not the path's id");
+}
+
+std::string line_of(const PathAnnotation& entry, const FieldsOf& fields_of) {
+  return dump(fields_of(entry), fmt::format("path {}", entry.path_id));
+}
+
+}  // namespace
+
+PathAnnotation read_r2r_entry(Element element, std::size_t record, const Path& path,
+                              Faults& faults) {
+  PathAnnotation entry;
+  const Fields found(element, {"path_id", "scan", "heading", "path", "instructions"}, {"distance"},
+                     path, faults);
+  if (!found) return entry;
+  read_path_id(*found["path_id"], record, found.place("path_id"), faults, entry);
+  entry.scan = found.text("scan");
+  entry.heading = found.get("heading", read_angle);
+  entry.path = found.get("path", read_path);
+  entry.instructions = found.get("instructions", json::strings);
+  entry.distance = found.get("distance", json::number);
+  if (entry.distance && *entry.distance < 0) {
+    faults.error(found.place("distance"), "bad-distance",
+                 fmt::format("{} is no length in metres", *entry.distance));
+  }
+  return entry;
+}
+
+void PathIds::check(const PathAnnotation& entry, std::size_t record, const Path& path,
+                    Faults& faults) {
+  const bool number = entry.id.empty();
+  const std::size_t first = number ? numbers_.emplace(entry.path_id, record).first->second
+                                   : texts_.emplace(entry.id, record).first->second;
+  if (first == record) return;
+  faults.error(
+      Path(path, "path_id"), "repeated-path-id",
+      fmt::format("{} stands at $[{}] already",
+                  number ? fmt::to_string(entry.path_id) : fmt::format("{:?}", entry.id), first));
+}
+
+PathAnnotation read_entry(Element element, std::size_t record, const ReadMore& read_more,
+                          PathIds& ids, const Path& path, Faults& faults) {
+  const std::size_t errors = faults.errors();
+  PathAnnotation entry = read_r2r_entry(element, record, path, faults);
+  const bool complete = faults.errors() == errors;
+  if (element.is_object()) read_more(element, complete, entry, path, faults);
+  if (complete) ids.check(entry, record, path, faults);
+  return entry;
+}
+
+void read_encodings(Element element, bool complete, PathAnnotation& entry, const Path& path,
+                    Faults& faults) {
+  const auto lists = json::array(element, path, faults);
+  if (!lists) return;
+  const std::size_t instructions = entry.instructions.size();
+  if (complete && lists->size() != instructions) {
+    faults.error(path, "wrong-count",
+                 fmt::format("{} lists of tokens; {} are expected, one for each instruction",
+                             lists->size(), instructions));
+    return;  // before memory is taken for them: a file can have many more than it has words
+  }
+  std::size_t k = 0;
+  if (complete) entry.details.resize(instructions);
+  for (const Element list : *lists) {
+    if (faults.full()) return;
+    std::vector<std::int32_t> tokens = read_tokens(list, Path(path, k), faults);
+    if (complete) entry.details[k].tokens = std::move(tokens);
+    ++k;
+  }
+}
+
+Annotations read_records(std::string_view text, const std::string& file, std::string split,
+                         Task task, const ReadRecord& read_record) {
+  Annotations result{std::move(split), file, {}, task};
+  Faults faults(file);
+  for_each_record(text, faults, [&](Element element, const Path& path) {
+    result.paths.push_back(read_record(element, result.paths.size(), path, faults));
+  });
+  faults.throw_if_errors();
+  return result;
+}
+
+Annotations read_records(std::string_view text, const std::string& file, std::string split,
+                         Task task, std::string_view id_field, const ReadRecord& read_record) {
+  Once once;
+  return read_records(text, file, std::move(split), task,
+                      [&](Element element, std::size_t record, const Path& path, Faults& faults) {
+                        const std::size_t errors = faults.errors();
+                        PathAnnotation entry = read_record(element, record, path, faults);
+                        // Else it may have no id.
+                        if (faults.errors() == errors) {
+                          once.check(entry.id, record, Path(path, id_field), faults);
+                        }
+                        return entry;
+                      });
+}
+
+double finite(double number, std::string_view where) {
+  if (std::isfinite(number)) return number;
+  throw ArgumentError(fmt::format("{}: {}, not a finite number", where, number));
+}
+
+std::string dump(const nlohmann::ordered_json& value, std::string_view where) {
+  try {
+    return value.dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw ArgumentError(fmt::format("{}: holds text that is not UTF-8", where));
+  }
+}
+
+nlohmann::ordered_json r2r_fields(const PathAnnotation& entry) {
+  if (!std::isfinite(entry.heading.value) || !std::isfinite(entry.distance.value_or(0))) {
+    throw ArgumentError(fmt::format("path {}: heading {} and distance {}, not finite numbers",
+                                    entry.path_id, entry.heading.value,
+                                    entry.distance.value_or(0)));
+  }
+  nlohmann::ordered_json fields;
+  if (entry.id.empty()) {
+    fields["path_id"] = entry.path_id;
+  } else {
+    fields["path_id"] = entry.id;
+  }
+  fields.update({{"scan", entry.scan}, {"heading", entry.heading.value}, {"path", entry.path}});
+  if (entry.distance) fields["distance"] = *entry.distance;
+  fields["instructions"] = entry.instructions;
+  return fields;
+}
+
+void add_encodings(const PathAnnotation& entry, nlohmann::ordered_json& fields) {
+  auto& lists = fields["instr_encodings"] = nlohmann::ordered_json::array();
+  for (const InstructionDetails& details : entry.details) lists.push_back(details.tokens);
+}
+
+std::string list_of_entries(const Annotations& annotations, const FieldsOf& fields_of) {
+  std::string text = "[";
+  for (const PathAnnotation& entry : annotations.paths) {
+    text += text.size() == 1 ? "\n" : ",\n";
+    text += line_of(entry, fields_of);
+  }
+  return text + "\n]\n";
+}
+
+std::string lines_of_entries(const Annotations& annotations, const FieldsOf& fields_of) {
+  std::string text;
+  for (const PathAnnotation& entry : annotations.paths) text += line_of(entry, fields_of) + '\n';
+  return text;
 }
 
 }  // namespace enfilade::tasks::formats

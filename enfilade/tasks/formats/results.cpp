@@ -13,15 +13,17 @@
 
 #include "enfilade/core/detail/json_entries.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/tasks/formats/records.h"
 #include "enfilade/tasks/formats/soon_entries.h"
 
 namespace enfilade::tasks {
 namespace {
 
-using json::Element;
-using json::Faults;
-using json::Path;
+using formats::Element;
+using formats::Faults;
+using formats::Fields;
+using formats::Path;
 
 constexpr std::size_t kListedIds = 20;   // of missing ones; further ones are only counted
 constexpr std::size_t kShownBytes = 40;  // of an id in a message
@@ -31,31 +33,17 @@ constexpr std::size_t kMostEntryBytes = std::size_t{1} << 20U;
 constexpr const char* kEntryForms =
     "a viewpoint id, [viewpoint], [viewpoint, heading, elevation], or a list of those";
 
-enum FieldIndex : std::size_t {
-  kInstrId,
-  kTrajectory,
-  kInstIdx,        // CVDN
-  kInstructionId,  // RxR
-  kPath,           // RxR, beside it
-  kMidstop,        // R2R-Back
-  kObject,         // REVERIE, as its own scorer and HAMT name it
-  kDuetObject,     // and DUET
-  kFields
-};
-using Fields = std::array<json::Field, kFields>;
-using Found = std::array<std::optional<Element>, kFields>;
-
-Fields fields_of(Task task) {
+std::vector<json::Field> wanted_of(Task task) {
   // Other fields may replace both of these.
   const bool own_id = task == Task::kCvdn || task == Task::kRxr;
-  return {{{"instr_id", !own_id},
-           {"trajectory", task != Task::kRxr},
-           {"inst_idx", false},
-           {"instruction_id", false},
-           {"path", false},
-           {"midstop", task == Task::kR2rBack},
-           {"predObjId", false},
-           {"pred_objid", false}}};
+  return {{"instr_id", !own_id},
+          {"trajectory", task != Task::kRxr},
+          {"inst_idx", false},                  // CVDN
+          {"instruction_id", false},            // RxR
+          {"path", false},                      // RxR, beside it
+          {"midstop", task == Task::kR2rBack},  // R2R-Back
+          {"predObjId", false},                 // REVERIE, as its own scorer and HAMT name it
+          {"pred_objid", false}};               // and DUET
 }
 
 std::string shown(std::string_view text) {
@@ -227,7 +215,7 @@ class Reader {
   Reader(const EpisodeSet& episodes, const std::string& file, Coverage coverage)
       : episodes_(episodes),
         coverage_(coverage),
-        wanted_(fields_of(episodes.task)),
+        wanted_(wanted_of(episodes.task)),
         faults_(file),
         soon_(episodes),
         places_(episodes.episodes.size()) {
@@ -272,18 +260,18 @@ class Reader {
   }
 
   void read_entry(Element element, std::size_t place, const Path& path) {
-    Found found;
-    json::fields(element, wanted_, found, path, faults_);  // what it lacks is reported; go on
-    if (episodes_.task == Task::kSoon && found[kTrajectory] && found[kTrajectory]->is_array()) {
-      read_alternatives(found, place, path);
+    const Fields found(element, wanted_, path, faults_);  // what it lacks is reported; go on
+    const auto& trajectory = found["trajectory"];
+    if (episodes_.task == Task::kSoon && trajectory && trajectory->is_array()) {
+      read_alternatives(found, place);
       return;
     }
-    const auto [id_element, id_field] = id_of(found);
+    const std::string_view id_field = found.has("instr_id") ? "instr_id" : own_id_field();
     std::optional<std::size_t> episode;
     bool keep = false;
-    if (id_element) {
-      const Path id_path(path, id_field);
-      const auto id = read_id(*id_element, id_field, id_path);
+    if (found.has(id_field)) {
+      const Path id_path = found.place(id_field);
+      const auto id = read_id(*found[id_field], id_field, id_path);
       if (id && is_unscored(*id)) {
         faults_.add(Severity::kWarning, id_path, "unscored-instruction",
                     fmt::format("{} is not scored (the first {} instructions of a path are); left "
@@ -293,7 +281,7 @@ class Reader {
       }
       if (id) episode = identify(*id, id_field, id_path);
       keep = episode && claim(*episode, place, id_path);
-    } else if (wanted_[kInstrId].required == false && element.is_object()) {
+    } else if (id_field != "instr_id" && element.is_object()) {
       faults_.error(path, "missing-field", fmt::format("neither instr_id nor {}", own_id_field()));
     }
     Trajectory read;
@@ -309,19 +297,19 @@ class Reader {
   }
 
   // SOON as released: one entry answers an instruction from the starts of all its alternatives.
-  void read_alternatives(const Found& found, std::size_t place, const Path& path) {
+  void read_alternatives(const Fields& found, std::size_t place) {
     std::optional<std::string> id;
-    const Path id_path(path, "instr_id");
-    if (found[kInstrId]) id = read_id(*found[kInstrId], "instr_id", id_path);
+    const Path id_path = found.place("instr_id");
+    if (found.has("instr_id")) id = read_id(*found["instr_id"], "instr_id", id_path);
     if (id && !soon_.knows(*id)) {
       faults_.error(id_path, "unknown-instr-id",
                     fmt::format("{} is not one of the {} entries that split {} names", shown(*id),
                                 soon_.size(), episodes_.split));
       id.reset();
     }
-    const Path list(path, "trajectory");
+    const Path list = found.place("trajectory");
     std::size_t k = 0;
-    const simdjson::dom::array answers = found[kTrajectory]->get_array().value_unsafe();
+    const simdjson::dom::array answers = found["trajectory"]->get_array().value_unsafe();
     for (const Element one : answers) {
       const Path at(list, k++);
       if (faults_.full()) return faults_.stop(at);
@@ -357,15 +345,9 @@ class Reader {
     keep_as(*episode, std::move(read));
   }
 
-  const char* own_id_field() const {
-    return episodes_.task == Task::kCvdn ? "inst_idx" : "instruction_id";
-  }
-
-  std::pair<std::optional<Element>, std::string_view> id_of(const Found& found) const {
-    if (found[kInstrId]) return {found[kInstrId], "instr_id"};
-    if (episodes_.task == Task::kCvdn) return {found[kInstIdx], "inst_idx"};
-    if (episodes_.task == Task::kRxr) return {found[kInstructionId], "instruction_id"};
-    return {std::nullopt, "instr_id"};
+  std::string_view own_id_field() const {
+    if (episodes_.task == Task::kCvdn) return "inst_idx";
+    return episodes_.task == Task::kRxr ? "instruction_id" : "instr_id";
   }
 
   // An instr_id is a text; CVDN's and RxR's own ids are numbers.
@@ -378,34 +360,37 @@ class Reader {
     return id ? std::optional(std::to_string(*id)) : std::nullopt;
   }
 
-  void read_trajectory(const Found& found, std::optional<std::size_t> episode, const Path& path,
+  void read_trajectory(const Fields& found, std::optional<std::size_t> episode, const Path& path,
                        Trajectory& read) {
     TrajectoryReader reader(episodes_, episode, faults_, points_);
-    if (found[kTrajectory] && episodes_.task == Task::kSoon) {
-      read_pointed(*found[kTrajectory], Path(path, "trajectory"), PointForm::kList, reader, read);
-    } else if (found[kTrajectory]) {
-      reader.read(*found[kTrajectory], Path(path, "trajectory"));
-    } else if (found[kPath]) {
-      reader.read(*found[kPath], Path(path, "path"));
+    const auto& trajectory = found["trajectory"];
+    if (trajectory && episodes_.task == Task::kSoon) {
+      read_pointed(*trajectory, found.place("trajectory"), PointForm::kList, reader, read);
+    } else if (trajectory) {
+      reader.read(*trajectory, found.place("trajectory"));
+    } else if (found.has("path")) {
+      reader.read(*found["path"], found.place("path"));
     } else if (episodes_.task == Task::kRxr) {
       faults_.error(path, "missing-field", "neither trajectory nor path");
     }
     read.actions = reader.actions();
-    if (episodes_.task == Task::kR2rBack && found[kMidstop] && !found[kMidstop]->is_null()) {
-      read.turning_point = reader.named(*found[kMidstop], Path(path, "midstop"));
+    const auto& turn = found["midstop"];
+    if (episodes_.task == Task::kR2rBack && turn && !turn->is_null()) {
+      read.turning_point = reader.named(*turn, found.place("midstop"));
     }
     if (episodes_.task == Task::kReverie) read.object = read_object(found, path);
   }
 
   // REVERIE's scorers compare ids as texts: 66 and "66" are the same object. Null names none.
-  std::string read_object(const Found& found, const Path& path) {
-    if (!found[kObject] && !found[kDuetObject]) {
+  std::string read_object(const Fields& found, const Path& path) {
+    const std::string_view field = found.has("predObjId") ? "predObjId" : "pred_objid";
+    if (!found.has(field)) {
       faults_.error(path, "missing-field",
                     "neither predObjId nor pred_objid; null says that no object was named");
       return {};
     }
-    const Element element = found[kObject] ? *found[kObject] : *found[kDuetObject];
-    const Path place(path, found[kObject] ? "predObjId" : "pred_objid");
+    const Element element = *found[field];
+    const Path place = found.place(field);
     if (element.is_null()) return {};
     if (element.is_string()) return std::string(json::string(element, place, faults_).value_or(""));
     const auto id = json::integer(element, place, faults_);
@@ -418,13 +403,12 @@ class Reader {
   // SOON: {"path": [...], "obj_heading": [h], "obj_elevation": [e]}.
   void read_pointed(Element element, const Path& path, PointForm form, TrajectoryReader& reader,
                     Trajectory& read) {
-    constexpr std::array<json::Field, 3> kWanted{{{"path"}, {"obj_heading"}, {"obj_elevation"}}};
-    std::array<std::optional<Element>, 3> found;
-    json::fields(element, kWanted, found, path, faults_);
-    if (found[0]) reader.read(*found[0], Path(path, "path"));
-    if (!found[1] || !found[2]) return;
-    const auto heading = read_one(*found[1], Path(path, "obj_heading"), form);
-    const auto elevation = read_one(*found[2], Path(path, "obj_elevation"), form);
+    const Fields found(element, {"path", "obj_heading", "obj_elevation"}, {}, path, faults_);
+    if (found.has("path")) reader.read(*found["path"], found.place("path"));
+    const auto &h = found["obj_heading"], &e = found["obj_elevation"];
+    if (!h || !e) return;
+    const auto heading = read_one(*h, found.place("obj_heading"), form);
+    const auto elevation = read_one(*e, found.place("obj_elevation"), form);
     if (heading && elevation) read.point = SpherePoint{*heading, *elevation};
   }
 
@@ -504,7 +488,7 @@ class Reader {
 
   const EpisodeSet& episodes_;
   Coverage coverage_;
-  Fields wanted_;
+  std::vector<json::Field> wanted_;
   Faults faults_;
   formats::SoonEntries soon_;
   std::unordered_map<std::string_view, std::size_t> by_id_;  // indices of episodes
@@ -519,7 +503,7 @@ class Reader {
 
 Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes,
                      Coverage coverage) {
-  return parse_results(read_file(file), file.string(), episodes, coverage);
+  return parse_results(read_text_file(file), file.string(), episodes, coverage);
 }
 
 Results parse_results(std::string_view json, const std::string& file, const EpisodeSet& episodes,

@@ -1,8 +1,6 @@
-#include "enfilade/tasks/formats/reverie.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <fmt/format.h>
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,44 +9,10 @@
 #include <vector>
 
 #include "enfilade/core/numbers.h"
-#include "enfilade/tasks/formats/r2r_entries.h"
 #include "enfilade/tasks/formats/records.h"
 
 namespace enfilade::tasks::formats {
 namespace {
-
-using json::Element;
-using json::Faults;
-using json::Path;
-
-enum Wanted : std::size_t {
-  kId,
-  kScan,
-  kHeading,
-  kPath,
-  kInstructions,
-  kPathId,
-  kObject,
-  kEncodings,
-  kFields
-};
-constexpr std::array<json::Field, kFields> kWanted{{{"id"},
-                                                    {"scan"},
-                                                    {"heading"},
-                                                    {"path"},
-                                                    {"instructions"},
-                                                    {"path_id", false},
-                                                    {"objId", false},
-                                                    {"instr_encodings", false}}};
-using Found = std::array<std::optional<Element>, kFields>;
-
-// The number of a path or an object.
-std::optional<std::int64_t> read_number(Element element, const Path& path, Faults& faults) {
-  const auto number = json::integer(element, path, faults);
-  if (!number || *number >= 0) return number;
-  faults.error(path, "negative-id", fmt::format("{} is no id; 0 and more are", *number));
-  return std::nullopt;
-}
 
 // The number that an id is; none if it is another text.
 std::optional<std::int64_t> plain_number(const std::string& id) {
@@ -56,13 +20,14 @@ std::optional<std::int64_t> plain_number(const std::string& id) {
   return number && *number >= 0 && fmt::to_string(*number) == id ? number : std::nullopt;
 }
 
-void read_object_goal(const Found& found, const Path& path, Faults& faults, PathAnnotation& entry) {
-  const auto object = read_number(*found[kObject], Path(path, "objId"), faults);
-  if (!found[kPathId]) {
+void read_object_goal(const Fields& found, const Path& path, Faults& faults,
+                      PathAnnotation& entry) {
+  const auto object = found.get("objId", read_number);
+  if (!found.has("path_id")) {
     faults.error(path, "missing-field", "has \"objId\", but no field \"path_id\"");
     return;
   }
-  const auto path_id = read_number(*found[kPathId], Path(path, "path_id"), faults);
+  const auto path_id = found.get("path_id", read_number);
   if (!object || !path_id) return;
   entry.path_id = *path_id;
   entry.group = *path_id;  // several objects are at the end of one path
@@ -74,7 +39,8 @@ void read_object_goal(const Found& found, const Path& path, Faults& faults, Path
       fmt::format("{:?}, not {:?}, its path_id and objId, nor a number", entry.id, expected));
 }
 
-void read_hidden_goal(const Found& found, const Path& path, Faults& faults, PathAnnotation& entry) {
+void read_hidden_goal(const Fields& found, const Path& path, Faults& faults,
+                      PathAnnotation& entry) {
   entry.goal = HiddenGoal{};
   const auto number = plain_number(entry.id);
   if (number) entry.path_id = *number;
@@ -82,12 +48,10 @@ void read_hidden_goal(const Found& found, const Path& path, Faults& faults, Path
     faults.error(Path(path, "id"), "wrong-id",
                  fmt::format("{:?}, not the number of a path, as there is no \"objId\"", entry.id));
   }
-  if (found[kPathId]) {
-    const Path place(path, "path_id");
-    const auto path_id = read_number(*found[kPathId], place, faults);
-    if (path_id && number && *path_id != *number) {
-      faults.error(place, "wrong-id", fmt::format("{}, not {}, its id", *path_id, *number));
-    }
+  const auto path_id = found.get("path_id", read_number);
+  if (path_id && number && *path_id != *number) {
+    faults.error(found.place("path_id"), "wrong-id",
+                 fmt::format("{}, not {}, its id", *path_id, *number));
   }
   if (entry.path.size() > 1) {
     faults.error(Path(path, "path"), "open-path",
@@ -98,21 +62,23 @@ void read_hidden_goal(const Found& found, const Path& path, Faults& faults, Path
 
 PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
   PathAnnotation entry;
-  Found found;
-  if (!json::fields(element, kWanted, found, path, faults)) return entry;
-  const Path id(path, "id");
-  if (const auto text = json::string(*found[kId], id, faults)) {
+  const Fields found(element, {"id", "scan", "heading", "path", "instructions"},
+                     {"path_id", "objId", "instr_encodings"}, path, faults);
+  if (!found) return entry;
+  if (const auto text = found.get("id", json::string)) {
     entry.id = *text;
-    if (entry.id.empty()) faults.error(id, "wrong-id", "an empty text, not the entry's id");
+    if (entry.id.empty()) {
+      faults.error(found.place("id"), "wrong-id", "an empty text, not the entry's id");
+    }
   }
-  entry.scan = json::string(*found[kScan], Path(path, "scan"), faults).value_or("");
-  entry.heading = read_angle(*found[kHeading], Path(path, "heading"), faults);
-  entry.path = read_path(*found[kPath], Path(path, "path"), faults);
-  entry.instructions = json::strings(*found[kInstructions], Path(path, "instructions"), faults);
-  if (found[kEncodings]) {
-    read_encodings(*found[kEncodings], true, entry, Path(path, "instr_encodings"), faults);
+  entry.scan = found.text("scan");
+  entry.heading = found.get("heading", read_angle);
+  entry.path = found.get("path", read_path);
+  entry.instructions = found.get("instructions", json::strings);
+  if (const auto& encodings = found["instr_encodings"]) {
+    read_encodings(*encodings, true, entry, found.place("instr_encodings"), faults);
   }
-  if (found[kObject]) {
+  if (found.has("objId")) {
     read_object_goal(found, path, faults, entry);
   } else {
     read_hidden_goal(found, path, faults, entry);
@@ -125,7 +91,7 @@ ArgumentError not_reverie(const PathAnnotation& entry, std::string_view why) {
 }
 
 // That read_entry() would give the same.
-void check_form(const PathAnnotation& entry) {
+void check_reverie(const PathAnnotation& entry) {
   const auto* const object = std::get_if<NamedObject>(&entry.goal);
   if (object == nullptr && !std::holds_alternative<HiddenGoal>(entry.goal)) {
     throw not_reverie(entry, "its goal is neither hidden nor an object");
@@ -149,8 +115,8 @@ void check_form(const PathAnnotation& entry) {
   }
 }
 
-nlohmann::ordered_json fields_of(const PathAnnotation& entry) {
-  check_form(entry);
+nlohmann::ordered_json reverie_fields(const PathAnnotation& entry) {
+  check_reverie(entry);
   const auto* const object = std::get_if<NamedObject>(&entry.goal);
   nlohmann::ordered_json all = r2r_fields(entry);  // checks its numbers
   nlohmann::ordered_json fields{{"id", entry.id}, {"path", entry.path}};
@@ -166,20 +132,19 @@ nlohmann::ordered_json fields_of(const PathAnnotation& entry) {
 }  // namespace
 
 std::string to_reverie(const Annotations& annotations) {
-  return list_of_entries(annotations, fields_of);
+  return list_of_entries(annotations, reverie_fields);
 }
 
 Annotations parse_reverie(std::string_view json, const std::string& file, std::string split) {
-  Annotations result{std::move(split), file, {}, Task::kReverie};
-  Faults faults(file);
-  Once once("repeated-id");
-  for_each_record(json, faults, [&](Element element, const Path& path) {
-    const std::size_t record = result.paths.size();
-    const PathAnnotation& entry = result.paths.emplace_back(read_entry(element, path, faults));
-    if (!entry.id.empty()) once.check(entry.id, record, Path(path, "id"), faults);
-  });
-  faults.throw_if_errors();
-  return result;
+  Once once;
+  return read_records(json, file, std::move(split), Task::kReverie,
+                      [&](Element element, std::size_t record, const Path& path, Faults& faults) {
+                        PathAnnotation entry = read_entry(element, path, faults);
+                        if (!entry.id.empty()) {
+                          once.check(entry.id, record, Path(path, "id"), faults);
+                        }
+                        return entry;
+                      });
 }
 
 }  // namespace enfilade::tasks::formats

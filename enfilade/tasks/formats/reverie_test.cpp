@@ -1,4 +1,4 @@
-#include "enfilade/tasks/formats/reverie.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,63 +1,116 @@
-#include "enfilade/tasks/formats/rxr.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/threads.h"
 #include "enfilade/tasks/formats/records.h"
 
-namespace enfilade::tasks::formats {
+namespace enfilade::tasks {
+namespace formats {
 namespace {
-
-using json::Element;
-using json::Faults;
-using json::Path;
 
 constexpr std::array<std::string_view, 4> kLanguages{"en-IN", "en-US", "hi-IN", "te-IN"};
 
-enum Wanted : std::size_t {
-  kPathId,
-  kScan,
-  kHeading,
-  kPath,
-  kInstructionId,
-  kLanguage,
-  kInstruction,
-  kWords,
-  kTokens,
-  kFields
+// Results of a part of a file.
+template <class Value>
+struct PartRead {
+  explicit PartRead(const std::string& file) : faults(file) {}
+  std::vector<Value> values;
+  Faults faults;
+  std::exception_ptr failure;
+  bool any = false;
 };
-constexpr std::array<json::Field, kFields> kWanted{{{"path_id", false},
-                                                    {"scan"},
-                                                    {"heading"},
-                                                    {"path"},
-                                                    {"instruction_id"},
-                                                    {"language"},
-                                                    {"instruction"},
-                                                    {"timed_instruction", false},
-                                                    {"instr_encoding", false}}};
 
-enum OfWalk : std::size_t { kDemonstration, kFollowed, kAnnotator, kWalk, kMetrics, kWalkFields };
-constexpr std::array<json::Field, kWalkFields> kOfWalk{
-    {{"demonstration_id"}, {"instruction_id"}, {"annotator_id"}, {"path"}, {"metrics"}}};
-
-enum OfMetrics : std::size_t { kNe, kSr, kSpl, kDtw, kNdtw, kSdtw, kMetricFields };
-constexpr std::array<json::Field, kMetricFields> kOfMetrics{
-    {{"ne"}, {"sr"}, {"spl"}, {"dtw"}, {"ndtw"}, {"sdtw"}}};
-
-std::int64_t read_id(Element element, const Path& path, Faults& faults) {
-  const auto number = json::integer(element, path, faults);
-  if (number && *number < 0) {
-    faults.error(path, "negative-id", fmt::format("{} is no id; 0 and more are", *number));
+// Reads part k, or a list whole.
+template <class Value, class Read>
+void read_part(std::string_view text, const json::Parts& split, std::size_t k,
+               PartRead<Value>& part, const Read& read) {
+  const std::string& file = part.faults.file();
+  std::optional<json::Records> records;
+  if (split.is_lines) {
+    records.emplace(split.texts[k], file, kMostRecordBytes, split.begins[k]);
+  } else {
+    records.emplace(text, file, kMostRecordBytes);
   }
-  return number.value_or(0);
+  go_through(*records, part.faults, part.any, [&](const Element* element, const Path& path) {
+    if (element != nullptr) {
+      part.values.push_back(read(*element, path, part.faults));
+    } else {
+      part.values.emplace_back();
+    }
+  });
 }
+
+// In their order, up to where one thread would have stopped.
+template <class Value>
+std::vector<Value> join_parts(const json::Parts& split, std::vector<PartRead<Value>>& parts,
+                              Faults& faults) {
+  std::vector<Value> values;
+  bool any = !split.is_lines;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    PartRead<Value>& part = parts[k];
+    if (faults.full()) {
+      faults.stop(Path(Path(), split.begins[k].record));
+      break;
+    }
+    if (part.failure) std::rethrow_exception(part.failure);
+    faults.append(std::move(part.faults));
+    any = any || part.any;
+    if (values.empty()) {
+      values = std::move(part.values);
+    } else {
+      std::move(part.values.begin(), part.values.end(), std::back_inserter(values));
+    }
+  }
+  if (!any) refuse_empty(faults);
+  return values;
+}
+
+// for_each_record() on all threads, for files of hundreds of megabytes. `read(element, path,
+// faults)` is called for several records at the same time, with a Faults shared by some of them,
+// and returns a value for each. Values and faults are in the order of the file, and do not depend
+// on the number of threads. A too large record gives Value(). A list is read by one thread.
+template <class Value, class Read>
+std::vector<Value> read_in_parallel(std::string_view text, Faults& faults, const Read& read) {
+  constexpr std::size_t kPartBytes = std::size_t{1} << 22U;
+  const json::Parts split = json::split_records(text, kPartBytes);
+  std::vector<PartRead<Value>> parts(split.texts.size(), PartRead<Value>(faults.file()));
+  parallel_for(parts.size(), 1, 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      try {
+        read_part(text, split, k, parts[k], read);
+      } catch (...) {  // of several, the first in the file counts
+        parts[k].failure = std::current_exception();
+      }
+    }
+  });
+  return join_parts(split, parts, faults);
+}
+
+constexpr std::array<std::pair<std::string_view, double Demonstration::*>, 6> kMetrics{
+    {{"ne", &Demonstration::ne},
+     {"sr", &Demonstration::sr},
+     {"spl", &Demonstration::spl},
+     {"dtw", &Demonstration::dtw},
+     {"ndtw", &Demonstration::ndtw},
+     {"sdtw", &Demonstration::sdtw}}};
+constexpr auto kMetricNames = [] {
+  std::array<json::Field, kMetrics.size()> fields{};
+  for (std::size_t k = 0; k < fields.size(); ++k) fields[k].name = kMetrics[k].first;
+  return fields;
+}();
 
 std::string read_language(Element element, const Path& path, Faults& faults) {
   const auto text = json::string(element, path, faults);
@@ -71,19 +124,18 @@ std::string read_language(Element element, const Path& path, Faults& faults) {
 }
 
 // Gives the instruction's id. Test lines go by it alone, as HAMT names them.
-std::int64_t read_ids(const std::array<std::optional<Element>, kFields>& found, const Path& path,
-                      Faults& faults, PathAnnotation& entry, InstructionDetails& details) {
-  const std::int64_t instruction =
-      read_id(*found[kInstructionId], Path(path, "instruction_id"), faults);
-  if (found[kPathId]) {
-    entry.path_id = read_id(*found[kPathId], Path(path, "path_id"), faults);
+std::int64_t read_ids(const Fields& found, Faults& faults, PathAnnotation& entry,
+                      InstructionDetails& details) {
+  const std::int64_t instruction = found.get("instruction_id", read_number).value_or(0);
+  if (found.has("path_id")) {
+    entry.path_id = found.get("path_id", read_number).value_or(0);
     entry.group = entry.path_id;
     details.id = fmt::format("{}_{}", entry.path_id, instruction);
   } else {
     entry.path_id = instruction;
     details.id = fmt::to_string(instruction);
     if (entry.path.size() > 1) {
-      faults.error(Path(path, "path"), "open-path",
+      faults.error(found.place("path"), "open-path",
                    fmt::format("{} viewpoints, not the start alone, as there is no \"path_id\"",
                                entry.path.size()));
     }
@@ -98,49 +150,43 @@ struct Line {
   std::optional<std::int64_t> instruction;
 };
 
-Line read_line(Element element, const Path& path, Faults& faults) {
+Line read_guide_line(Element element, const Path& path, Faults& faults) {
   Line line;
   PathAnnotation& entry = line.entry;
-  std::array<std::optional<Element>, kFields> found;
-  if (!json::fields(element, kWanted, found, path, faults)) return line;
+  const Fields found(element,
+                     {"scan", "heading", "path", "instruction_id", "language", "instruction"},
+                     {"path_id", "timed_instruction", "instr_encoding"}, path, faults);
+  if (!found) return line;
   const std::size_t errors = faults.errors();
-  entry.scan = json::string(*found[kScan], Path(path, "scan"), faults).value_or("");
-  entry.heading = read_angle(*found[kHeading], Path(path, "heading"), faults);
-  entry.path = read_path(*found[kPath], Path(path, "path"), faults);
-  const Path text(path, "instruction");
-  entry.instructions.emplace_back(json::string(*found[kInstruction], text, faults).value_or(""));
+  entry.scan = found.text("scan");
+  entry.heading = found.get("heading", read_angle);
+  entry.path = found.get("path", read_path);
+  entry.instructions.push_back(found.text("instruction"));
   InstructionDetails& details = entry.details.emplace_back();
-  const std::int64_t id = read_ids(found, path, faults, entry, details);
-  details.language = read_language(*found[kLanguage], Path(path, "language"), faults);
-  if (found[kWords]) {
-    details.words = read_timed_words(*found[kWords], Path(path, "timed_instruction"), faults);
-  }
-  if (found[kTokens]) {
-    details.tokens = read_tokens(*found[kTokens], Path(path, "instr_encoding"), faults);
-  }
+  const std::int64_t id = read_ids(found, faults, entry, details);
+  details.language = found.get("language", read_language);
+  details.words = found.get("timed_instruction", read_timed_words);
+  details.tokens = found.get("instr_encoding", read_tokens);
   if (faults.errors() == errors) line.instruction = id;
   return line;
 }
 
-void read_metrics(Element element, const Path& path, Faults& faults, Demonstration& walk) {
-  std::array<std::optional<Element>, kMetricFields> found;
-  if (!json::fields(element, kOfMetrics, found, path, faults)) return;
-  const std::array<double*, kMetricFields> values{&walk.ne,  &walk.sr,   &walk.spl,
-                                                  &walk.dtw, &walk.ndtw, &walk.sdtw};
-  for (std::size_t k = 0; k < kMetricFields; ++k) {
-    *values[k] = json::number(*found[k], Path(path, kOfMetrics[k].name), faults).value_or(0);
-  }
-}
-
 Demonstration read_walk(Element element, const Path& path, Faults& faults) {
   Demonstration walk;
-  std::array<std::optional<Element>, kWalkFields> found;
-  if (!json::fields(element, kOfWalk, found, path, faults)) return walk;
-  walk.demonstration_id = read_id(*found[kDemonstration], Path(path, "demonstration_id"), faults);
-  walk.instruction_id = read_id(*found[kFollowed], Path(path, "instruction_id"), faults);
-  walk.annotator_id = read_id(*found[kAnnotator], Path(path, "annotator_id"), faults);
-  walk.path = read_path(*found[kWalk], Path(path, "path"), faults);
-  read_metrics(*found[kMetrics], Path(path, "metrics"), faults, walk);
+  const Fields found(element,
+                     {"demonstration_id", "instruction_id", "annotator_id", "path", "metrics"}, {},
+                     path, faults);
+  if (!found) return walk;
+  walk.demonstration_id = found.get("demonstration_id", read_number).value_or(0);
+  walk.instruction_id = found.get("instruction_id", read_number).value_or(0);
+  walk.annotator_id = found.get("annotator_id", read_number).value_or(0);
+  walk.path = found.get("path", read_path);
+  const Path place = found.place("metrics");
+  const Fields metrics(*found["metrics"], kMetricNames, place, faults);
+  if (!metrics) return walk;
+  for (const auto& [name, value] : kMetrics) {
+    walk.*value = metrics.get(name, json::number).value_or(0);
+  }
   return walk;
 }
 
@@ -183,11 +229,7 @@ std::string line_of(const PathAnnotation& entry, const std::string& split) {
   fields["timed_instruction"] =
       timed_words_json(details.words, fmt::format("path {}", entry.path_id));
   if (!details.tokens.empty()) fields["instr_encoding"] = details.tokens;
-  try {
-    return fields.dump();
-  } catch (const nlohmann::json::type_error&) {
-    throw not_rxr(entry, "holds text that is not UTF-8");
-  }
+  return dump(fields, fmt::format("path {}", entry.path_id));
 }
 
 ArgumentError no_follower(const Demonstration& walk, std::string_view why) {
@@ -199,41 +241,28 @@ std::string line_of(const Demonstration& walk) {
     throw no_follower(walk, "a negative id");
   }
   if (walk.path.empty()) throw no_follower(walk, "its path has no viewpoint");
-  const std::array<double, kMetricFields> values{walk.ne,  walk.sr,   walk.spl,
-                                                 walk.dtw, walk.ndtw, walk.sdtw};
   nlohmann::ordered_json metrics;
-  for (std::size_t k = 0; k < kMetricFields; ++k) {
-    if (!std::isfinite(values[k])) {
-      throw no_follower(walk,
-                        fmt::format("{} {}, not a finite number", kOfMetrics[k].name, values[k]));
+  for (const auto& [name, value] : kMetrics) {
+    if (!std::isfinite(walk.*value)) {
+      throw no_follower(walk, fmt::format("{} {}, not a finite number", name, walk.*value));
     }
-    metrics[std::string(kOfMetrics[k].name)] = values[k];
+    metrics[std::string(name)] = walk.*value;
   }
   const nlohmann::ordered_json fields{{"demonstration_id", walk.demonstration_id},
                                       {"instruction_id", walk.instruction_id},
                                       {"annotator_id", walk.annotator_id},
                                       {"path", walk.path},
                                       {"metrics", std::move(metrics)}};
-  try {
-    return fields.dump();
-  } catch (const nlohmann::json::type_error&) {
-    throw no_follower(walk, "holds text that is not UTF-8");
-  }
+  return dump(fields, fmt::format("demonstration {}", walk.demonstration_id));
 }
 
 }  // namespace
 
-std::string to_rxr_followers(std::span<const Demonstration> walks) {
-  std::string lines;
-  for (const Demonstration& walk : walks) lines += line_of(walk) + '\n';
-  return lines;
-}
-
 Annotations parse_rxr_guide(std::string_view lines, const std::string& file, std::string split) {
   Annotations result{std::move(split), file, {}, Task::kRxr};
   Faults faults(file);
-  std::vector<Line> read = read_in_parallel<Line>(lines, faults, read_line);
-  Once once("repeated-id");
+  std::vector<Line> read = read_in_parallel<Line>(lines, faults, read_guide_line);
+  Once once;
   const Path root;
   result.paths.reserve(read.size());
   for (Line& line : read) {
@@ -247,22 +276,6 @@ Annotations parse_rxr_guide(std::string_view lines, const std::string& file, std
   return result;
 }
 
-std::vector<Demonstration> parse_rxr_followers(std::string_view lines, const std::string& file) {
-  std::vector<Demonstration> walks;
-  Faults faults(file);
-  Once once("repeated-id");
-  for_each_record(lines, faults, [&](Element element, const Path& path) {
-    const std::size_t errors = faults.errors();
-    const std::size_t record = walks.size();
-    const Demonstration& walk = walks.emplace_back(read_walk(element, path, faults));
-    if (faults.errors() != errors) return;  // it may have no id
-    once.check(fmt::to_string(walk.demonstration_id), record, Path(path, "demonstration_id"),
-               faults);
-  });
-  faults.throw_if_errors();
-  return walks;
-}
-
 std::string to_rxr_guide(const Annotations& annotations) {
   std::string lines;
   for (const PathAnnotation& entry : annotations.paths) {
@@ -272,4 +285,33 @@ std::string to_rxr_guide(const Annotations& annotations) {
   return lines;
 }
 
-}  // namespace enfilade::tasks::formats
+}  // namespace formats
+
+std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file) {
+  const TextFile content(file);
+  return parse_demonstrations(content.text(), file.string());
+}
+
+std::vector<Demonstration> parse_demonstrations(std::string_view lines, const std::string& file) {
+  std::vector<Demonstration> walks;
+  json::Faults faults(file);
+  formats::Once once;
+  formats::for_each_record(lines, faults, [&](json::Element element, const json::Path& path) {
+    const std::size_t errors = faults.errors();
+    const std::size_t record = walks.size();
+    const Demonstration& walk = walks.emplace_back(formats::read_walk(element, path, faults));
+    if (faults.errors() != errors) return;  // it may have no id
+    once.check(fmt::to_string(walk.demonstration_id), record, json::Path(path, "demonstration_id"),
+               faults);
+  });
+  faults.throw_if_errors();
+  return walks;
+}
+
+std::string to_text(std::span<const Demonstration> walks) {
+  std::string lines;
+  for (const Demonstration& walk : walks) lines += formats::line_of(walk) + '\n';
+  return lines;
+}
+
+}  // namespace enfilade::tasks

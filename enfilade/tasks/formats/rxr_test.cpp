@@ -1,4 +1,4 @@
-#include "enfilade/tasks/formats/rxr.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,14 @@
 #include <set>
 #include <utility>
 
+#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/tasks/files.h"
 #include "enfilade/tasks/metrics.h"
 #include "tests/support/recorded_annotations.h"
 #include "tests/support/refusal.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::tasks::formats {
 namespace EN_UNIT {
@@ -47,7 +51,7 @@ std::string guide_faults(const std::string& text) {
 }
 
 std::string follower_faults(const std::string& text) {
-  return tests::refusal<InvalidInput>([&] { parse_rxr_followers(text, "f.jsonl"); });
+  return tests::refusal<InvalidInput>([&] { parse_demonstrations(text, "f.jsonl"); });
 }
 
 TEST(RxrGuide, ReadsALine) {
@@ -97,6 +101,16 @@ TEST(RxrGuide, LinesOfAPathAreAGroupInListsToo) {
     EXPECT_EQ(read.paths[2].group, std::nullopt);
   }
   EXPECT_THAT(parse_rxr_guide("[]", "g.jsonl", "val").paths, IsEmpty());
+}
+
+// As `cat a.gz b.gz` and `gzip -c >> guide.gz` make it.
+TEST(RxrGuide, MayBePackedInParts) {
+  const tests::TemporaryFolder made("guide");
+  const auto file = made.path() / "rxr_made_guide.jsonl.gz";
+  const std::string other = edited(kLine, "26", "27");
+  write_file_atomically(file, gzip("\xEF\xBB\xBF" + kLine + "\r\n", 6) + gzip(other + "\r\n", 9));
+  const Annotations read = load_annotations(file, "val_seen", Task::kRxr);
+  EXPECT_EQ(read.paths.size(), 2U);
 }
 
 TEST(RxrGuide, ReadsTokensAndLinesWithoutTimes) {
@@ -214,24 +228,24 @@ TEST(RxrGuide, DoesNotWriteWhatItCouldNotRead) {
 }
 
 TEST(RxrFollowers, ReadsALine) {
-  const auto read = parse_rxr_followers(kWalk, "f.jsonl");
+  const auto read = parse_demonstrations(kWalk, "f.jsonl");
   EXPECT_THAT(read,
               ElementsAre(Demonstration{36, 26, 43, {"v0", "v1"}, 0, 1, 0.5, 2.5, 0.75, 0.25}));
 }
 
 TEST(RxrFollowers, ReadsWhatItWrites) {
-  auto walks = parse_rxr_followers(kWalk + "\n" + edited(kWalk, "36", "37"), "f.jsonl");
+  auto walks = parse_demonstrations(kWalk + "\n" + edited(kWalk, "36", "37"), "f.jsonl");
   walks[1].ndtw = 0.1 + 0.2;
-  const std::string written = to_rxr_followers(walks);
+  const std::string written = to_text(walks);
   EXPECT_EQ(std::ranges::count(written, '\n'), 2);
-  EXPECT_EQ(parse_rxr_followers(written, "f.jsonl"), walks);
+  EXPECT_EQ(parse_demonstrations(written, "f.jsonl"), walks);
 }
 
 TEST(RxrFollowers, DoesNotWriteWhatItCouldNotRead) {
   const auto refusal_of = [](const auto& change) {
-    auto walks = parse_rxr_followers(kWalk, "f.jsonl");
+    auto walks = parse_demonstrations(kWalk, "f.jsonl");
     change(walks[0]);
-    return tests::refusal<ArgumentError>([&] { to_rxr_followers(walks); });
+    return tests::refusal<ArgumentError>([&] { to_text(walks); });
   };
   EXPECT_THAT(refusal_of([](Demonstration& w) { w.dtw = kNone; }),
               HasSubstr("demonstration 36: dtw nan, not a finite number"));
@@ -347,7 +361,7 @@ TEST(RxrRecorded, FollowersHaveTheMetricsOfTheirWalks) {
     for (const PathAnnotation& entry : parse_rxr_guide(*guide, split, split).paths) {
       guides[entry.details[0].id.substr(entry.id.size() + 1)] = entry;
     }
-    const auto followers = parse_rxr_followers(*text, split);
+    const auto followers = parse_demonstrations(*text, split);
     EXPECT_EQ(followers.size(), n);
     for (const Demonstration& walk : followers) {
       const PathAnnotation& reference = guides.at(std::to_string(walk.instruction_id));

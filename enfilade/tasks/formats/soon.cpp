@@ -1,4 +1,5 @@
-#include "enfilade/tasks/formats/soon.h"
+#include "enfilade/tasks/files.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -15,12 +16,9 @@
 #include "enfilade/core/numbers.h"
 #include "enfilade/tasks/formats/records.h"
 
-namespace enfilade::tasks::formats {
+namespace enfilade::tasks {
+namespace formats {
 namespace {
-
-using json::Element;
-using json::Faults;
-using json::Path;
 
 constexpr Radians kStartHeading(1.52);
 // Texts of an instruction, in the order of the released form's lists, where the whole follows.
@@ -35,37 +33,10 @@ constexpr std::size_t kOtherSplit = 9;
 // few kB could ask for more.
 constexpr std::size_t kMostCopiedBytes = std::size_t{1} << 31U;
 
-enum Wanted : std::size_t { kPath, kInstructions, kBoxes, kScan, kSharedFields };
-enum OfEntry : std::size_t { kEntryId = kSharedFields, kReleasedFields };
-constexpr std::array<json::Field, kReleasedFields> kReleased{
-    {{"path"}, {"instructions"}, {"bboxes", false}, {"scan", false}, {"instr_id", false}}};
-
-enum OfLine : std::size_t { kPathId = kSharedFields, kEncodings, kLineFields };
-constexpr std::array<json::Field, kLineFields> kOfLine{{{"path"},
-                                                        {"instructions"},
-                                                        {"bboxes", false},
-                                                        {"scan"},
-                                                        {"path_id"},
-                                                        {"instr_encodings", false}}};
-
-enum OfBox : std::size_t { kBoxScan, kBoxPlace, kBoxObject, kBoxTarget, kBoxFields };
-constexpr std::array<json::Field, kBoxFields> kOfBox{
-    {{"scan", false}, {"image_id"}, {"obj_name", false}, {"target"}}};
-constexpr std::array<json::Field, 5> kOfTarget{
-    {{kCorners[0]}, {kCorners[1]}, {kCorners[2]}, {kCorners[3]}, {"center"}}};
-constexpr std::array<json::Field, 2> kOfDirection{{{"heading"}, {"elevation"}}};
-constexpr std::array<json::Field, 5> kOfTexts{
-    {{kParts[0], false}, {kParts[1], false}, {kParts[2], false}, {kParts[3], false}, {"full"}}};
-
-std::string read_text(Element element, const Path& path, Faults& faults) {
-  return std::string(json::string(element, path, faults).value_or(""));
-}
-
 Direction read_direction(Element element, const Path& path, Faults& faults) {
-  std::array<std::optional<Element>, kOfDirection.size()> found;
-  if (!json::fields(element, kOfDirection, found, path, faults)) return {};
-  return {read_angle(*found[0], Path(path, "heading"), faults),
-          read_angle(*found[1], Path(path, "elevation"), faults)};
+  const Fields found(element, {"heading", "elevation"}, {}, path, faults);
+  if (!found) return {};
+  return {found.get("heading", read_angle), found.get("elevation", read_angle)};
 }
 
 // All boxes of an entry are in one scan; the first one's is taken where the entry names none.
@@ -79,31 +50,30 @@ void check_scan(Element element, const Path& path, Faults& faults, std::string& 
 
 NamedBox read_box(Element element, const Path& path, Faults& faults, std::string& scan) {
   NamedBox box;
-  std::array<std::optional<Element>, kBoxFields> found;
-  if (!json::fields(element, kOfBox, found, path, faults)) return box;
-  if (found[kBoxScan]) check_scan(*found[kBoxScan], Path(path, "scan"), faults, scan);
-  box.viewpoint = read_text(*found[kBoxPlace], Path(path, "image_id"), faults);
-  if (found[kBoxObject]) {
-    box.object = read_text(*found[kBoxObject], Path(path, "obj_name"), faults);
-  }
-  const Path target(path, "target");
-  std::array<std::optional<Element>, kOfTarget.size()> directions;
-  if (!json::fields(*found[kBoxTarget], kOfTarget, directions, target, faults)) return box;
-  for (std::size_t k = 0; k < kCorners.size(); ++k) {
-    box.corners[k] = read_direction(*directions[k], Path(target, kCorners[k]), faults);
-  }
-  box.centre = read_direction(*directions[kCorners.size()], Path(target, "center"), faults);
+  const Fields found(element, {"image_id", "target"}, {"scan", "obj_name"}, path, faults);
+  if (!found) return box;
+  if (const auto& name = found["scan"]) check_scan(*name, found.place("scan"), faults, scan);
+  box.viewpoint = found.text("image_id");
+  box.object = found.text("obj_name");
+  const Path target = found.place("target");
+  const Fields directions(*found["target"],
+                          {kCorners[0], kCorners[1], kCorners[2], kCorners[3], "center"}, {},
+                          target, faults);
+  if (!directions) return box;
+  std::ranges::transform(kCorners, box.corners.begin(), [&directions](std::string_view corner) {
+    return directions.get(corner, read_direction);
+  });
+  box.centre = directions.get("center", read_direction);
   return box;
 }
 
 // The scan and the goal of an entry, without first alternatives.
-void read_goal(const std::optional<Element>& scan, const std::optional<Element>& boxes,
-               const Path& path, Faults& faults, PathAnnotation& entry) {
+void read_goal(const Fields& found, const Path& path, Faults& faults, PathAnnotation& entry) {
   const std::size_t errors = faults.errors();
-  if (scan) entry.scan = read_text(*scan, Path(path, "scan"), faults);
+  if (found.has("scan")) entry.scan = found.text("scan");
   NamedBoxes goal;
-  const Path place(path, "bboxes");
-  if (const auto list = boxes ? json::array(*boxes, place, faults) : std::nullopt) {
+  const Path place = found.place("bboxes");
+  if (const auto list = found.get("bboxes", json::array)) {
     for (const Element one : *list) {
       goal.boxes.push_back(read_box(one, Path(place, goal.boxes.size()), faults, entry.scan));
     }
@@ -138,22 +108,22 @@ void read_list(Element element, const Path& path, Faults& faults, PathAnnotation
 }
 
 // An instruction as an object of texts.
-void read_object(Element element, const Path& path, Faults& faults, PathAnnotation& entry) {
-  std::array<std::optional<Element>, kOfTexts.size()> found;
-  if (!json::fields(element, kOfTexts, found, path, faults)) return;
+void read_texts(Element element, const Path& path, Faults& faults, PathAnnotation& entry) {
+  const Fields found(element, {"full"}, {kParts[0], kParts[1], kParts[2], kParts[3]}, path, faults);
+  if (!found) return;
   InstructionDetails& details = entry.details.emplace_back();
-  for (std::size_t k = 0; k < kParts.size(); ++k) {
-    if (!found[k]) continue;
-    details.fields.emplace_back(kParts[k], read_text(*found[k], Path(path, kParts[k]), faults));
+  for (const std::string_view part : kParts) {
+    if (found.has(part)) details.fields.emplace_back(part, found.text(part));
   }
-  entry.instructions.push_back(read_text(*found.back(), Path(path, "full"), faults));
+  entry.instructions.push_back(found.text("full"));
 }
 
 template <class Read>
-void read_instructions(Element element, const Path& path, Faults& faults, const Read& read,
+void read_instructions(const Fields& found, Faults& faults, const Read& read,
                        PathAnnotation& entry) {
-  const auto list = json::array(element, path, faults);
+  const auto list = found.get("instructions", json::array);
   if (!list) return;
+  const Path path = found.place("instructions");
   std::size_t k = 0;
   for (const Element one : *list) read(one, Path(path, k++), faults, entry);
 }
@@ -219,19 +189,20 @@ class Released {
 
   void read(Element element, const Path& path, Faults& faults) {
     const std::int64_t group = entries_++;
-    std::array<std::optional<Element>, kReleasedFields> found;
-    if (!json::fields(element, kReleased, found, path, faults)) return;
+    const Fields found(element, {"path", "instructions"}, {"bboxes", "scan", "instr_id"}, path,
+                       faults);
+    if (!found) return;
     PathAnnotation entry;
     entry.heading = kStartHeading;
     entry.group = group;
-    read_goal(found[kScan], found[kBoxes], path, faults, entry);
-    read_instructions(*found[kInstructions], Path(path, "instructions"), faults, read_list, entry);
-    if (found[kEntryId]) read_id(*found[kEntryId], Path(path, "instr_id"), faults, entry);
-    const auto alternatives = read_alternatives(*found[kPath], Path(path, "path"), faults);
+    read_goal(found, path, faults, entry);
+    read_instructions(found, faults, read_list, entry);
+    if (const auto& id = found["instr_id"]) read_id(*id, found.place("instr_id"), faults, entry);
+    const auto alternatives = found.get("path", read_alternatives);
     if (faults.errors() > 0) return;
     copied_ += (alternatives.size() - 1) * bytes_of(entry, alternatives);
     if (copied_ > kMostCopiedBytes) {
-      faults.error(Path(path, "path"), "too-large",
+      faults.error(found.place("path"), "too-large",
                    fmt::format("with these {} paths, alternatives would repeat {} bytes; {} are "
                                "allowed",
                                alternatives.size(), copied_, kMostCopiedBytes));
@@ -264,7 +235,7 @@ class Released {
 
   Annotations& result_;
   std::size_t split_;
-  Once once_{"repeated-id"};
+  Once once_;
   std::int64_t entries_ = 0;
   std::size_t copied_ = 0;
 };
@@ -278,27 +249,29 @@ std::optional<std::int64_t> running_number(std::string_view id) {
   return split && number && *number >= 0 ? number : std::nullopt;
 }
 
-PathAnnotation read_line(Element element, const Path& path, Faults& faults) {
+PathAnnotation read_soon_line(Element element, std::size_t /*record*/, const Path& path,
+                              Faults& faults) {
   PathAnnotation entry;
-  std::array<std::optional<Element>, kLineFields> found;
-  if (!json::fields(element, kOfLine, found, path, faults)) return entry;
+  const Fields found(element, {"path", "instructions", "scan", "path_id"},
+                     {"bboxes", "instr_encodings"}, path, faults);
+  if (!found) return entry;
   entry.heading = kStartHeading;
-  const Path place(path, "path_id");
-  if (const auto id = json::string(*found[kPathId], place, faults)) {
+  if (const auto id = found.get("path_id", json::string)) {
     entry.id = *id;
     const auto number = running_number(*id);
     entry.path_id = number.value_or(0);
     if (!number) {
-      faults.error(place, "wrong-id",
+      faults.error(found.place("path_id"), "wrong-id",
                    fmt::format("{:?}, not \"<split number>-<running number>\"", *id));
     }
   }
-  entry.path = read_path(*found[kPath], Path(path, "path"), faults);
-  read_goal(found[kScan], found[kBoxes], path, faults, entry);
+  entry.path = found.get("path", read_path);
+  read_goal(found, path, faults, entry);
   const std::size_t errors = faults.errors();
-  read_instructions(*found[kInstructions], Path(path, "instructions"), faults, read_object, entry);
-  if (found[kEncodings] && faults.errors() == errors) {  // else their numbers need not agree
-    read_encodings(*found[kEncodings], Path(path, "instr_encodings"), faults, entry);
+  read_instructions(found, faults, read_texts, entry);
+  const auto& encodings = found["instr_encodings"];
+  if (encodings && faults.errors() == errors) {  // else their numbers need not agree
+    read_encodings(*encodings, found.place("instr_encodings"), faults, entry);
   }
   return entry;
 }
@@ -329,7 +302,7 @@ nlohmann::ordered_json json_of(const PathAnnotation& entry, const NamedBox& box)
           {"target", std::move(target)}};
 }
 
-void check_form(const PathAnnotation& entry) {
+void check_soon(const PathAnnotation& entry) {
   if (!running_number(entry.id)) throw not_soon(entry, "its id is no SOON path's");
   if (entry.details.size() != entry.instructions.size()) {
     throw not_soon(entry, fmt::format("{} instructions with details of {}",
@@ -359,8 +332,8 @@ nlohmann::ordered_json boxes_json(const PathAnnotation& entry) {
   return boxes;
 }
 
-std::string line_of(const PathAnnotation& entry) {
-  check_form(entry);
+nlohmann::ordered_json line_of(const PathAnnotation& entry) {
+  check_soon(entry);
   nlohmann::ordered_json line{{"path_id", entry.id}, {"scan", entry.scan}, {"path", entry.path}};
   auto instructions = nlohmann::ordered_json::array();
   auto encodings = nlohmann::ordered_json::array();
@@ -377,11 +350,7 @@ std::string line_of(const PathAnnotation& entry) {
   if (encoded) line["instr_encodings"] = std::move(encodings);
   nlohmann::ordered_json boxes = boxes_json(entry);
   if (!boxes.empty()) line["bboxes"] = std::move(boxes);
-  try {
-    return line.dump();
-  } catch (const nlohmann::json::type_error&) {
-    throw not_soon(entry, "holds text that is not UTF-8");
-  }
+  return line;
 }
 
 // An instruction as a list of five texts.
@@ -399,7 +368,7 @@ nlohmann::ordered_json texts_json(const PathAnnotation& entry, std::size_t k) {
 
 // What all alternatives of an entry share.
 nlohmann::ordered_json shared_json(const PathAnnotation& entry) {
-  check_form(entry);
+  check_soon(entry);
   auto instructions = nlohmann::ordered_json::array();
   for (std::size_t k = 0; k < entry.instructions.size(); ++k) {
     instructions.push_back(texts_json(entry, k));
@@ -438,35 +407,10 @@ std::string released_line(std::span<const PathAnnotation> paths, const std::stri
   nlohmann::ordered_json entry{{"path", std::move(alternatives)}};
   entry.update(shared);
   entry["instr_id"] = id;
-  try {
-    return entry.dump();
-  } catch (const nlohmann::json::type_error&) {
-    throw not_soon(paths.front(), "holds text that is not UTF-8");
-  }
+  return dump(entry, fmt::format("path {:?}", paths.front().id));
 }
 
 }  // namespace
-
-std::string to_soon(const Annotations& annotations) {
-  const std::span<const PathAnnotation> paths(annotations.paths);
-  std::unordered_set<std::string> ids;
-  std::string text = "[";
-  std::size_t number = 0;
-  for (std::size_t begin = 0; begin < paths.size(); ++number) {
-    std::size_t end = begin + 1;
-    while (end < paths.size() && paths[begin].group && paths[end].group == paths[begin].group) {
-      ++end;
-    }
-    const auto entry = paths.subspan(begin, end - begin);
-    const std::string id = entry_id(entry, number);
-    if (!ids.insert(id).second) {
-      throw not_soon(entry.front(), fmt::format("its entry has the instr_id {:?} of another", id));
-    }
-    text += (number == 0 ? "\n" : ",\n") + released_line(entry, id);
-    begin = end;
-  }
-  return text + "\n]\n";
-}
 
 Annotations parse_soon(std::string_view json, const std::string& file, std::string split) {
   Annotations result{std::move(split), file, {}, Task::kSoon};
@@ -479,27 +423,39 @@ Annotations parse_soon(std::string_view json, const std::string& file, std::stri
 }
 
 Annotations parse_soon_lines(std::string_view lines, const std::string& file, std::string split) {
-  Annotations result{std::move(split), file, {}, Task::kSoon};
-  Faults faults(file);
-  Once once("repeated-id");
-  for_each_record(lines, faults, [&](Element element, const Path& path) {
-    const std::size_t errors = faults.errors();
-    const std::size_t record = result.paths.size();
-    const PathAnnotation& entry = result.paths.emplace_back(read_line(element, path, faults));
-    if (faults.errors() != errors) return;  // it may have no id
-    once.check(entry.id, record, Path(path, "path_id"), faults);
-  });
-  faults.throw_if_errors();
-  return result;
+  return read_records(lines, file, std::move(split), Task::kSoon, "path_id", read_soon_line);
 }
 
 std::string to_soon_lines(const Annotations& annotations) {
   std::string lines;
   for (const PathAnnotation& entry : annotations.paths) {
-    lines += line_of(entry);
-    lines += '\n';
+    lines += dump(line_of(entry), fmt::format("path {:?}", entry.id)) + '\n';
   }
   return lines;
 }
 
-}  // namespace enfilade::tasks::formats
+}  // namespace formats
+
+std::string to_released_soon(const Annotations& annotations) {
+  const std::span<const PathAnnotation> paths(annotations.paths);
+  std::unordered_set<std::string> ids;
+  std::string text = "[";
+  std::size_t number = 0;
+  for (std::size_t begin = 0; begin < paths.size(); ++number) {
+    std::size_t end = begin + 1;
+    while (end < paths.size() && paths[begin].group && paths[end].group == paths[begin].group) {
+      ++end;
+    }
+    const auto entry = paths.subspan(begin, end - begin);
+    const std::string id = formats::entry_id(entry, number);
+    if (!ids.insert(id).second) {
+      throw formats::not_soon(entry.front(),
+                              fmt::format("its entry has the instr_id {:?} of another", id));
+    }
+    text += (number == 0 ? "\n" : ",\n") + formats::released_line(entry, id);
+    begin = end;
+  }
+  return text + "\n]\n";
+}
+
+}  // namespace enfilade::tasks

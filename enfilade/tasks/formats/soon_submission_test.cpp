@@ -1,4 +1,4 @@
-#include "enfilade/tasks/soon_submission.h"
+#include "enfilade/tasks/results.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

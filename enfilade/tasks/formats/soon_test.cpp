@@ -1,4 +1,4 @@
-#include "enfilade/tasks/formats/soon.h"
+#include "enfilade/tasks/formats/readers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "enfilade/tasks/files.h"
 #include "tests/support/recorded_annotations.h"
 #include "tests/support/refusal.h"
 
@@ -197,7 +198,7 @@ TEST(Soon, ReadsWhatItWrites) {
                  "s.json", "val_unseen_house");
   ASSERT_THAT(read.paths, SizeIs(7));
   EXPECT_EQ(read.paths[3].details[0].entry, "");
-  const std::string written = to_soon(read);
+  const std::string written = to_released_soon(read);
   EXPECT_EQ(std::ranges::count(written, '\n'), 5) << "an entry a line";
   EXPECT_EQ(parse_soon(written, "s.json", "val_unseen_house").paths, read.paths);
 }
@@ -205,10 +206,10 @@ TEST(Soon, ReadsWhatItWrites) {
 TEST(Soon, NumbersEntriesThatHaveNoId) {
   Annotations read = parse_soon("[" + kHidden + ", " + kHidden + "]", "s.json", "test");
   EXPECT_EQ(read.paths[1].details[0].entry, std::nullopt);
-  Annotations again = parse_soon(to_soon(read), "s.json", "test");
+  Annotations again = parse_soon(to_released_soon(read), "s.json", "test");
   EXPECT_EQ(again.paths.at(1).details[0].entry, "1");
   again.paths[1].details[0].entry = "0";
-  EXPECT_THAT(tests::refusal<ArgumentError>([&] { to_soon(again); }),
+  EXPECT_THAT(tests::refusal<ArgumentError>([&] { to_released_soon(again); }),
               HasSubstr("path \"4-1\": its entry has the instr_id \"0\" of another"));
 }
 
@@ -216,7 +217,7 @@ TEST(Soon, DoesNotWriteWhatItCouldNotRead) {
   const auto refusal_of = [](const auto& change) {
     Annotations annotations = parse_soon("[" + kEntry + "]", "s.json", "train");
     change(annotations.paths[1]);
-    return tests::refusal<ArgumentError>([&] { to_soon(annotations); });
+    return tests::refusal<ArgumentError>([&] { to_released_soon(annotations); });
   };
   EXPECT_THAT(refusal_of([](PathAnnotation& p) { p.instructions[0] = "Go."; }),
               HasSubstr("path \"0-1\": of the group of \"0-0\", but differs from it"));

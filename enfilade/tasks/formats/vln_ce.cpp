@@ -13,9 +13,6 @@
 
 namespace enfilade::tasks::formats {
 
-using json::Element;
-using json::Faults;
-using json::Path;
 using Json = nlohmann::ordered_json;
 
 namespace {
@@ -45,27 +42,25 @@ std::string read_other(Element element, const Path& path, Faults& faults) {
   return simdjson::minify(element);
 }
 
-bool read_fields(Element element, std::span<const json::Field> wanted,
-                 std::span<std::optional<Element>> found, OtherFields& others, const Path& path,
-                 Faults& faults) {
-  if (!json::fields(element, wanted, found, path, faults)) return false;
+FieldsAndOthers::FieldsAndOthers(Element element, std::span<const json::Field> wanted,
+                                 OtherFields& others, const Path& path, Faults& faults)
+    : Fields(element, wanted, path, faults) {
+  if (!good_) return;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    if (!wanted[k].required && found[k] && found[k]->is_null()) found[k].reset();
+    if (!wanted[k].required && found_[k] && found_[k]->is_null()) found_[k].reset();
   }
-  bool good = true;
   std::unordered_set<std::string_view> seen;
   const simdjson::dom::object members = element.get_object().value_unsafe();
   for (const auto member : members) {
     if (std::ranges::find(wanted, member.key, &json::Field::name) != wanted.end()) continue;
+    const Path place(path, member.key);
     if (seen.insert(member.key).second) {
-      const Path place(path, member.key);
       others.emplace_back(std::string(member.key), read_other(member.value, place, faults));
       continue;
     }
-    faults.error(Path(path, member.key), "repeated-field", "given twice in one object");
-    good = false;
+    faults.error(place, "repeated-field", "given twice in one object");
+    good_ = false;
   }
-  return good;
 }
 
 Vec3d read_point(Element element, const Path& path, Faults& faults) {
@@ -112,25 +107,20 @@ std::optional<FileId> read_id(Element element, const Path& path, Faults& faults)
   return std::nullopt;
 }
 
-std::optional<double> read_length(Element element, std::string_view what, const Path& path,
-                                  Faults& faults) {
+std::optional<double> read_length(Element element, const Path& path, Faults& faults,
+                                  std::string_view what) {
   const auto number = json::number(element, path, faults);
   if (!number || *number >= 0) return number;
   faults.error(path, "bad-length", fmt::format("{} is no {}; 0 and more are", *number, what));
   return std::nullopt;
 }
 
-std::int64_t read_count(Element element, std::string_view what, std::int64_t most, const Path& path,
-                        Faults& faults) {
+std::int64_t read_count(Element element, const Path& path, Faults& faults, std::string_view what,
+                        std::int64_t most) {
   const auto number = json::integer(element, path, faults);
   if (!number || (*number >= 0 && *number <= most)) return number.value_or(0);
   faults.error(path, "out-of-range", fmt::format("{} is no {}; 0 to {} are", *number, what, most));
   return 0;
-}
-
-double finite(double number, std::string_view where) {
-  if (std::isfinite(number)) return number;
-  throw ArgumentError(fmt::format("{}: {}, not a finite number", where, number));
 }
 
 Json point_json(Vec3d point, std::string_view where) {
@@ -160,14 +150,6 @@ void add_others(const OtherFields& others, std::span<const json::Field> known, J
       throw ArgumentError(fmt::format("{}: field {:?} is no JSON", where, name));
     }
     fields[name] = std::move(value);
-  }
-}
-
-std::string dump(const Json& value, std::string_view where) {
-  try {
-    return value.dump();
-  } catch (const Json::type_error&) {
-    throw ArgumentError(fmt::format("{}: holds text that is not UTF-8", where));
   }
 }
 

@@ -8,34 +8,24 @@
 #include <utility>
 
 #include "enfilade/core/detail/json_entries.h"
-#include "enfilade/core/text_file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/formats/records.h"
 #include "enfilade/tasks/formats/vln_ce.h"
-#include "enfilade/tasks/formats/vln_ce_fields.h"
 
 namespace enfilade::tasks {
 namespace {
 
-using json::Element;
-using json::Faults;
-using json::Path;
-using namespace formats::vln_ce;
+using namespace formats;
 
 // Limit of a vocabulary and of fields that the model does not have: ten times XLM-R's 250,000
 // words, four times over.
 constexpr std::size_t kMostMemberBytes = std::size_t{1} << 28U;
 constexpr std::int64_t kMostCount = std::numeric_limits<std::int64_t>::max();
+constexpr std::string_view kEpisodes = kOfFile[0].name, kVocabulary = kOfFile[1].name;
 constexpr std::int64_t kLastAction = 5;  // look down
 // Rounding of what was computed in single precision.
 constexpr double kTilt = 1e-6, kOffLength = 1e-3;
-
-template <std::size_t kCount>
-using Found = std::array<std::optional<Element>, kCount>;
-
-std::string text_at(Element element, const Path& path, Faults& faults) {
-  return std::string(json::string(element, path, faults).value_or(""));
-}
 
 StartRotation read_rotation(Element element, const Path& path, Faults& faults) {
   StartRotation rotation;
@@ -67,19 +57,14 @@ StartRotation read_rotation(Element element, const Path& path, Faults& faults) {
 
 EpisodeInfo read_info(Element element, const Path& path, Faults& faults) {
   EpisodeInfo info;
-  Found<kInfoFields> found;
-  if (!formats::read_fields(element, kOfInfo, found, info.others, path, faults)) return info;
-  if (found[kGeodesic]) {
-    info.geodesic_distance = formats::read_length(*found[kGeodesic], "distance in metres",
-                                                  Path(path, "geodesic_distance"), faults);
-  }
-  if (!found[kRole]) return info;
-  const Path place(path, "role");
-  const auto role = json::string(*found[kRole], place, faults);
+  const FieldsAndOthers found(element, kOfInfo, info.others, path, faults);
+  if (!found) return info;
+  info.geodesic_distance = found.get("geodesic_distance", read_length, "distance in metres");
+  const auto role = found.get("role", json::string);
   if (role == "guide") info.role = AnnotationRole::kGuide;
   if (role == "follower") info.role = AnnotationRole::kFollower;
   if (role && !info.role) {
-    faults.error(place, "unknown-role",
+    faults.error(found.place("role"), "unknown-role",
                  fmt::format("{:?}, neither \"guide\" nor \"follower\"", *role));
   }
   return info;
@@ -87,13 +72,10 @@ EpisodeInfo read_info(Element element, const Path& path, Faults& faults) {
 
 ContinuousGoal read_goal(Element element, const Path& path, Faults& faults) {
   ContinuousGoal goal;
-  Found<kGoalFields> found;
-  if (!formats::read_fields(element, kOfGoal, found, goal.others, path, faults)) return goal;
-  goal.position = formats::read_point(*found[kPosition], Path(path, "position"), faults);
-  if (found[kRadius]) {
-    goal.radius =
-        formats::read_length(*found[kRadius], "radius in metres", Path(path, "radius"), faults);
-  }
+  const FieldsAndOthers found(element, kOfGoal, goal.others, path, faults);
+  if (!found) return goal;
+  goal.position = found.get("position", read_point);
+  goal.radius = found.get("radius", read_length, "radius in metres");
   return goal;
 }
 
@@ -113,29 +95,18 @@ std::vector<ContinuousGoal> read_goals(Element element, const Path& path, Faults
 
 ContinuousInstruction read_instruction(Element element, const Path& path, Faults& faults) {
   ContinuousInstruction instruction;
-  Found<kInstructionFields> found;
-  if (!formats::read_fields(element, kOfInstruction, found, instruction.others, path, faults)) {
-    return instruction;
+  const FieldsAndOthers found(element, kOfInstruction, instruction.others, path, faults);
+  if (!found) return instruction;
+  instruction.text = found.text("instruction_text");
+  if (found.has("instruction_tokens")) {
+    instruction.tokens = found.get("instruction_tokens", read_tokens);
   }
-  const auto place = [&path](OfInstruction field) {
-    return Path(path, kOfInstruction[field].name);
-  };
-  instruction.text = text_at(*found[kText], place(kText), faults);
-  if (found[kTokens]) {
-    instruction.tokens = formats::read_tokens(*found[kTokens], place(kTokens), faults);
-  }
-  if (found[kInstructionId]) {
-    instruction.id = formats::read_id(*found[kInstructionId], place(kInstructionId), faults);
-  }
-  if (found[kLanguage]) instruction.language = text_at(*found[kLanguage], place(kLanguage), faults);
-  if (found[kAnnotator]) {
-    instruction.annotator = formats::read_id(*found[kAnnotator], place(kAnnotator), faults);
-  }
-  if (found[kEdits]) {
-    instruction.edit_distance = json::number(*found[kEdits], place(kEdits), faults);
-  }
-  if (found[kWords]) {
-    instruction.words = formats::read_timed_words(*found[kWords], place(kWords), faults);
+  instruction.id = found.get("instruction_id", read_id);
+  if (found.has("language")) instruction.language = found.text("language");
+  instruction.annotator = found.get("annotator_id", read_id);
+  instruction.edit_distance = found.get("edit_distance", json::number);
+  if (found.has("timed_instruction")) {
+    instruction.words = found.get("timed_instruction", read_timed_words);
   }
   return instruction;
 }
@@ -149,28 +120,26 @@ struct Read {
 Read read_episode(Element element, const Path& path, Faults& faults) {
   Read read;
   ContinuousEpisode& episode = read.episode;
-  Found<kEpisodeFields> found;
-  if (!formats::read_fields(element, kOfEpisode, found, episode.others, path, faults)) return read;
-  const auto place = [&path](OfEpisode field) { return Path(path, kOfEpisode[field].name); };
-  const auto id = formats::read_id(*found[kId], place(kId), faults);
+  const FieldsAndOthers found(element, kOfEpisode, episode.others, path, faults);
+  if (!found) return read;
+  const auto id = found.get("episode_id", read_id);
   read.has_id = id.has_value();
   if (id) episode.id = *id;
-  episode.trajectory_id =
-      formats::read_id(*found[kTrajectory], place(kTrajectory), faults).value_or(FileId());
-  if (const auto scene = json::string(*found[kScene], place(kScene), faults)) {
+  episode.trajectory_id = found.get("trajectory_id", read_id).value_or(FileId());
+  if (const auto scene = found.get("scene_id", json::string)) {
     episode.scene = *scene;
     if (episode.scan().empty()) {
-      faults.error(place(kScene), "bad-scene",
+      faults.error(found.place("scene_id"), "bad-scene",
                    fmt::format("{:?} names no scan; \"mp3d/SCAN/SCAN.glb\" does", *scene));
     }
   }
-  episode.start = formats::read_point(*found[kStart], place(kStart), faults);
-  episode.rotation = read_rotation(*found[kRotation], place(kRotation), faults);
-  if (found[kInfo]) episode.info = read_info(*found[kInfo], place(kInfo), faults);
-  if (found[kGoals]) episode.goals = read_goals(*found[kGoals], place(kGoals), faults);
-  episode.instruction = read_instruction(*found[kInstruction], place(kInstruction), faults);
-  if (found[kReference]) {
-    episode.reference_path = formats::read_points(*found[kReference], place(kReference), faults);
+  episode.start = found.get("start_position", read_point);
+  episode.rotation = found.get("start_rotation", read_rotation);
+  if (found.has("info")) episode.info = found.get("info", read_info);
+  if (found.has("goals")) episode.goals = found.get("goals", read_goals);
+  episode.instruction = found.get("instruction", read_instruction);
+  if (found.has("reference_path")) {
+    episode.reference_path = found.get("reference_path", read_points);
   }
   return read;
 }
@@ -182,7 +151,7 @@ class EpisodesReader {
       : episodes_(episodes), faults_(faults) {}
 
   void read(std::string_view list, const Path& path) {
-    json::Entries entries(list, faults_.file(), formats::kMostRecordBytes);
+    json::Entries entries(list, faults_.file(), kMostRecordBytes);
     if (!entries.is_list(faults_)) return;
     while (entries.next()) {
       const Path place(path, entries.index());
@@ -193,7 +162,7 @@ class EpisodesReader {
       if (entries.element()) {
         add(read_episode(*entries.element(), place, faults_), place);
       } else {
-        formats::refuse_large(entries.bytes(), place, faults_);
+        refuse_large(entries.bytes(), place, faults_);
         episodes_.emplace_back();
       }
     }
@@ -221,7 +190,7 @@ void read_episodes(json::Members& members, const Path& path, Faults& faults,
   if (!members.value().starts_with('[')) {
     const auto value = members.element(kMostMemberBytes);
     if (value) json::array(*value, path, faults);
-    if (!value) formats::refuse_large(members.value().size(), path, faults, kMostMemberBytes);
+    if (!value) refuse_large(members.value().size(), path, faults, kMostMemberBytes);
     return;
   }
   try {
@@ -234,38 +203,34 @@ void read_episodes(json::Members& members, const Path& path, Faults& faults,
 
 InstructionVocabulary read_vocabulary(Element element, const Path& path, Faults& faults) {
   InstructionVocabulary vocabulary;
-  Found<kVocabularyFields> found;
-  if (!formats::read_fields(element, kOfVocabulary, found, vocabulary.others, path, faults)) {
-    return vocabulary;
-  }
-  vocabulary.words = json::strings(*found[kWordList], Path(path, "word_list"), faults);
-  const auto count = [&](OfVocabulary field, std::string_view what) -> std::optional<std::int64_t> {
-    if (!found[field]) return std::nullopt;
-    return formats::read_count(*found[field], what, kMostCount,
-                               Path(path, kOfVocabulary[field].name), faults);
+  const FieldsAndOthers found(element, kOfVocabulary, vocabulary.others, path, faults);
+  if (!found) return vocabulary;
+  vocabulary.words = found.get("word_list", json::strings);
+  const auto count = [&found](std::string_view name, std::string_view what) {
+    return found.has(name) ? std::optional(found.get(name, read_count, what, kMostCount))
+                           : std::nullopt;
   };
-  vocabulary.size = count(kSize, "number of words");
-  vocabulary.unknown = count(kUnknown, "token");
-  vocabulary.padding = count(kPadding, "token");
+  vocabulary.size = count("num_vocab", "number of words");
+  vocabulary.unknown = count("UNK_INDEX", "token");
+  vocabulary.padding = count("PAD_INDEX", "token");
   return vocabulary;
 }
 
-ExpertWalk read_walk(Element element, const Path& path, Faults& faults) {
+ExpertWalk read_expert_walk(Element element, const Path& path, Faults& faults) {
   ExpertWalk walk;
-  Found<kWalkFields> found;
-  if (!formats::read_fields(element, kOfWalk, found, walk.others, path, faults)) return walk;
-  walk.locations = formats::read_points(*found[kLocations], Path(path, "locations"), faults);
-  walk.forward_steps = formats::read_count(*found[kSteps], "number of steps", kMostCount,
-                                           Path(path, "forward_steps"), faults);
-  const Path actions(path, "actions");
-  const auto list = json::array(*found[kActions], actions, faults);
+  const FieldsAndOthers found(element, kOfWalk, walk.others, path, faults);
+  if (!found) return walk;
+  walk.locations = found.get("locations", read_points);
+  walk.forward_steps = found.get("forward_steps", read_count, "number of steps", kMostCount);
+  const Path actions = found.place("actions");
+  const auto list = found.get("actions", json::array);
   if (!list) return walk;
   walk.actions.reserve(list->size());
   for (const Element one : *list) {
     if (faults.full()) break;
     const Path place(actions, walk.actions.size());
     walk.actions.push_back(
-        static_cast<std::uint8_t>(formats::read_count(one, "action", kLastAction, place, faults)));
+        static_cast<std::uint8_t>(read_count(one, place, faults, "action", kLastAction)));
   }
   return walk;
 }
@@ -277,23 +242,23 @@ ContinuousEpisodes parse_continuous_episodes(std::string_view json, const std::s
   ContinuousEpisodes result{std::move(split), file, {}};
   Faults faults(file);
   const Path root;
-  const Path list(root, kOfFile[kEpisodes].name), words(root, kOfFile[kVocabulary].name);
+  const Path list(root, kEpisodes), words(root, kVocabulary);
   std::unordered_set<std::string> seen;
-  formats::for_each_member(json, faults, [&](json::Members& members, const Path& path) {
+  for_each_member(json, faults, [&](json::Members& members, const Path& path) {
     if (!seen.insert(members.key()).second) {
       faults.error(path, "repeated-field", "given twice in one object");
-    } else if (members.key() == kOfFile[kEpisodes].name) {
+    } else if (members.key() == kEpisodes) {
       read_episodes(members, list, faults, result.episodes);
     } else if (const auto value = members.element(kMostMemberBytes); !value) {
-      formats::refuse_large(members.value().size(), path, faults, kMostMemberBytes);
-    } else if (members.key() != kOfFile[kVocabulary].name) {
-      result.others.emplace_back(members.key(), formats::read_other(*value, path, faults));
+      refuse_large(members.value().size(), path, faults, kMostMemberBytes);
+    } else if (members.key() != kVocabulary) {
+      result.others.emplace_back(members.key(), read_other(*value, path, faults));
     } else if (!value->is_null()) {
       result.vocabulary = read_vocabulary(*value, words, faults);
     }
   });
-  if (faults.errors() == 0 && !seen.contains(std::string(kOfFile[kEpisodes].name))) {
-    faults.error(root, "missing-field", fmt::format("has no field {:?}", kOfFile[kEpisodes].name));
+  if (faults.errors() == 0 && !seen.contains(std::string(kEpisodes))) {
+    faults.error(root, "missing-field", fmt::format("has no field {:?}", kEpisodes));
   }
   faults.throw_if_errors();
   return result;
@@ -307,13 +272,13 @@ ContinuousEpisodes load_continuous_episodes(const std::filesystem::path& file, s
 ExpertWalks parse_expert_walks(std::string_view json, const std::string& file) {
   ExpertWalks walks;
   Faults faults(file);
-  formats::for_each_member(json, faults, [&](json::Members& members, const Path& path) {
-    const auto value = members.element(formats::kMostRecordBytes);
+  for_each_member(json, faults, [&](json::Members& members, const Path& path) {
+    const auto value = members.element(kMostRecordBytes);
     if (!value) {
-      formats::refuse_large(members.value().size(), path, faults);
+      refuse_large(members.value().size(), path, faults);
       return;
     }
-    const bool fresh = walks.emplace(members.key(), read_walk(*value, path, faults)).second;
+    const bool fresh = walks.emplace(members.key(), read_expert_walk(*value, path, faults)).second;
     if (!fresh) faults.error(path, "repeated-id", "a walk of this episode is there already");
   });
   faults.throw_if_errors();

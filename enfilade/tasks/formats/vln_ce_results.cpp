@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "enfilade/core/text_file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/geometry/habitat_frame.h"
 #include "enfilade/tasks/continuous_results.h"
 #include "enfilade/tasks/formats/records.h"
@@ -19,20 +19,14 @@
 namespace enfilade::tasks {
 namespace {
 
-using json::Element;
-using json::Faults;
-using json::Path;
+using formats::Element;
+using formats::Faults;
+using formats::Path;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint8_t kStop = ContinuousWalk::kStop, kForward = 1, kLeft = 2, kRight = 3;
-constexpr std::size_t kListedIds = 20;    // of missing ones; further ones are only counted
-constexpr double kStartTolerance = 0.01;  // metres: more than any rounding, less than any step
-
-enum OfPose : std::size_t { kPosition, kHeading, kStopped, kPoseFields };
-constexpr std::array<json::Field, kPoseFields> kOfPose{{{"position"}, {"heading"}, {"stop"}}};
-
-enum OfLine : std::size_t { kInstruction, kPath, kLineFields };
-constexpr std::array<json::Field, kLineFields> kOfLine{{{"instruction_id"}, {"path"}}};
+constexpr std::uint8_t kStop = ContinuousResult::kStop, kForward = 1, kLeft = 2, kRight = 3;
+constexpr std::size_t kListedEpisodes = 20;  // of missing ones; further ones are only counted
+constexpr double kStartTolerance = 0.01;     // metres: more than any rounding, less than any step
 
 // Whether a text is lines with instruction ids.
 bool is_rxr(std::string_view text) {
@@ -41,7 +35,7 @@ bool is_rxr(std::string_view text) {
     simdjson::dom::object object;
     return records.is_lines() && records.next() && records.element() &&
            records.element()->get_object().get(object) == simdjson::SUCCESS &&
-           object.at_key(kOfLine[kInstruction].name).error() == simdjson::SUCCESS;
+           object.at_key("instruction_id").error() == simdjson::SUCCESS;
   } catch (const InvalidInput&) {
     return false;  // an object of several lines
   }
@@ -101,15 +95,13 @@ class ResultsReader {
       if (id) by_id_.emplace(text_of(*id), i);
     }
     formats::for_each_record(text, faults_, [this](Element element, const Path& path) {
-      std::array<std::optional<Element>, kLineFields> found;
-      if (!json::fields(element, kOfLine, found, path, faults_)) return;
-      const Path id_path(path, kOfLine[kInstruction].name);
-      const auto id = formats::read_id(*found[kInstruction], id_path, faults_);
-      const auto episode = id ? claim(text_of(*id), id_path) : std::nullopt;
+      const formats::Fields found(element, {"instruction_id", "path"}, {}, path, faults_);
+      if (!found) return;
+      const auto id = found.get("instruction_id", formats::read_id);
+      const auto episode = id ? claim(text_of(*id), found.place("instruction_id")) : std::nullopt;
       const std::size_t errors = faults_.errors();
-      const Path list(path, kOfLine[kPath].name);
-      ContinuousResult walk = read_path(*found[kPath], list);
-      keep(episode, std::move(walk), errors, list);
+      ContinuousResult walk = read_path(*found["path"], found.place("path"));
+      keep(episode, std::move(walk), errors, found.place("path"));
     });
   }
 
@@ -151,13 +143,12 @@ class ResultsReader {
       const Path place(path, k);
       walk.positions.emplace_back();
       walk.headings.emplace_back();
-      std::array<std::optional<Element>, kPoseFields> found;
-      if (!json::fields(one, kOfPose, found, place, faults_)) continue;
-      walk.positions[k] = read_position(*found[kPosition], Path(place, "position"));
+      const formats::Fields found(one, {"position", "heading", "stop"}, {}, place, faults_);
+      if (!found) continue;
+      walk.positions[k] = read_position(*found["position"], found.place("position"));
       // Habitat's is counter-clockwise.
-      walk.headings[k] =
-          wrap_heading(-formats::read_angle(*found[kHeading], Path(place, "heading"), faults_));
-      const auto stopped = json::boolean(*found[kStopped], Path(place, "stop"), faults_);
+      walk.headings[k] = wrap_heading(-found.get("heading", formats::read_angle));
+      const auto stopped = found.get("stop", json::boolean);
       if (stop && *stop + 1 == k) {
         faults_.error(place, "after-stop", "a pose after stop was called");
       }
@@ -213,15 +204,16 @@ class ResultsReader {
     std::vector<std::string> missing;
     std::size_t count = 0;
     for (std::size_t i = 0; i < walks_.size(); ++i) {
-      if (claimed_.contains(i) || ++count > kListedIds) continue;
+      if (claimed_.contains(i) || ++count > kListedEpisodes) continue;
       missing.push_back(fmt::format("{:?}", text_of(episodes_.episodes[i].id)));
     }
     if (count == 0) return;
     faults_.error(
         Path(), "missing-episode",
-        fmt::format("no walk for {} of the {} episodes of split {}: {}{}", count, walks_.size(),
-                    episodes_.split, fmt::join(missing, ", "),
-                    count > kListedIds ? fmt::format(" and {} more", count - kListedIds) : ""));
+        fmt::format(
+            "no walk for {} of the {} episodes of split {}: {}{}", count, walks_.size(),
+            episodes_.split, fmt::join(missing, ", "),
+            count > kListedEpisodes ? fmt::format(" and {} more", count - kListedEpisodes) : ""));
   }
 
   const ContinuousEpisodes& episodes_;
@@ -238,19 +230,6 @@ const ContinuousEpisode& episode_of(const ContinuousResult& walk,
   if (walk.episode < episodes.episodes.size()) return episodes.episodes[walk.episode];
   throw ArgumentError(
       fmt::format("a walk of episode {}; there are {}", walk.episode, episodes.episodes.size()));
-}
-
-void check_sizes(const ContinuousResult& walk, std::string_view where) {
-  const std::size_t poses = walk.positions.size();
-  const bool fit = poses > 0 && walk.actions.size() == poses - 1 &&
-                   (walk.headings.empty() || walk.headings.size() == poses) &&
-                   (walk.collided.empty() || walk.collided.size() == poses - 1);
-  if (!fit) {
-    throw ArgumentError(fmt::format(
-        "{}: {} positions, {} headings, {} actions, {} collisions; n + 1, n + 1 or 0, n, n or 0 "
-        "are expected",
-        where, poses, walk.headings.size(), walk.actions.size(), walk.collided.size()));
-  }
 }
 
 void check_walk(const ContinuousResult& walk, const std::string& where) {
@@ -315,6 +294,19 @@ std::string rxr_text(std::span<const ContinuousResult> walks, const ContinuousEp
 
 }  // namespace
 
+void check_sizes(const ContinuousResult& walk, std::string_view where) {
+  const std::size_t poses = walk.positions.size();
+  const bool fit = poses > 0 && walk.actions.size() == poses - 1 &&
+                   (walk.headings.empty() || walk.headings.size() == poses) &&
+                   (walk.collided.empty() || walk.collided.size() == poses - 1);
+  if (!fit) {
+    throw ArgumentError(fmt::format(
+        "{}: {} positions, {} headings, {} actions, {} collisions; n + 1, n + 1 or 0, n, n or 0 "
+        "are expected",
+        where, poses, walk.headings.size(), walk.actions.size(), walk.collided.size()));
+  }
+}
+
 std::vector<ContinuousResult> parse_continuous_results(std::string_view text,
                                                        const std::string& file,
                                                        const ContinuousEpisodes& episodes,
@@ -330,34 +322,8 @@ std::vector<ContinuousResult> load_continuous_results(const std::filesystem::pat
 }
 
 std::string to_json(std::span<const ContinuousResult> walks, const ContinuousEpisodes& episodes,
-                    ContinuousResultsForm form) {
-  return form == ContinuousResultsForm::kR2r ? r2r_text(walks, episodes)
-                                             : rxr_text(walks, episodes);
-}
-
-ScoredWalk to_score(const ContinuousResult& walk, std::vector<double> goal_distances) {
-  check_sizes(walk, "a walk");
-  if (goal_distances.size() != walk.positions.size()) {
-    throw ArgumentError(fmt::format("{} distances to the goal of {} positions",
-                                    goal_distances.size(), walk.positions.size()));
-  }
-  ScoredWalk scored{{}, walk.actions, std::move(goal_distances), walk.collided};
-  scored.positions.reserve(walk.positions.size());
-  for (const Vec3f position : walk.positions) {
-    const Vec3f theirs = to_habitat(position);
-    scored.positions.push_back({theirs.x, theirs.y, theirs.z});
-  }
-  return scored;
-}
-
-std::vector<Point3> reference_to_score(std::span<const Vec3d> points) {
-  std::vector<Point3> reference;
-  reference.reserve(points.size());
-  for (const Vec3d point : points) {
-    const Vec3d theirs = to_habitat(point);
-    reference.push_back({theirs.x, theirs.y, theirs.z});
-  }
-  return reference;
+                    ContinuousForm form) {
+  return form == ContinuousForm::kR2r ? r2r_text(walks, episodes) : rxr_text(walks, episodes);
 }
 
 }  // namespace enfilade::tasks

@@ -112,6 +112,32 @@ TEST(ContinuousEpisodes, KeepFieldsThatTheModelDoesNotHave) {
   EXPECT_THAT(read.episodes[0].instruction.others, ElementsAre(Pair("split", "\"x\"")));
 }
 
+TEST(ContinuousEpisodes, NameTheirScansAsTheirDataSetsDo) {
+  for (const auto& [scene, scan] : std::vector<std::pair<std::string, std::string>>{
+           {"mp3d/zsNo4HB9uLZ/zsNo4HB9uLZ.glb", "zsNo4HB9uLZ"},
+           {"zsNo4HB9uLZ.glb", "zsNo4HB9uLZ"},
+           {"zsNo4HB9uLZ", "zsNo4HB9uLZ"},
+           {"data/scene_datasets/gibson/Cantwell.glb", "Cantwell"},
+           {"mp3d\\\\one\\\\one.glb", "one"},
+           // HM3D's: the folder has the number, which graphs have too.
+           {"hm3d/val/00800-TEEsavR23oF/TEEsavR23oF.basis.glb", "00800-TEEsavR23oF"},
+           {"/data/hm3d_v0.2/val/00800-TEEsavR23oF/TEEsavR23oF.glb", "00800-TEEsavR23oF"},
+           {"00800-TEEsavR23oF/TEEsavR23oF.basis.glb", "00800-TEEsavR23oF"},
+           {"hm3d/00800-TEEsavR23oF/00800-TEEsavR23oF.glb", "00800-TEEsavR23oF"},
+           {"hm3d/00800-TEEsavR23oF.glb", "00800-TEEsavR23oF"},
+           {"hm3d/00800-other/TEEsavR23oF.basis.glb", "TEEsavR23oF"},
+           {"hm3d/val-TEEsavR23oF/TEEsavR23oF.basis.glb", "TEEsavR23oF"},
+           {"hm3d/00800/TEEsavR23oF.basis.glb", "TEEsavR23oF"},
+           {"lab/room.2/room.2.glb", "room.2"},
+           {"lab/room/room.2.glb", "room"},
+           {"/one.glb", "one"}}) {
+    EXPECT_EQ(parsed(edited(kR2r, "mp3d/one/one.glb", scene)).episodes.at(0).scan(), scan) << scene;
+  }
+  for (const char* scene : {"", "/", "mp3d/one/", ".glb", "a/.glb"}) {
+    EXPECT_EQ(scan_of_scene(scene), "") << scene;
+  }
+}
+
 TEST(ContinuousEpisodes, AreWrittenBackEqual) {
   for (const std::string& text : {kR2r, edited(kTest, ", \"goals\": null", ""), kRxr}) {
     const ContinuousEpisodes read = parsed(text);
@@ -123,17 +149,6 @@ TEST(ContinuousEpisodes, AreWrittenBackEqual) {
     EXPECT_EQ(again.others, read.others);
   }
   EXPECT_EQ(Json::parse(to_json(ContinuousEpisodes{})), Json::parse(R"({"episodes": []})"));
-}
-
-TEST(ContinuousEpisodes, SayWhichFormTheyHave) {
-  EXPECT_EQ(form_of(parsed(kR2r)), ContinuousForm::kR2r);
-  EXPECT_EQ(form_of(parsed(kTest)), ContinuousForm::kR2r);
-  EXPECT_EQ(form_of(parsed(kRxr)), ContinuousForm::kRxr);
-  EXPECT_EQ(form_of(parsed(edited(kR2r, "\"UNK_INDEX\": 1", "\"UNK_INDEX\": 100"))),
-            ContinuousForm::kR2rBert);
-  ContinuousEpisodes bert = parsed(kTest);
-  bert.episodes[0].instruction.tokens.emplace(80, 0);
-  EXPECT_EQ(form_of(bert), ContinuousForm::kR2rBert);
 }
 
 TEST(ContinuousEpisodes, ReportFaultsWithTheirPaths) {

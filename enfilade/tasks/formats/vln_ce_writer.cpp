@@ -9,55 +9,49 @@
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/formats/records.h"
 #include "enfilade/tasks/formats/vln_ce.h"
-#include "enfilade/tasks/formats/vln_ce_fields.h"
 
 namespace enfilade::tasks {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using namespace formats::vln_ce;
-
-template <class Names>
-std::string name(const Names& names, std::size_t field) {
-  return std::string(names[field].name);
-}
+using namespace formats;
 
 Json json_of(const EpisodeInfo& info, std::string_view where) {
   Json fields = Json::object();
   if (info.geodesic_distance) {
-    fields[name(kOfInfo, kGeodesic)] = formats::finite(*info.geodesic_distance, where);
+    fields["geodesic_distance"] = finite(*info.geodesic_distance, where);
   }
   if (info.role) {
-    fields[name(kOfInfo, kRole)] = *info.role == AnnotationRole::kGuide ? "guide" : "follower";
+    fields["role"] = *info.role == AnnotationRole::kGuide ? "guide" : "follower";
   }
-  formats::add_others(info.others, kOfInfo, fields, where);
+  add_others(info.others, kOfInfo, fields, where);
   return fields;
 }
 
 Json json_of(const ContinuousGoal& goal, std::string_view where) {
-  Json fields{{name(kOfGoal, kPosition), formats::point_json(goal.position, where)}};
-  if (goal.radius) fields[name(kOfGoal, kRadius)] = formats::finite(*goal.radius, where);
-  formats::add_others(goal.others, kOfGoal, fields, where);
+  Json fields{{"position", point_json(goal.position, where)}};
+  if (goal.radius) fields["radius"] = finite(*goal.radius, where);
+  add_others(goal.others, kOfGoal, fields, where);
   return fields;
 }
 
 Json json_of(const ContinuousInstruction& instruction, std::string_view where) {
-  Json fields{{name(kOfInstruction, kText), instruction.text}};
-  if (instruction.tokens) fields[name(kOfInstruction, kTokens)] = *instruction.tokens;
+  Json fields{{"instruction_text", instruction.text}};
+  if (instruction.tokens) fields["instruction_tokens"] = *instruction.tokens;
   if (instruction.id) {
-    fields[name(kOfInstruction, kInstructionId)] = formats::id_json(*instruction.id);
+    fields["instruction_id"] = id_json(*instruction.id);
   }
-  if (instruction.language) fields[name(kOfInstruction, kLanguage)] = *instruction.language;
+  if (instruction.language) fields["language"] = *instruction.language;
   if (instruction.annotator) {
-    fields[name(kOfInstruction, kAnnotator)] = formats::id_json(*instruction.annotator);
+    fields["annotator_id"] = id_json(*instruction.annotator);
   }
   if (instruction.edit_distance) {
-    fields[name(kOfInstruction, kEdits)] = formats::finite(*instruction.edit_distance, where);
+    fields["edit_distance"] = finite(*instruction.edit_distance, where);
   }
   if (instruction.words) {
-    fields[name(kOfInstruction, kWords)] = formats::timed_words_json(*instruction.words, where);
+    fields["timed_instruction"] = timed_words_json(*instruction.words, where);
   }
-  formats::add_others(instruction.others, kOfInstruction, fields, where);
+  add_others(instruction.others, kOfInstruction, fields, where);
   return fields;
 }
 
@@ -65,43 +59,43 @@ Json json_of(const ContinuousEpisode& episode, std::string_view where) {
   const StartRotation& turned = episode.rotation;
   Json rotation = Json::array();
   for (const double part : {turned.x, turned.y, turned.z, turned.w}) {
-    rotation.push_back(formats::finite(part, where));
+    rotation.push_back(finite(part, where));
   }
-  Json fields{{name(kOfEpisode, kId), formats::id_json(episode.id)},
-              {name(kOfEpisode, kTrajectory), formats::id_json(episode.trajectory_id)},
-              {name(kOfEpisode, kScene), episode.scene},
-              {name(kOfEpisode, kStart), formats::point_json(episode.start, where)},
-              {name(kOfEpisode, kRotation), std::move(rotation)}};
-  if (episode.info) fields[name(kOfEpisode, kInfo)] = json_of(*episode.info, where);
+  Json fields{{"episode_id", id_json(episode.id)},
+              {"trajectory_id", id_json(episode.trajectory_id)},
+              {"scene_id", episode.scene},
+              {"start_position", point_json(episode.start, where)},
+              {"start_rotation", std::move(rotation)}};
+  if (episode.info) fields["info"] = json_of(*episode.info, where);
   if (episode.goals) {
     Json goals = Json::array();
     for (const ContinuousGoal& goal : *episode.goals) goals.push_back(json_of(goal, where));
-    fields[name(kOfEpisode, kGoals)] = std::move(goals);
+    fields["goals"] = std::move(goals);
   }
-  fields[name(kOfEpisode, kInstruction)] = json_of(episode.instruction, where);
+  fields["instruction"] = json_of(episode.instruction, where);
   if (episode.reference_path) {
-    fields[name(kOfEpisode, kReference)] = formats::points_json(*episode.reference_path, where);
+    fields["reference_path"] = points_json(*episode.reference_path, where);
   }
-  formats::add_others(episode.others, kOfEpisode, fields, where);
+  add_others(episode.others, kOfEpisode, fields, where);
   return fields;
 }
 
 Json json_of(const InstructionVocabulary& vocabulary, std::string_view where) {
-  Json fields{{name(kOfVocabulary, kWordList), vocabulary.words}};
-  formats::add_others(vocabulary.others, kOfVocabulary, fields, where);
-  if (vocabulary.size) fields[name(kOfVocabulary, kSize)] = *vocabulary.size;
-  if (vocabulary.unknown) fields[name(kOfVocabulary, kUnknown)] = *vocabulary.unknown;
-  if (vocabulary.padding) fields[name(kOfVocabulary, kPadding)] = *vocabulary.padding;
+  Json fields{{"word_list", vocabulary.words}};
+  add_others(vocabulary.others, kOfVocabulary, fields, where);
+  if (vocabulary.size) fields["num_vocab"] = *vocabulary.size;
+  if (vocabulary.unknown) fields["UNK_INDEX"] = *vocabulary.unknown;
+  if (vocabulary.padding) fields["PAD_INDEX"] = *vocabulary.padding;
   return fields;
 }
 
 Json json_of(const ExpertWalk& walk, std::string_view where) {
-  Json fields{{name(kOfWalk, kLocations), formats::points_json(walk.locations, where)},
-              {name(kOfWalk, kSteps), walk.forward_steps},
-              {name(kOfWalk, kActions), Json::array()}};
-  Json& actions = fields[name(kOfWalk, kActions)];
+  Json fields{{"locations", points_json(walk.locations, where)},
+              {"forward_steps", walk.forward_steps},
+              {"actions", Json::array()}};
+  Json& actions = fields["actions"];
   for (const std::uint8_t action : walk.actions) actions.push_back(static_cast<int>(action));
-  formats::add_others(walk.others, kOfWalk, fields, where);
+  add_others(walk.others, kOfWalk, fields, where);
   return fields;
 }
 
@@ -119,36 +113,28 @@ StartRotation StartRotation::of(Radians heading) {
   return {0, yaw.y, 0, yaw.w};
 }
 
-std::string_view ContinuousEpisode::scan() const noexcept {
-  std::string_view name = scene;
-  name.remove_prefix(name.rfind('/') + 1);  // npos + 1 is 0: no folder
-  return name.substr(0, name.find('.'));
+std::string_view scan_of_scene(std::string_view scene) noexcept {
+  constexpr std::string_view kSeparators = "/\\";
+  const auto last_of = [](std::string_view path) {
+    return path.substr(path.find_last_of(kSeparators) + 1);  // npos + 1 is 0: no folder
+  };
+  const std::string_view file = last_of(scene);
+  const std::string_view name = file.substr(0, file.find('.'));
+  const std::string_view above = scene.substr(0, scene.size() - file.size());
+  if (above.empty() || name.empty()) return name;
+  const std::string_view folder = last_of(above.substr(0, above.size() - 1));
+  // "SCAN.2/SCAN.2.glb": an id with a dot in it.
+  if (!folder.empty() && file.starts_with(folder) && file.substr(folder.size()).starts_with('.')) {
+    return folder;
+  }
+  const std::size_t digits = folder.find_first_not_of("0123456789");
+  const bool numbered = digits != 0 && digits != std::string_view::npos && folder[digits] == '-' &&
+                        folder.substr(digits + 1) == name;
+  return numbered ? folder : name;
 }
 
 bool goals_hidden(const ContinuousEpisodes& episodes) noexcept {
   return std::ranges::any_of(episodes.episodes, &ContinuousEpisode::goal_hidden);
-}
-
-ContinuousForm form_of(const ContinuousEpisodes& episodes) noexcept {
-  constexpr std::int64_t kBertWords = 30522, kBertUnknown = 100;
-  constexpr std::size_t kBertTokens = 80;
-  const auto any = [&episodes](const auto& holds) {
-    return std::ranges::any_of(episodes.episodes, holds);
-  };
-  if (any([](const ContinuousEpisode& one) {
-        return one.instruction.language || (one.info && one.info->role);
-      })) {
-    return ContinuousForm::kRxr;
-  }
-  if (episodes.vocabulary && (episodes.vocabulary->size == kBertWords ||
-                              episodes.vocabulary->words.size() == std::size_t{kBertWords} ||
-                              episodes.vocabulary->unknown == kBertUnknown)) {
-    return ContinuousForm::kR2rBert;
-  }
-  const bool short_tokens = any([](const ContinuousEpisode& one) {
-    return one.instruction.tokens && one.instruction.tokens->size() == kBertTokens;
-  });
-  return short_tokens ? ContinuousForm::kR2rBert : ContinuousForm::kR2r;
 }
 
 std::string to_json(const ContinuousEpisodes& episodes) {
@@ -157,19 +143,19 @@ std::string to_json(const ContinuousEpisodes& episodes) {
   for (const ContinuousEpisode& episode : episodes.episodes) {
     const std::string where = fmt::format("episode {}", text_of(episode.id));
     text += before;
-    text += formats::dump(json_of(episode, where), where);
+    text += dump(json_of(episode, where), where);
     before = ",\n";
   }
   text += "]";
   const auto add = [&text](std::string_view key, const Json& value, std::string_view where) {
-    text += ",\n" + formats::dump(Json(key), where) + ": " + formats::dump(value, where);
+    text += ",\n" + dump(Json(key), where) + ": " + dump(value, where);
   };
   if (episodes.vocabulary) {
-    const std::string key = name(kOfFile, kVocabulary);
+    const std::string key = "instruction_vocab";
     add(key, json_of(*episodes.vocabulary, key), key);
   }
   Json others = Json::object();
-  formats::add_others(episodes.others, kOfFile, others, "the file");
+  add_others(episodes.others, kOfFile, others, "the file");
   for (const auto& [key, value] : others.items()) add(key, value, "the file");
   return text + "}\n";
 }
@@ -179,8 +165,8 @@ std::string to_json(const ExpertWalks& walks) {
   const char* before = "\n";
   for (const auto& [id, walk] : walks) {
     const std::string where = fmt::format("the walk of episode {}", id);
-    text += before + formats::dump(Json(id), where) + ": ";
-    text += formats::dump(json_of(walk, where), where);
+    text += before + dump(Json(id), where) + ": ";
+    text += dump(json_of(walk, where), where);
     before = ",\n";
   }
   return text + "\n}\n";

@@ -1,7 +1,6 @@
 #include "enfilade/tasks/metrics.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <variant>
@@ -15,29 +14,7 @@
 namespace enfilade::tasks {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-constexpr auto kFields = std::to_array<MetricField>({
-    {"steps", &EpisodeMetrics::steps},
-    {"moves", &EpisodeMetrics::moves},
-    {"trajectory_length", &EpisodeMetrics::trajectory_length},
-    {"reference_length", &EpisodeMetrics::reference_length},
-    {"shortest", &EpisodeMetrics::shortest},
-    {"nav_error", &EpisodeMetrics::nav_error},
-    {"oracle_error", &EpisodeMetrics::oracle_error},
-    {"success", &EpisodeMetrics::success},
-    {"oracle_success", &EpisodeMetrics::oracle_success},
-    {"spl", &EpisodeMetrics::spl},
-    {"spl_refpath", &EpisodeMetrics::spl_refpath},
-    {"dtw", &EpisodeMetrics::dtw},
-    {"ndtw", &EpisodeMetrics::ndtw},
-    {"sdtw", &EpisodeMetrics::sdtw},
-    {"dtw_collapsed", &EpisodeMetrics::dtw_collapsed},
-    {"ndtw_collapsed", &EpisodeMetrics::ndtw_collapsed},
-    {"sdtw_collapsed", &EpisodeMetrics::sdtw_collapsed},
-    {"coverage", &EpisodeMetrics::coverage},
-    {"cls", &EpisodeMetrics::cls},
-});
+constexpr double kUnreached = std::numeric_limits<double>::infinity();
 
 // part / whole of two lengths, part <= whole: 1 if both are 0, 0 if whole is infinite.
 double share(double part, double whole) {
@@ -50,7 +27,7 @@ double share(double part, double whole) {
 class Pass {
  public:
   Pass(const graph::NavGraph& graph, std::span<const ViewpointIndex> reference)
-      : graph_(graph), reference_(reference), rows_(4 * reference.size(), kInfinity) {}
+      : graph_(graph), reference_(reference), rows_(4 * reference.size(), kUnreached) {}
 
   void turn() { align(row(kWarp)); }
 
@@ -82,8 +59,8 @@ class Pass {
   // aligning the entries so far with R up to j.
   void align(std::span<double> costs) {
     const auto distance = row(kDistance);
-    double diagonal = first_ ? 0 : kInfinity;
-    double left = kInfinity;
+    double diagonal = first_ ? 0 : kUnreached;
+    double left = kUnreached;
     for (std::size_t j = 0; j < costs.size(); ++j) {
       const double above = costs[j];
       left = distance[j] + std::min(left, std::min(above, diagonal));
@@ -112,8 +89,6 @@ double cls(const EpisodeMetrics& m) {
 }
 
 }  // namespace
-
-std::span<const MetricField> metric_fields() noexcept { return kFields; }
 
 double walked(const graph::NavGraph& graph, std::span<const ViewpointIndex> path) {
   double sum = 0;

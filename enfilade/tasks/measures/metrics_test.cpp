@@ -111,7 +111,7 @@ TEST(Metrics, NothingToWalk) {
 
 // What a field may be where distances have no end.
 void expect_sane(const EpisodeMetrics& m) {
-  for (const MetricField& field : metric_fields()) {
+  for (const MetricField& field : kMetricFields) {
     EXPECT_GE(m.*field.field, 0) << field.name;  // false for NaN
   }
   for (const double share : {m.success, m.oracle_success, m.spl, m.spl_refpath, m.ndtw, m.sdtw,
@@ -143,12 +143,12 @@ TEST(Metrics, OutOfReach) {
 
 TEST(Metrics, FieldsNameEachNumberOnce) {
   std::set<std::string> names;
-  for (const MetricField& field : metric_fields()) names.insert(field.name);
-  EXPECT_EQ(names.size(), metric_fields().size());
+  for (const MetricField& field : kMetricFields) names.insert(field.name);
+  EXPECT_EQ(names.size(), kMetricFields.size());
   EXPECT_EQ(names.size(), sizeof(EpisodeMetrics) / sizeof(double));
   EpisodeMetrics m;
-  for (const MetricField& field : metric_fields()) m.*field.field += 1;
-  for (const MetricField& field : metric_fields()) EXPECT_EQ(m.*field.field, 1) << field.name;
+  for (const MetricField& field : kMetricFields) m.*field.field += 1;
+  for (const MetricField& field : kMetricFields) EXPECT_EQ(m.*field.field, 1) << field.name;
 }
 
 // The slow twin: each definition as it is written, with the whole table of the time warping.
@@ -234,7 +234,7 @@ TEST(Metrics, AgreeWithTheirDefinitionsOnRandomWalks) {
     const EpisodeMetrics fast = compute_metrics(graph, p, r, {t});
     const EpisodeMetrics slow = twin(graph, p, r, t);
     expect_sane(fast);
-    for (const MetricField& field : metric_fields()) {
+    for (const MetricField& field : kMetricFields) {
       // Sums of up to 30 terms of the order of 10, in another order.
       EXPECT_NEAR(fast.*field.field, slow.*field.field, 1e-12) << field.name << ", seed " << seed;
     }

@@ -14,7 +14,6 @@
 #include "enfilade/core/file.h"
 #include "enfilade/scan/file_tree.h"
 #include "enfilade/scan/npy.h"
-#include "enfilade/scan/zip_writer.h"
 
 namespace enfilade::tasks {
 namespace {

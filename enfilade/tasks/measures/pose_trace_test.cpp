@@ -10,8 +10,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/scan/file_tree.h"
 #include "enfilade/scan/npy.h"
-#include "enfilade/scan/zip_writer.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 

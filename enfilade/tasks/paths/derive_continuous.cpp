@@ -10,7 +10,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/tasks/files.h"
-#include "enfilade/tasks/instruction_tokens.h"
+#include "enfilade/tasks/tokenizer.h"
 
 namespace enfilade::tasks {
 namespace {

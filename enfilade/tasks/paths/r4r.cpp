@@ -212,8 +212,6 @@ class Plan {
 // values is built.
 class JsonText {
  public:
-  explicit JsonText(std::size_t bytes) { text_.reserve(bytes); }
-
   JsonText& raw(std::string_view json) {
     text_ += json;
     return *this;
@@ -284,18 +282,6 @@ class JsonText {
   bool valid_ = true;
 };
 
-std::size_t bytes_of(const std::vector<std::string>& texts) {
-  std::size_t bytes = 0;
-  for (const std::string& text : texts) bytes += text.size() + 4;  // quotes, comma, an escape
-  return bytes;
-}
-
-// About what a path takes as JSON.
-std::size_t bytes_of(const JoinedPath& joined) {
-  return 300 + 20 * joined.from.size() + bytes_of(joined.path.instructions) +
-         bytes_of(joined.path.path) + bytes_of(joined.shortest);
-}
-
 void write_origin(const std::vector<std::int64_t>& from, JsonText& text) {
   if (from.size() == 2) {
     text.raw(R"("first_path_id":)").integer(from[0]);
@@ -339,7 +325,7 @@ struct Piece {
 
 Piece piece_of(const Plan& plan, std::size_t begin, std::size_t end) {
   Piece piece;
-  JsonText text(0);
+  JsonText text;
   for (std::size_t number = begin; number < end; ++number) {
     const JoinedPath joined = plan.path(number);
     write_entry(joined, number == 0, text);
@@ -396,9 +382,7 @@ JoinTotals write_joined(const Annotations& annotations, const graph::GraphSet& g
 }
 
 std::string to_json(const Joined& joined) {
-  std::size_t bytes = 0;
-  for (const JoinedPath& path : joined.paths) bytes += bytes_of(path);
-  JsonText text(bytes);
+  JsonText text;
   text.raw("[");
   for (const JoinedPath& path : joined.paths) {
     write_entry(path, &path == joined.paths.data(), text);

@@ -9,7 +9,7 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/scan/data_root.h"
-#include "enfilade/tasks/formats/r2r_family.h"
+#include "enfilade/tasks/formats/readers.h"
 #include "tests/support/graphs.h"
 #include "tests/support/recorded_annotations.h"
 #include "tests/support/refusal.h"

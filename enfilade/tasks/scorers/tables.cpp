@@ -23,13 +23,19 @@ constexpr std::string_view kOfVlnCe =
     "jacobkrantz/VLN-CE 729d141 habitat_extensions/measures.py, nDTW and SDTW exact";
 constexpr std::string_view kOfEtpNav = "MarSaKi/ETPNav 8dec13a ss_trainer_ETP.py";
 
-// HAMT's metrics are DUET's but for one: HAMT has an entry an action.
-template <std::size_t kSize>
-consteval std::array<ScorerMetric, kSize - 1> without_action_steps(
-    const std::array<ScorerMetric, kSize>& metrics) {
-  std::array<ScorerMetric, kSize - 1> left{};
-  std::ranges::copy_if(metrics, left.begin(), [](const ScorerMetric& metric) {
-    return std::string_view(metric.name) != "action_steps";
+// Metrics with plain means of their own names.
+template <class... Names>
+consteval std::array<ScorerMetric, sizeof...(Names)> plain(Names... names) {
+  return {ScorerMetric{names}...};
+}
+
+// All but some.
+template <std::size_t kSize, class... Names>
+consteval std::array<ScorerMetric, kSize - sizeof...(Names)> without(
+    const std::array<ScorerMetric, kSize>& metrics, Names... names) {
+  std::array<ScorerMetric, kSize - sizeof...(Names)> left{};
+  std::ranges::copy_if(metrics, left.begin(), [&](const ScorerMetric& metric) {
+    return ((std::string_view(metric.name) != names) && ...);
   });
   return left;
 }
@@ -48,36 +54,17 @@ constexpr auto kDuetMetrics = std::to_array<ScorerMetric>({
     {"SDTW", nullptr, kPlain, 100},
     {"CLS", nullptr, kPlain, 100},
 });
-constexpr auto kHamtMetrics = without_action_steps(kDuetMetrics);
-constexpr auto kValanMetrics = std::to_array<ScorerMetric>({
-    {"ne"},
-    {"sr"},
-    {"osr"},
-    {"spl"},
-    {"path_length"},
-    {"num_steps"},
-    {"dtw_over_length"},
-    {"ndtw"},
-    {"sdtw"},
-    {"cls"},
-});
+constexpr auto kHamtMetrics = without(kDuetMetrics, "action_steps");  // HAMT has an entry an action
+constexpr auto kValanMetrics = plain("ne", "sr", "osr", "spl", "path_length", "num_steps",
+                                     "dtw_over_length", "ndtw", "sdtw", "cls");
 constexpr auto kR4rMetrics = std::to_array<ScorerMetric>({
     {"dtw"},
     {"ndtw"},
     {"sdtw"},
     {"cls", nullptr, kNone},
 });
-constexpr auto kBackMetrics = std::to_array<ScorerMetric>({
-    {"nav_error"},
-    {"trajectory_steps", "steps"},
-    {"trajectory_lengths", "lengths"},
-    {"success", "sr", kPlain, 100},
-    {"spl", nullptr, kPlain, 100},
-    {"DTW", nullptr, kNone},
-    {"nDTW", nullptr, kPlain, 100},
-    {"SDTW", nullptr, kPlain, 100},
-    {"CLS", nullptr, kPlain, 100},
-});
+constexpr auto kBackMetrics =
+    without(kDuetMetrics, "oracle_error", "action_steps", "oracle_success");
 constexpr auto kReverieOfficialMetrics = std::to_array<ScorerMetric>({
     {"length"},
     {"success_rate"},
@@ -97,16 +84,10 @@ constexpr auto kReverieDuetMetrics = std::to_array<ScorerMetric>({
     {"rgs", nullptr, kPlain, 100},
     {"rgspl", nullptr, kPlain, 100},
 });
-constexpr auto kReverieHamtMetrics = without_action_steps(kReverieDuetMetrics);
-constexpr auto kCvdnOfficialMetrics = std::to_array<ScorerMetric>({
-    {"length"},
-    {"nav_error"},
-    {"oracle success_rate"},
-    {"success_rate"},
-    {"spl"},
-    {"oracle path_success_rate"},
-    {"dist_to_end_reduction"},
-});
+constexpr auto kReverieHamtMetrics = without(kReverieDuetMetrics, "action_steps");
+constexpr auto kCvdnOfficialMetrics =
+    plain("length", "nav_error", "oracle success_rate", "success_rate", "spl",
+          "oracle path_success_rate", "dist_to_end_reduction");
 constexpr auto kCvdnHamtMetrics = std::to_array<ScorerMetric>({
     {"trajectory_steps", "steps"},
     {"trajectory_lengths", "lengths"},
@@ -115,7 +96,7 @@ constexpr auto kCvdnHamtMetrics = std::to_array<ScorerMetric>({
     {"spl", nullptr, kPlain, 100},
     {"gp"},
 });
-constexpr auto kProgressMetrics = std::to_array<ScorerMetric>({{"gp"}});
+constexpr auto kProgressMetrics = plain("gp");
 constexpr auto kSoonDuetMetrics = std::to_array<ScorerMetric>({
     {"det_success", "det_sr", kPlain, 100},
     {"action_steps", nullptr, kNone},
@@ -145,51 +126,17 @@ constexpr auto kSoonOfficialMetrics = std::to_array<ScorerMetric>({
     {"success_rate"},
 });
 
-// As metric_fields() has them.
-constexpr auto kOwnMetrics = std::to_array<ScorerMetric>({
-    {"steps"},
-    {"moves"},
-    {"trajectory_length"},
-    {"reference_length"},
-    {"shortest"},
-    {"nav_error"},
-    {"oracle_error"},
-    {"success"},
-    {"oracle_success"},
-    {"spl"},
-    {"spl_refpath"},
-    {"dtw"},
-    {"ndtw"},
-    {"sdtw"},
-    {"dtw_collapsed"},
-    {"ndtw_collapsed"},
-    {"sdtw_collapsed"},
-    {"coverage"},
-    {"cls"},
-});
-constexpr auto kVlnCeMetrics = std::to_array<ScorerMetric>({
-    {"path_length"},
-    {"distance_to_goal"},
-    {"success"},
-    {"oracle_success"},
-    {"spl"},
-    {"ndtw"},
-    {"sdtw"},
-    {"ndtw_fastdtw"},
-    {"steps_taken"},
-    {"collisions"},
-});
-constexpr auto kEtpNavMetrics = std::to_array<ScorerMetric>({
-    {"path_length"},
-    {"distance_to_goal"},
-    {"success"},
-    {"oracle_success"},
-    {"spl"},
-    {"ndtw"},
-    {"sdtw"},
-    {"steps_taken"},
-    {"collisions"},
-});
+consteval std::array<ScorerMetric, kMetricFields.size()> own_metrics() {
+  std::array<ScorerMetric, kMetricFields.size()> metrics{};
+  std::ranges::transform(kMetricFields, metrics.begin(),
+                         [](const MetricField& field) { return ScorerMetric{field.name}; });
+  return metrics;
+}
+constexpr auto kOwnMetrics = own_metrics();
+constexpr auto kVlnCeMetrics =
+    plain("path_length", "distance_to_goal", "success", "oracle_success", "spl", "ndtw", "sdtw",
+          "ndtw_fastdtw", "steps_taken", "collisions");
+constexpr auto kEtpNavMetrics = without(kVlnCeMetrics, "ndtw_fastdtw");
 
 namespace columns {
 

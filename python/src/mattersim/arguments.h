@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "python/src/mattersim/python_object.h"
+#include "python/src/mattersim/types.h"
 
 namespace enfilade::python::mattersim {
 

@@ -1,5 +1,3 @@
-#include "python/src/mattersim/settings.h"
-
 #include <fmt/format.h>
 
 #include <cstdlib>

@@ -30,7 +30,7 @@ void add_wall(mesh::MeshBuilder& builder, mesh::MaterialId paint, const Plan& pl
   std::vector<Opening> holes;
   for (const Opening& o : plan.openings) {
     const bool ours = o.room0 == room || o.room1 == room;
-    const bool hole = o.kind == Opening::Kind::kDoor || o.kind == Opening::Kind::kArch;
+    const bool hole = o.kind == OpeningKind::kDoor || o.kind == OpeningKind::kArch;
     if (ours && hole && o.along_x == along_x && std::abs(o.wall - line) < 0.3) holes.push_back(o);
   }
   std::ranges::sort(holes, {}, &Opening::from);
@@ -96,7 +96,7 @@ graph::NavGraph connect(const std::vector<Vec3d>& eyes, const mesh::RayTracer& t
   return graph::NavGraph(c);
 }
 
-Opening opening(Opening::Kind kind, std::size_t room0, std::size_t room1, bool along_x, double wall,
+Opening opening(OpeningKind kind, std::size_t room0, std::size_t room1, bool along_x, double wall,
                 double from, double to) {
   Opening o;
   o.kind = kind;
@@ -106,7 +106,7 @@ Opening opening(Opening::Kind kind, std::size_t room0, std::size_t room1, bool a
   o.wall = wall;
   o.from = from;
   o.to = to;
-  o.leaf = kind == Opening::Kind::kDoor ? 90 : 0;
+  o.leaf = kind == OpeningKind::kDoor ? 90 : 0;
   return o;
 }
 
@@ -144,7 +144,7 @@ Home box_home(const Plan& plan, const std::vector<BoxThing>& things) {
 }
 
 Plan small_plan() {
-  using K = Opening::Kind;
+  using K = OpeningKind;
   Plan plan;
   plan.storeys = {{0, 3}, {3, 3}};
   plan.rooms = {{'h', "hallway", 0, {0, 0, 10, 2}, 2.6},
@@ -203,8 +203,7 @@ graph::NavGraph grid_graph(const Plan& plan, const mesh::RayTracer& tracer,
     if (!near && free) eyes.push_back(p);
   };
   for (const Opening& o : plan.openings) {
-    if (o.kind == Opening::Kind::kWindow || o.kind == Opening::Kind::kEntrance || !o.room1)
-      continue;
+    if (o.kind == OpeningKind::kWindow || o.kind == OpeningKind::kEntrance || !o.room1) continue;
     const double z = plan.storeys[plan.rooms[o.room0].storey].floor + kEye, m = (o.from + o.to) / 2;
     for (const double side : {-0.8, 0.8}) {
       add(o.along_x ? Vec3d{m, o.wall + side, z} : Vec3d{o.wall + side, m, z});

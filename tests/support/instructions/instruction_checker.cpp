@@ -266,7 +266,7 @@ class Walk : private Route {
     unsigned count = 1;
     for (std::size_t k = 0; k < home_->plan.openings.size(); ++k) {
       const Opening& o = home_->plan.openings[k];
-      if (k == *p.opening || o.kind == Opening::Kind::kWindow) continue;
+      if (k == *p.opening || o.kind == OpeningKind::kWindow) continue;
       if (o.room0 != p.from && o.room1 != p.from) continue;
       const auto [along, aside] = relative(o);
       if (along > 0 && along < here && (aside > 0) == (side == Side::kRight)) ++count;
@@ -331,8 +331,9 @@ class Walk : private Route {
     wrong("no such stairs");
   }
   bool on_storey(std::size_t i, double off) const {
-    return std::ranges::any_of(
-        home_->plan.storeys, [&](const Storey& s) { return std::abs(s.floor - floors_[i]) < off; });
+    return std::ranges::any_of(home_->plan.storeys, [&](const PlanStorey& s) {
+      return std::abs(s.floor - floors_[i]) < off;
+    });
   }
   void upstairs(const Claim& c) {
     const double z = floors_[std::min(static_cast<std::size_t>(std::ceil(now_)), legs())];
@@ -355,7 +356,7 @@ class Walk : private Route {
 
   // When a thing that stands on a side of leg i is passed.
   std::optional<double> passed(std::size_t thing, std::size_t i, Side side) const {
-    const Thing& t = home_->things[thing];
+    const HomeThing& t = home_->things[thing];
     const Point a = eyes_[i], b = eyes_[i + 1], m = middle(t);
     const double length = std::hypot(b.x - a.x, b.y - a.y), h = headings_[i];
     const double along = (m.x - a.x) * std::sin(h) + (m.y - a.y) * std::cos(h);
@@ -444,7 +445,7 @@ class Walk : private Route {
   void near(const Claim& c) {
     const auto thing = the_one(c.thing, legs());
     if (!thing) return wrong("not in view, or more than one: " + c.thing.words);
-    const Thing& t = home_->things[*thing];
+    const HomeThing& t = home_->things[*thing];
     if (gap_to(t, eyes_.back()) > 1.8) wrong("too far: " + c.thing.words);
     if (c.side == Side::kNone) return;
     const double b = bearing(legs(), headings_.back(), t);
@@ -459,7 +460,7 @@ class Walk : private Route {
     for (const Opening& o : home_->plan.openings) {
       const bool ours = o.room0 == here || o.room1 == here;
       const double far = gap_to(o, eyes_.back());
-      if (o.kind == Opening::Kind::kWindow || !ours || far > 1.4) continue;
+      if (o.kind == OpeningKind::kWindow || !ours || far > 1.4) continue;
       ++close;
       const bool named =
           (!c.to || c.to->contains(o.room0) || (o.room1 && c.to->contains(*o.room1))) &&

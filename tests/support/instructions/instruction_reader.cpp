@@ -156,7 +156,7 @@ class Chunker {
     const auto also = other_words().find(head);
     bool known = false;
     for (std::size_t i = 0; i < home_.things.size(); ++i) {
-      const Thing& t = home_.things[i];
+      const HomeThing& t = home_.things[i];
       const std::string own = lower(t.noun);
       if (own != head && !(also != other_words().end() && std::ranges::count(also->second, own))) {
         continue;
@@ -391,11 +391,11 @@ class Reader {
     }
   }
 
-  static std::optional<Opening::Kind> kind_of_door(const Piece& p) {
+  static std::optional<OpeningKind> kind_of_door(const Piece& p) {
     if (p.text == "threshold") return std::nullopt;
-    if (is_one(p.text, {"archway", "arch", "opening"})) return Opening::Kind::kArch;
-    if (is_one(p.text, {"front door", "entrance door"})) return Opening::Kind::kEntrance;
-    return Opening::Kind::kDoor;
+    if (is_one(p.text, {"archway", "arch", "opening"})) return OpeningKind::kArch;
+    if (is_one(p.text, {"front door", "entrance door"})) return OpeningKind::kEntrance;
+    return OpeningKind::kDoor;
   }
 
   static unsigned ordinal(const Piece& p) {

@@ -53,7 +53,7 @@ struct Claim {
   std::optional<std::set<std::size_t>> from, to;  // rooms that fit the names
   bool another = false;                           // than the one left, of the same name
   bool by_opening = false;                        // through a door or an arch that is spoken of
-  std::optional<Opening::Kind> opening;
+  std::optional<OpeningKind> opening;
   unsigned nth = 0;
   double metres = 0;
   ThingNamed thing, second;

@@ -170,16 +170,16 @@ bool Route::sees_well(std::size_t viewpoint, std::size_t thing) const {
   return gap_to(home_->things[thing], e) < 7 && share_in_view(viewpoint, thing) > 0.15;
 }
 
-Point Route::middle(const Thing& t) {
+Point Route::middle(const HomeThing& t) {
   return {(t.low.x + t.high.x) / 2, (t.low.y + t.high.y) / 2, 0};
 }
 
-double Route::bearing(std::size_t viewpoint, double facing, const Thing& t) const {
+double Route::bearing(std::size_t viewpoint, double facing, const HomeThing& t) const {
   const Point m = middle(t), e = eyes_[viewpoint];
   return degrees_between(facing, std::atan2(m.x - e.x, m.y - e.y));
 }
 
-double Route::gap_to(const Thing& t, const Point& p) const {
+double Route::gap_to(const HomeThing& t, const Point& p) const {
   return std::hypot(outside(p.x, t.low.x, t.high.x), outside(p.y, t.low.y, t.high.y));
 }
 

@@ -64,9 +64,9 @@ class Route {
   bool sees(std::size_t viewpoint, std::size_t thing) const;
   /// Well enough to recognise it as the meant object.
   bool sees_well(std::size_t viewpoint, std::size_t thing) const;
-  static Point middle(const Thing& t);
-  double bearing(std::size_t viewpoint, double facing, const Thing& t) const;
-  double gap_to(const Thing& t, const Point& p) const;
+  static Point middle(const HomeThing& t);
+  double bearing(std::size_t viewpoint, double facing, const HomeThing& t) const;
+  double gap_to(const HomeThing& t, const Point& p) const;
 
  protected:
   const Home* home_;

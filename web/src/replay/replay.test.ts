@@ -15,6 +15,7 @@ describe('a replay in words', () => {
   it('says how it ended', () => {
     expect(endText({ ending: 'stopped', steps: 1, mistakes: 0 })).toBe('stopped after 1 step, no mistake');
     expect(endText({ ending: 'out-of-steps', steps: 30, mistakes: 1 })).toBe('ran out of steps after 30 steps, 1 mistake');
+    expect(endText({ ending: 'refused', steps: 2, mistakes: 0 })).toBe('was broken off by the server after 2 steps, no mistake');
   });
   it('says where a place lies', () => {
     expect([0.2, -0.4, 90, -12.6, 180, -180, 179.7].map(turnText)).toEqual(

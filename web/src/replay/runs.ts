@@ -13,7 +13,7 @@ export interface Run {
   readonly problem?: string;
 }
 
-export type Ending = 'stopped' | 'out-of-steps' | 'mistakes';
+export type Ending = 'stopped' | 'out-of-steps' | 'mistakes' | 'refused';
 
 export interface Done {
   readonly ending: Ending;
@@ -99,6 +99,7 @@ export const callText = (call: Call | null): string => (call ? `${call.tool} ${c
 
 const endings: Record<Ending, string> = {
   stopped: 'stopped', 'out-of-steps': 'ran out of steps', mistakes: 'made too many mistakes one after another',
+  refused: 'was broken off by the server',
 };
 const counted = (n: number, one: string): string => `${n} ${one}${n === 1 ? '' : 's'}`;
 

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { parseGlb } from './glb.ts';
 
-/** A file of one triangle, as enfilade/mesh/write_glb.cpp lays it out. */
+/** A file of one triangle, as enfilade/mesh/write_mesh.cpp lays it out. */
 function file(change: (gltf: Record<string, unknown>) => void = () => {}): ArrayBuffer {
   const numbers = new Float32Array([0, 2, -1, 1, 2, -1, 0, 2, -4, 0, 0, 1, 0, 0, 1, 0.5, 0.5, 0.5, 1, 1, 1, 2, 2, 2]);
   const indices = new Uint32Array([0, 1, 2]);

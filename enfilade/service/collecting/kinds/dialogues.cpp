@@ -9,10 +9,8 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/json_limits.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/refusal.h"
-#include "enfilade/service/detail/secrets.h"
 #include "enfilade/service/detail/texts.h"
 
 namespace enfilade::service::collecting::kinds {
@@ -32,30 +30,31 @@ constexpr std::int64_t kMostTurns = 5000;
 
 bool is_message(std::string_view text) { return detail::is_prose(text, kLongestMessage); }
 
-std::optional<Dialogue> find_dialogue(store::Database& db, std::int64_t task) {
-  return db.find<Dialogue>(
+std::optional<DialogueRecord> find_dialogue(store::Database& db, std::int64_t task) {
+  return db.find<DialogueRecord>(
       "SELECT id, navigator, oracle, finished FROM dialogue WHERE navigator = ?1 OR oracle = ?1",
       task);
 }
 
-std::vector<Turn> turns_of(store::Database& db, std::int64_t dialogue) {
-  return db.select<Turn>(
+std::vector<DialogueEntry> turns_of(store::Database& db, std::int64_t dialogue) {
+  return db.select<DialogueEntry>(
       "SELECT id, role, text, viewpoint, heading, elevation, at FROM turn WHERE dialogue = ? "
       "ORDER BY id",
       dialogue);
 }
 
 /// Who may act now.
-Role turn_of(const std::vector<Turn>& turns) {
-  const auto said = std::ranges::find_if(turns.rbegin(), turns.rend(),
-                                         [](const Turn& one) { return !one.text.empty(); });
-  return said == turns.rend() || said->role == Role::kOracle ? Role::kNavigator : Role::kOracle;
+DialogueRole turn_of(const std::vector<DialogueEntry>& turns) {
+  const auto said = std::ranges::find_if(
+      turns.rbegin(), turns.rend(), [](const DialogueEntry& one) { return !one.text.empty(); });
+  return said == turns.rend() || said->role == DialogueRole::kOracle ? DialogueRole::kNavigator
+                                                                     : DialogueRole::kOracle;
 }
 
 /// Where the navigator stands.
-Turn here_of(const Item& item, const std::vector<Turn>& turns) {
+DialogueEntry here_of(const WorkItem& item, const std::vector<DialogueEntry>& turns) {
   if (!turns.empty()) return turns.back();
-  Turn start;
+  DialogueEntry start;
   start.viewpoint = item.path.front();
   start.heading = item.heading.value;
   return start;
@@ -66,7 +65,8 @@ struct Ending {
   std::vector<std::string> way;  ///< from here, both ends included
 };
 /// The nearest viewpoint of the item's region.
-Ending nearest_end(const Item& item, const std::string& viewpoint, const graph::GraphSet& graphs) {
+Ending nearest_end(const WorkItem& item, const std::string& viewpoint,
+                   const graph::GraphSet& graphs) {
   const graph::NavGraph& graph = graphs.graph(item.scan);
   const auto from = graph.find(viewpoint);
   EN_CHECK(from);
@@ -90,7 +90,7 @@ std::vector<std::string> way_shown(std::vector<std::string> way) {
   return way;
 }
 
-ordered_json turn_json(const Turn& turn) {
+ordered_json turn_json(const DialogueEntry& turn) {
   ordered_json out{{"turn", turn.id}, {"role", enum_name(turn.role)}};
   if (!turn.text.empty()) out["text"] = turn.text;
   out["viewpoint"] = turn.viewpoint;
@@ -111,25 +111,25 @@ bool is_live(store::Database& db, std::optional<std::int64_t> task) {
 
 /// A task of the visit in a dialogue, with that.
 struct Place {
-  Task task;
-  Dialogue dialogue;
-  Role role = Role::kNavigator;
+  Assignment task;
+  DialogueRecord dialogue;
+  DialogueRole role = DialogueRole::kNavigator;
 };
 Place place_of(store::Database& db, const Visit& visit, std::int64_t id) {
   Place place{own_task(db, visit, id), {}};
   const auto dialogue = find_dialogue(db, id);
   if (!dialogue) {
-    throw Refusal(place.task.kind == Kind::kDialogue ? Reason::kLeaseExpired : Reason::kNotFound,
-                  place.task.kind == Kind::kDialogue
-                      ? "the lease ended, and another worker has the seat now"
-                      : "the task is no dialogue");
+    if (place.task.kind != WorkKind::kDialogue) {
+      throw Refusal(Reason::kNotFound, "the task is no dialogue");
+    }
+    throw Refusal(Reason::kLeaseExpired, "the lease ended, and another worker has the seat now");
   }
   place.dialogue = *dialogue;
-  place.role = dialogue->navigator == id ? Role::kNavigator : Role::kOracle;
+  place.role = dialogue->navigator == id ? DialogueRole::kNavigator : DialogueRole::kOracle;
   return place;
 }
 
-void add_turn(store::Database& db, std::int64_t dialogue, const Turn& turn) {
+void add_turn(store::Database& db, std::int64_t dialogue, const DialogueEntry& turn) {
   db.run(
       "INSERT INTO turn (dialogue, role, text, viewpoint, heading, elevation, at) VALUES (?, ?, ?, "
       "?, ?, ?, ?)",
@@ -139,32 +139,28 @@ void add_turn(store::Database& db, std::int64_t dialogue, const Turn& turn) {
 /// What a body asks for.
 struct Act {
   std::string say;
-  std::vector<Turn> steps;
+  std::vector<DialogueEntry> steps;
   bool stop = false;
 };
 
-Turn read_step(Element element, const Path& path, Faults& faults) {
+DialogueEntry read_step(Element element, const Path& path, Faults& faults) {
   const detail::Fields fields(element, path, faults, {"viewpoint", "heading", "elevation"});
-  Turn step;
+  DialogueEntry step;
   if (!fields.complete()) return step;
-  step.viewpoint = json::string(fields["viewpoint"], fields.path("viewpoint"), faults).value_or("");
+  step.viewpoint = fields.string("viewpoint");
   step.heading = fields.number("heading", 0, 2 * std::numbers::pi);
   step.elevation = fields.number("elevation", -std::numbers::pi / 2, std::numbers::pi / 2);
   return step;
 }
 
-Act read_act(std::string_view body, Role role) {
-  detail::check_limits(body, kFileName, detail::kFormLimits);
-  const json::Document document = json::Document::parse(body, kFileName);
-  Faults faults(kFileName);
-  const Path root;
-  const detail::Fields fields(document.root(), root, faults, {}, {"say", "steps", "stop"});
+Act read_act(std::string_view body, DialogueRole role) {
   Act act;
-  if (fields.complete()) {
+  const auto read = [&](const detail::Fields& fields, Faults& faults) {
+    const Path root;
     const int asked =
         (fields.has("say") ? 1 : 0) + (fields.has("steps") ? 1 : 0) + (fields.has("stop") ? 1 : 0);
     if (asked != 1) faults.error(root, "no-act", "one of say, steps and stop is expected");
-    if (role == Role::kOracle && !fields.has("say")) {
+    if (role == DialogueRole::kOracle && !fields.has("say")) {
       faults.error(root, "no-act", "an oracle only says something");
     }
     if (fields.has("say")) {
@@ -172,29 +168,21 @@ Act read_act(std::string_view body, Role role) {
                             fmt::format("1 to {} printable characters", kLongestMessage));
     }
     if (fields.has("stop")) {
-      act.stop = json::boolean(fields["stop"], fields.path("stop"), faults).value_or(false);
+      act.stop = fields.boolean("stop");
       if (!act.stop) faults.error(fields.path("stop"), "no-act", "false, not true");
     }
-    const Path path = fields.path("steps");
-    const auto list =
-        fields.has("steps") ? json::array(fields["steps"], path, faults) : std::nullopt;
-    if (list) {
-      for (const Element one : *list) {
-        if (act.steps.size() == kMostStepsAtOnce) {
-          faults.error(path, "too-many", fmt::format("more than {} steps", kMostStepsAtOnce));
-          break;
-        }
-        act.steps.push_back(read_step(one, Path(path, act.steps.size()), faults));
-      }
-    }
-  }
-  faults.throw_if_errors();
+    if (!fields.has("steps")) return;
+    fields.list("steps", kMostStepsAtOnce, " steps", [&](Element one, const Path& path) {
+      act.steps.push_back(read_step(one, path, faults));
+    });
+  };
+  detail::read_body(body, kFileName, detail::kFormLimits, {}, {"say", "steps", "stop"}, read);
   return act;
 }
 
 /// \throws InvalidInput for a step that the graph does not have
-void check_steps(const Item& item, const Turn& here, const std::vector<Turn>& steps,
-                 const graph::GraphSet& graphs) {
+void check_steps(const WorkItem& item, const DialogueEntry& here,
+                 const std::vector<DialogueEntry>& steps, const graph::GraphSet& graphs) {
   const graph::NavGraph& graph = graphs.graph(item.scan);
   Faults faults(kFileName);
   const Path root;
@@ -217,15 +205,15 @@ void check_steps(const Item& item, const Turn& here, const std::vector<Turn>& st
   faults.throw_if_errors();
 }
 
-std::string content_of(const Dialogue& dialogue, const Item& item, const std::vector<Turn>& turns,
-                       std::int64_t begun) {
+std::string content_of(const DialogueRecord& dialogue, const WorkItem& item,
+                       const std::vector<DialogueEntry>& turns, std::int64_t begun) {
   ordered_json list = ordered_json::array();
   list.push_back({{"role", "navigator"},
                   {"viewpoint", item.path.front()},
                   {"heading", item.heading.value},
                   {"elevation", 0.0},
                   {"seconds", 0}});
-  for (const Turn& turn : turns) {
+  for (const DialogueEntry& turn : turns) {
     ordered_json one = turn_json(turn);
     one.erase("turn");
     one["seconds"] = std::max<std::int64_t>(turn.at - begun, 0);
@@ -235,9 +223,9 @@ std::string content_of(const Dialogue& dialogue, const Item& item, const std::ve
 }
 
 /// Both tasks are submitted.
-void finish(store::Database& db, const Place& place, const std::vector<Turn>& turns,
+void finish(store::Database& db, const Place& place, const std::vector<DialogueEntry>& turns,
             const graph::GraphSet& graphs) {
-  const Item& item = place.task.item;
+  const WorkItem& item = place.task.item;
   const double error = nearest_end(item, here_of(item, turns).viewpoint, graphs).metres;
   // A navigator who took over a free seat came later than the first turns.
   const std::int64_t begun =
@@ -273,11 +261,11 @@ std::optional<Seat> find_seat(store::Database& db, const Collection& collection,
 
 void take_seat(store::Database& db, const std::optional<Seat>& seat, std::int64_t task,
                std::int64_t item) {
-  const Role role = seat ? seat->role : Role::kNavigator;
+  const DialogueRole role = seat ? seat->role : DialogueRole::kNavigator;
   db.run("UPDATE task SET role = ? WHERE id = ?", role, task);
   if (!seat) {
     db.run("INSERT INTO dialogue (item, navigator) VALUES (?, ?)", item, task);
-  } else if (role == Role::kNavigator) {
+  } else if (role == DialogueRole::kNavigator) {
     db.run("UPDATE dialogue SET navigator = ? WHERE id = ?", task, seat->dialogue);
   } else {
     db.run("UPDATE dialogue SET oracle = ? WHERE id = ?", task, seat->dialogue);
@@ -293,15 +281,15 @@ ordered_json dialogue_json(store::Database& db, const Visit& visit, std::int64_t
                            std::int64_t after, const graph::GraphSet& graphs) {
   return db.transact([&] {
     const Place place = place_of(db, visit, id);
-    const bool open = place.task.state == TaskState::kLeased;
+    const bool open = place.task.state == AssignmentState::kLeased;
     // One that ran out may have gone to another: asking for a task renews it if there is a place.
     const std::int64_t left = place.task.expires - db.now();
     if (open && left > 0 && left < place.task.lease_seconds / 2) {
       db.run("UPDATE task SET expires = ? WHERE id = ?", db.now() + place.task.lease_seconds, id);
     }
-    const std::vector<Turn> turns = turns_of(db, place.dialogue.id);
-    const Turn here = here_of(place.task.item, turns);
-    const bool oracle = place.role == Role::kOracle;
+    const std::vector<DialogueEntry> turns = turns_of(db, place.dialogue.id);
+    const DialogueEntry here = here_of(place.task.item, turns);
+    const bool oracle = place.role == DialogueRole::kOracle;
     ordered_json out{
         {"role", enum_name(place.role)},
         {"partner", is_live(db, oracle ? place.dialogue.navigator : place.dialogue.oracle)},
@@ -310,7 +298,7 @@ ordered_json dialogue_json(store::Database& db, const Visit& visit, std::int64_t
         {"here",
          {{"viewpoint", here.viewpoint}, {"heading", here.heading}, {"elevation", here.elevation}}},
         {"finished", place.dialogue.finished.has_value()}};
-    for (const Turn& turn : turns) {
+    for (const DialogueEntry& turn : turns) {
       if (turn.id > after) out["turns"].push_back(turn_json(turn));
     }
     if (oracle) {
@@ -331,14 +319,14 @@ void act_in_dialogue(store::Database& db, const Visit& visit, std::int64_t id,
     }
     renew_lease(db, visit, id);
     const Act act = read_act(body, place.role);
-    std::vector<Turn> turns = turns_of(db, place.dialogue.id);
+    std::vector<DialogueEntry> turns = turns_of(db, place.dialogue.id);
     if (turn_of(turns) != place.role) {
       throw Refusal(Reason::kConflict, "it is the other one's turn");
     }
     if (static_cast<std::int64_t>(turns.size() + act.steps.size()) > kMostTurns) {
       throw Refusal(Reason::kConflict, "the dialogue is too long to go on");
     }
-    Turn here = here_of(place.task.item, turns);
+    DialogueEntry here = here_of(place.task.item, turns);
     here.role = place.role;
     if (act.stop) return finish(db, place, turns, graphs);
     if (!act.say.empty()) {
@@ -347,11 +335,11 @@ void act_in_dialogue(store::Database& db, const Visit& visit, std::int64_t id,
     }
     here.text.clear();
     check_steps(place.task.item, here, act.steps, graphs);
-    for (const Turn& step : act.steps) add_turn(db, place.dialogue.id, step);
+    for (const DialogueEntry& step : act.steps) add_turn(db, place.dialogue.id, step);
   });
 }
 
-std::vector<ordered_json> cvdn_instances(const Task& task, const graph::GraphSet& graphs) {
+std::vector<ordered_json> cvdn_instances(const Assignment& task, const graph::GraphSet& graphs) {
   const ordered_json content = ordered_json::parse(task.content);
   const ordered_json& turns = content.at("turns");
   const auto game = content.at("dialogue").get<std::int64_t>();

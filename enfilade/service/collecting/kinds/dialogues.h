@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
-#include "enfilade/service/collecting/tasks.h"
+#include "enfilade/service/collecting/assignments.h"
 
 namespace enfilade::service::collecting::kinds {
 
-enum class Role : std::uint8_t { kNavigator, kOracle };
-constexpr std::array<std::string_view, 2> names_of(Role /*enum*/) {
+enum class DialogueRole : std::uint8_t { kNavigator, kOracle };
+constexpr std::array<std::string_view, 2> names_of(DialogueRole /*enum*/) {
   return {"navigator", "oracle"};
 }
 
@@ -27,9 +27,9 @@ constexpr std::array<std::string_view, 2> names_of(Role /*enum*/) {
 inline constexpr std::size_t kStepsShown = 5;
 
 /// A message, or a step.
-struct Turn {
+struct DialogueEntry {
   std::int64_t id = 0;
-  Role role = Role::kNavigator;
+  DialogueRole role = DialogueRole::kNavigator;
   std::string text;       ///< empty of a step
   std::string viewpoint;  ///< where the navigator stands
   double heading = 0, elevation = 0;
@@ -38,7 +38,7 @@ struct Turn {
   auto columns() { return std::tie(id, role, text, viewpoint, heading, elevation, at); }
 };
 
-struct Dialogue {
+struct DialogueRecord {
   std::int64_t id = 0;
   std::optional<std::int64_t> navigator, oracle;  ///< tasks
   std::optional<std::int64_t> finished;           ///< when
@@ -49,7 +49,7 @@ struct Dialogue {
 /// A free seat of a dialogue whose other seat is taken.
 struct Seat {
   std::int64_t dialogue = 0, item = 0;
-  Role role = Role::kOracle;
+  DialogueRole role = DialogueRole::kOracle;
 
   auto columns() { return std::tie(dialogue, item, role); }
 };
@@ -85,6 +85,7 @@ void act_in_dialogue(store::Database& db, const Visit& visit, std::int64_t task,
 /// is the content of both tasks.
 /// Instances of CVDN's navigation from dialogue history of one dialogue: one before anything is
 /// said, and one after each answer. \param task  of its navigator
-std::vector<nlohmann::ordered_json> cvdn_instances(const Task& task, const graph::GraphSet& graphs);
+std::vector<nlohmann::ordered_json> cvdn_instances(const Assignment& task,
+                                                   const graph::GraphSet& graphs);
 
 }  // namespace enfilade::service::collecting::kinds

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "enfilade/scan/file_tree.h"
-#include "enfilade/service/collecting/kinds/outlines.h"
+#include "enfilade/service/collecting/kinds/targets.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/pose_trace.h"
 #include "tests/support/collecting.h"

@@ -1,15 +1,32 @@
 #include "enfilade/service/collecting/kinds/targets.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <ranges>
 #include <set>
 #include <utility>
 #include <variant>
 
-#include "enfilade/service/collecting/kinds/outlines.h"
+#include "enfilade/draw/outlines.h"
+#include "enfilade/geometry/vec.h"
+#include "enfilade/service/detail/json_list.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::service::collecting::kinds {
 namespace {
+
+using nlohmann::ordered_json;
+
+// Slack of a product of sines: edges are included in spite of rounding.
+constexpr double kSlack = 1e-9;
+
+double area_of(const std::array<std::int32_t, 4>& box) {
+  return static_cast<double>(box[2]) * static_cast<double>(box[3]);
+}
 
 /// Those of them that can be walked to, sorted, each once.
 std::vector<std::string> in_graph(std::vector<std::string> viewpoints,
@@ -23,17 +40,31 @@ std::vector<std::string> in_graph(std::vector<std::string> viewpoints,
   return viewpoints;
 }
 
-std::int64_t area_of(const tasks::ViewedObject& object) {
-  std::int64_t most = 0;
-  for (const auto& box : object.boxes) {
-    most = std::max(most, std::int64_t{box[2]} * std::int64_t{box[3]});
+/// "plant" of "plant#pot": what people call it.
+std::string category_of(const std::string& name) { return name.substr(0, name.find('#')); }
+
+/// \param viewpoints the searched ones
+Outlines outlines_of(const tasks::ObjectBoxes& objects, const std::string& scan,
+                     const std::vector<std::string>& viewpoints, std::int64_t object) {
+  Outlines outlines;
+  for (const std::string& viewpoint : viewpoints) {
+    for (const tasks::ViewedObject& one : objects.at(scan, viewpoint)) {
+      if (one.id != object || !one.visible()) continue;
+      std::vector<std::pair<double, Outline>> found;
+      for (std::size_t k = 0; k < one.views.size(); ++k) {
+        found.emplace_back(-area_of(one.boxes[k]), outline_of(one.views[k], one.boxes[k]));
+      }
+      std::ranges::stable_sort(found, {}, &std::pair<double, Outline>::first);
+      auto& list = outlines[viewpoint];
+      for (auto& [size, outline] : found) list.push_back(outline);
+    }
   }
-  return most;
+  return outlines;
 }
 
-std::optional<Target> target_of(const std::string& scan, const tasks::ViewedObject& object,
-                                const KnownObjects& known) {
-  Target target{object.id, category_of(object.name), {}, ""};
+std::optional<PathTarget> target_of(const std::string& scan, const tasks::ViewedObject& object,
+                                    const KnownObjects& known) {
+  PathTarget target{object.id, category_of(object.name), {}, ""};
   target.region = in_graph(known.boxes->seen_from(scan, object.id), known.graphs.graph(scan));
   if (target.region.empty()) return std::nullopt;
   target.outlines = outlines_json(outlines_of(*known.boxes, scan, target.region, object.id));
@@ -41,8 +72,8 @@ std::optional<Target> target_of(const std::string& scan, const tasks::ViewedObje
 }
 
 /// The object of that number, around any viewpoint that sees it.
-std::optional<Target> named_target(const std::string& scan, std::int64_t object,
-                                   const KnownObjects& known) {
+std::optional<PathTarget> named_target(const std::string& scan, std::int64_t object,
+                                       const KnownObjects& known) {
   if (known.boxes == nullptr) return std::nullopt;
   for (const std::string& viewpoint : known.boxes->seen_from(scan, object)) {
     for (const tasks::ViewedObject& one : known.boxes->at(scan, viewpoint)) {
@@ -54,12 +85,84 @@ std::optional<Target> named_target(const std::string& scan, std::int64_t object,
 
 }  // namespace
 
-std::vector<Target> targets_of(const tasks::PathAnnotation& path, const KnownObjects& known,
-                               std::size_t most) {
-  std::vector<Target> targets;
+Outline outline_of(std::uint8_t view, const std::array<std::int32_t, 4>& box) {
+  const std::vector<Vec3d> rim = draw::outline_of_box(view, box).rim;
+  Outline corners;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    corners[k] = draw::direction_of(rim[k * rim.size() / corners.size()]);
+  }
+  return corners;
+}
+
+bool contains(const Outline& outline, const tasks::Direction& direction) {
+  const Vec3d point = draw::unit_vector(direction);
+  Vec3d middle;
+  for (const tasks::Direction& corner : outline) middle += draw::unit_vector(corner);
+  if (dot(point, middle) <= 0) return false;  // behind one's back
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Vec3d edge =
+        cross(draw::unit_vector(outline[k]), draw::unit_vector(outline[(k + 1) % outline.size()]));
+    if (dot(edge, point) * dot(edge, middle) < -kSlack) return false;
+  }
+  return true;
+}
+
+std::string outlines_json(const Outlines& outlines) {
+  ordered_json out = ordered_json::object();
+  for (const auto& [viewpoint, list] : outlines) {
+    auto& entry = out[viewpoint] = ordered_json::array();
+    for (const Outline& outline : list) {
+      auto corners = ordered_json::array();
+      for (const tasks::Direction& corner : outline) {
+        const double heading = detail::rounded(corner.heading.value);  // 2 pi is north, as 0 is
+        corners.push_back(
+            {heading < 2 * kPi ? heading : 0, detail::rounded(corner.elevation.value)});
+      }
+      entry.push_back(std::move(corners));
+    }
+  }
+  return out.dump();
+}
+
+Outlines parse_outlines(const std::string& json) {
+  Outlines outlines;
+  if (json.empty()) return outlines;
+  const auto read = ordered_json::parse(json);
+  for (const auto& [viewpoint, list] : read.items()) {
+    for (const auto& corners : list) {
+      Outline outline;
+      for (std::size_t k = 0; k < outline.size(); ++k) {
+        outline[k] = {Radians(corners.at(k).at(0).get<double>()),
+                      Radians(corners.at(k).at(1).get<double>())};
+      }
+      outlines[viewpoint].push_back(outline);
+    }
+  }
+  return outlines;
+}
+
+std::optional<std::int64_t> object_at(const tasks::ObjectBoxes& objects, const std::string& scan,
+                                      const std::string& viewpoint,
+                                      const tasks::Direction& direction) {
+  std::optional<std::int64_t> found;
+  double least = std::numeric_limits<double>::infinity();
+  for (const tasks::ViewedObject& one : objects.at(scan, viewpoint)) {
+    for (std::size_t k = 0; k < one.views.size(); ++k) {
+      const double area = area_of(one.boxes[k]);
+      if (area >= least || !contains(outline_of(one.views[k], one.boxes[k]), direction)) continue;
+      least = area;
+      found = one.id;
+    }
+  }
+  return found;
+}
+
+std::vector<PathTarget> targets_of(const tasks::PathAnnotation& path, const KnownObjects& known,
+                                   std::size_t most) {
+  std::vector<PathTarget> targets;
   if (const auto* region = std::get_if<tasks::NamedRegion>(&path.goal)) {
-    Target target{std::nullopt, region->target,
-                  in_graph(region->viewpoints, known.graphs.graph(path.scan)), ""};
+    PathTarget target{std::nullopt, region->target,
+                      in_graph(region->viewpoints, known.graphs.graph(path.scan)), ""};
     if (!target.region.empty()) targets.push_back(std::move(target));
     return targets;
   }
@@ -73,7 +176,10 @@ std::vector<Target> targets_of(const tasks::PathAnnotation& path, const KnownObj
   const auto around = known.boxes->at(path.scan, path.path.back());
   std::vector<tasks::ViewedObject> seen(around.begin(), around.end());
   std::erase_if(seen, [](const tasks::ViewedObject& one) { return !one.visible(); });
-  std::ranges::stable_sort(seen, std::ranges::greater(), area_of);
+  const auto shown_area = [](const tasks::ViewedObject& one) {
+    return std::ranges::max(one.boxes | std::views::transform(area_of));
+  };
+  std::ranges::stable_sort(seen, std::ranges::greater(), shown_area);
   std::set<std::string> names;
   for (const tasks::ViewedObject& one : seen) {
     if (targets.size() == most) break;

@@ -15,7 +15,9 @@
 #include <string_view>
 #include <utility>
 
-#include "enfilade/service/http/headers.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/core/numbers.h"
+#include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/messages.h"
 
 namespace enfilade::service::http::sockets {
@@ -52,14 +54,21 @@ bool wait_for_bytes(socket_t socket, milliseconds time, const Stops& stops) {
   return false;
 }
 
-void tell_address(const sockaddr_storage& address, socklen_t size, std::string& ip, int& port) {
+/// \param ask getpeername() or getsockname()
+void tell_address(socket_t socket, int (*ask)(int, sockaddr*, socklen_t*), std::string& ip,
+                  int& port) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  auto* plain = reinterpret_cast<sockaddr*>(&address);
   std::array<char, NI_MAXHOST> host{};
   std::array<char, NI_MAXSERV> service{};
-  if (getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host.data(), host.size(),
-                  service.data(), service.size(), NI_NUMERICHOST | NI_NUMERICSERV) == 0) {
-    ip = host.data();
-    port = std::atoi(service.data());
+  if (ask(socket, plain, &size) != 0 ||
+      getnameinfo(plain, size, host.data(), host.size(), service.data(), service.size(),
+                  NI_NUMERICHOST | NI_NUMERICSERV) != 0) {
+    return;
   }
+  ip = host.data();
+  port = std::atoi(service.data());
 }
 
 /// The bytes of one connection, which keeps count of them.
@@ -116,18 +125,10 @@ class Connection : public httplib::Stream {
   bool flush() { return waiting_ == 0 || send_with_waiting({}); }
 
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
-    sockaddr_storage address{};
-    socklen_t size = sizeof address;
-    if (::getpeername(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0) {
-      tell_address(address, size, ip, port);
-    }
+    tell_address(socket_, ::getpeername, ip, port);
   }
   void get_local_ip_and_port(std::string& ip, int& port) const override {
-    sockaddr_storage address{};
-    socklen_t size = sizeof address;
-    if (::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) == 0) {
-      tell_address(address, size, ip, port);
-    }
+    tell_address(socket_, ::getsockname, ip, port);
   }
   socket_t socket() const override { return socket_; }
 
@@ -220,6 +221,12 @@ void read_on(socket_t socket, double seconds, const Stops& stops) {
   }
 }
 
+// JSON packs to a tenth, and what is made for it to a thousandth. Below that many bytes the ratio
+// is of no interest.
+constexpr std::size_t kMostRatio = 200;
+constexpr std::size_t kAnyRatio = 64U << 10U;
+constexpr std::size_t kMedium = 1U << 20U;
+
 }  // namespace
 
 void BoundedServer::lengthen_queue() { ::listen(svr_sock_, kQueue); }
@@ -256,6 +263,141 @@ bool BoundedServer::process_and_close_socket(socket_t socket) {
   ::shutdown(socket, SHUT_RDWR);
   ::close(socket);
   return good;
+}
+
+bool BodyRoom::take(const std::string& address, std::size_t bytes) {
+  const std::scoped_lock lock(mutex_);
+  const auto own = by_address_.find(address);
+  const std::size_t before = own == by_address_.end() ? 0 : own->second;
+  if (bytes > kBodies * largest_ - taken_ || bytes > kBodiesOfAddress * largest_ - before) {
+    return false;
+  }
+  taken_ += bytes;
+  by_address_[address] = before + bytes;
+  return true;
+}
+
+void BodyRoom::give_back(const std::string& address, std::size_t bytes) {
+  const std::scoped_lock lock(mutex_);
+  taken_ -= bytes;
+  const auto own = by_address_.find(address);
+  own->second -= bytes;
+  if (own->second == 0) by_address_.erase(own);
+}
+
+std::unique_lock<std::mutex> BodyRoom::wait_for_turn(std::size_t bytes) {
+  return std::unique_lock(turns_[bytes > kMedium ? 1 : 0]);
+}
+
+RequestBody::RequestBody(httplib::Request& request, const httplib::ContentReader& reader,
+                         std::string address, BodyRoom& room, double seconds)
+    : reader_(reader),
+      room_(room),
+      address_(std::move(address)),
+      coding_(detail::lower_case(request.get_header_value("Content-Encoding"))),
+      length_(parse_number<std::size_t>(request.get_header_value("Content-Length"))),
+      seconds_(seconds) {
+  request.headers.erase("Content-Encoding");
+}
+
+RequestBody::~RequestBody() { keep_room(0); }
+
+void RequestBody::take_room(std::size_t bytes) {
+  if (!room_.take(address_, bytes)) {
+    throw HttpError(503, "too many large bodies at once; try again");
+  }
+  taken_ += bytes;
+}
+
+void RequestBody::keep_room(std::size_t bytes) {
+  if (taken_ <= bytes) return;
+  room_.give_back(address_, taken_ - bytes);
+  taken_ = bytes;
+}
+
+// Gives the body's bytes to take(), as they are sent. What that throws ends it.
+void RequestBody::read_pieces(const std::function<void(std::string_view)>& take) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds_);
+  const auto late = [end] { return std::chrono::steady_clock::now() > end; };
+  whole_ = reader_([&](const char* data, std::size_t more) {
+    if (late()) return false;
+    take({data, more});
+    return true;
+  });
+  if (whole_) return;
+  if (late()) throw HttpError(408, "the body took too long");
+  throw HttpError(400, "the body broke off");
+}
+
+// The same, unpacked.
+void RequestBody::read_packed(const std::function<void(std::string_view)>& take) {
+  std::size_t packed = 0, unpacked = 0;
+  Gunzip gunzip;
+  const auto take_checked = [&](std::string_view piece) {
+    unpacked += piece.size();
+    if (unpacked > kAnyRatio && unpacked / kMostRatio > packed) {
+      throw HttpError(413,
+                      fmt::format("the body unpacks to more than {} times its size", kMostRatio));
+    }
+    take(piece);
+  };
+  try {
+    read_pieces([&](std::string_view piece) {
+      packed += piece.size();
+      gunzip.add(piece, take_checked);
+    });
+  } catch (const HttpError&) {
+    throw;
+  } catch (const Error& error) {  // of gunzip
+    throw HttpError(400, error.what());
+  }
+  if (!gunzip.ended()) throw HttpError(400, "the compressed body broke off");
+}
+
+std::string RequestBody::read(std::size_t most) {
+  begun_ = true;
+  const bool plain = coding_.empty() || coding_ == "identity";
+  if (!plain && coding_ != "gzip") {
+    throw HttpError(415, "Content-Encoding: neither gzip nor identity");
+  }
+  const auto check = [most](std::size_t bytes) {
+    if (bytes > most) throw HttpError(413, fmt::format("the body has more than {} bytes", most));
+  };
+  std::string body;
+  const auto expect = [&](std::size_t bytes) {
+    if (bytes <= kSmallBody) return;
+    take_room(bytes);
+    body.reserve(bytes);  // takes memory only where it is written to
+  };
+  if (plain && length_) {
+    check(*length_);
+    expect(*length_);
+  }
+  const auto take = [&](std::string_view piece) {
+    const std::size_t size = body.size() + piece.size();
+    check(size);
+    // A body whose size is not known is expected to be the largest.
+    if (size > kSmallBody && taken_ == 0) expect(most);
+    body += piece;
+  };
+  if (plain) {
+    read_pieces(take);
+  } else {
+    read_packed(take);
+  }
+  keep_room(body.size());
+  if (body.size() > kSmallBody) turn_ = room_.wait_for_turn(body.size());
+  return body;
+}
+
+bool RequestBody::finish() {
+  if (!begun_ && coding_.empty() && length_ && *length_ <= kSmallBody) {
+    try {
+      read(kSmallBody);
+    } catch (const HttpError&) {  // of no interest
+    }
+  }
+  return whole_;
 }
 
 }  // namespace enfilade::service::http::sockets

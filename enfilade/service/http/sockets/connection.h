@@ -1,6 +1,15 @@
-/// \file  Connections with limits that cpp-httplib lacks.
+/// \file  Connections with limits that cpp-httplib lacks, and bodies of requests: read within
+/// limits of their own, and of all of them together.
 #pragma once
 #include <httplib.h>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
 
 namespace enfilade::service::http::sockets {
 
@@ -28,6 +37,76 @@ class BoundedServer : public httplib::Server {
   static bool answer_request(Self& self, httplib::Stream& connection, bool last, bool& closed);
 
   double body_seconds_;
+};
+
+/// Bodies up to this many bytes are not counted: with one thread each, they are few. Pages and
+/// scripts send them all the time.
+inline constexpr std::size_t kSmallBody = 16U << 10U;
+
+/// Memory for the larger bodies of all requests. Any thread may use it at any time.
+class BodyRoom {
+ public:
+  /// \param largest  body that a route takes. There is room for four such bodies, two of them from
+  /// one address: no client can take it all
+  explicit BodyRoom(std::size_t largest) : largest_(largest) {}
+
+  /// Takes room for a body. \returns whether there was enough
+  bool take(const std::string& address, std::size_t bytes);
+  void give_back(const std::string& address, std::size_t bytes);
+
+  /// Waits until no other body of that kind is parsed, because that takes several times the body's
+  /// bytes. There are two kinds: up to 1 MiB, and larger. So workers need not wait while a results
+  /// file is checked.
+  /// \returns the turn, which ends with it
+  std::unique_lock<std::mutex> wait_for_turn(std::size_t bytes);
+
+ private:
+  static constexpr std::size_t kBodies = 4;
+  static constexpr std::size_t kBodiesOfAddress = 2;
+
+  std::size_t largest_;
+  std::mutex mutex_;
+  std::size_t taken_ = 0;
+  std::map<std::string, std::size_t> by_address_;
+  std::array<std::mutex, 2> turns_;
+};
+
+/// The body of a request. Its bytes are taken from the connection once. Belongs to one thread; its
+/// room and its turn end with it.
+class RequestBody {
+ public:
+  /// \param request  loses its Content-Encoding: cpp-httplib would unpack the body, however large
+  /// \param address  of the client  \param seconds  longest time that the body may take
+  /// \pre reader and room outlive *this
+  RequestBody(httplib::Request& request, const httplib::ContentReader& reader, std::string address,
+              BodyRoom& room, double seconds);
+  ~RequestBody();
+  RequestBody(const RequestBody&) = delete;
+  RequestBody& operator=(const RequestBody&) = delete;
+
+  /// All of it, unpacked. Waits for a turn if it is large.
+  /// \throws HttpError
+  /// - 413 for more than `most` bytes, or a body that unpacks to more than 200 times its size
+  /// - 503 if there is no room (both without reading on)
+  /// - 408, 400; 415 for an encoding other than gzip
+  std::string read(std::size_t most);
+  /// Reads a small body that no route needs. \returns whether the next request begins after it
+  bool finish();
+
+ private:
+  void take_room(std::size_t bytes);
+  void keep_room(std::size_t bytes);
+  void read_pieces(const std::function<void(std::string_view)>& take);
+  void read_packed(const std::function<void(std::string_view)>& take);
+
+  const httplib::ContentReader& reader_;
+  BodyRoom& room_;
+  std::string address_, coding_;
+  std::optional<std::size_t> length_;  // as it is sent, if that is said
+  double seconds_;
+  std::size_t taken_ = 0;  // room, in bytes
+  bool begun_ = false, whole_ = false;
+  std::unique_lock<std::mutex> turn_;
 };
 
 }  // namespace enfilade::service::http::sockets

@@ -1,0 +1,22 @@
+# Makes the folder TO an exact copy of FROM, but for the files that BUILT names (separated by commas), which a build
+# leaves in TO: cmake -DFROM=folder -DTO=folder -DBUILT=a.so,b.so -P mirror_folder.cmake
+cmake_minimum_required(VERSION 3.25)
+string(REPLACE "," ";" BUILT "${BUILT}")
+file(GLOB_RECURSE entries LIST_DIRECTORIES true RELATIVE ${TO} ${TO}/*)
+foreach(entry IN LISTS entries)
+  cmake_path(GET entry FILENAME name)
+  cmake_path(GET entry PARENT_PATH parent)
+  cmake_path(GET parent FILENAME parent)
+  # Python's caches may stay where their sources do.
+  if(EXISTS ${FROM}/${entry} OR entry IN_LIST BUILT OR name STREQUAL "__pycache__" OR parent STREQUAL "__pycache__")
+    continue()
+  endif()
+  file(REMOVE_RECURSE ${TO}/${entry})
+endforeach()
+file(GLOB_RECURSE entries RELATIVE ${FROM} ${FROM}/*)
+list(FILTER entries EXCLUDE REGEX "(^|/)__pycache__/")
+foreach(entry IN LISTS entries)
+  cmake_path(GET entry PARENT_PATH parent)
+  file(MAKE_DIRECTORY ${TO}/${parent})
+  file(COPY_FILE ${FROM}/${entry} ${TO}/${entry} ONLY_IF_DIFFERENT)
+endforeach()

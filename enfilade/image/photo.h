@@ -1,0 +1,57 @@
+/// \file  Pictures as cameras write them: upright by EXIF's orientation, with the fields of a
+/// sphere (GPano, in XMP) that panorama cameras add.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/geometry/vec.h"
+#include "enfilade/image/codecs.h"
+
+namespace enfilade::image {
+
+/// GPano's fields of a photo. Source: Google, "Photo Sphere XMP Metadata".
+struct SphereNotes {
+  /// The picture's rectangle in the whole sphere's picture, pixels.
+  struct Crop {
+    double full_width = 0, full_height = 0;
+    double left = 0, top = 0, width = 0, height = 0;
+    /// Whether the picture is less than the whole sphere.
+    bool is_part() const { return width < full_width || height < full_height; }
+  };
+  std::string projection;  ///< "equirectangular"; empty: not given
+  /// The direction of the picture's middle, degrees clockwise from north, 0 .. 360.
+  std::optional<double> heading;
+  /// The elevation of the picture's middle, degrees, -90 .. 90.
+  double pitch = 0;
+  /// Degrees, -180 .. 180. The horizon turns counterclockwise in the picture as it grows.
+  double roll = 0;
+  std::optional<Crop> crop;
+
+  bool is_level() const { return pitch == 0 && roll == 0; }
+};
+/// From the panorama frame of a sphere's picture to the level one of the same heading: it undoes
+/// pitch and roll.
+Mat3d level_from_picture(const SphereNotes& sphere);
+
+/// A picture, and what its file says about it.
+struct Photo {
+  Image8 picture;       ///< upright
+  int orientation = 1;  ///< EXIF's, 1 .. 8, which was applied
+  SphereNotes sphere;
+  /// Harmless oddities of the file, a note on an orientation, GPano's fields that cannot be used.
+  std::vector<Diagnostic> findings;
+};
+
+/// A JPEG or PNG with 1 to 4 channels. \throws InvalidInput, also for other content
+Photo decode_photo(Bytes bytes, const std::string& file);
+/// A JPEG, PNG or HDR (tone-mapped with that exposure) with 3 channels, recognised by its first
+/// bytes. \throws FileError; InvalidInput
+Photo load_photo(const std::string& path, std::optional<double> exposure = std::nullopt);
+
+/// The upright picture of one stored with that orientation (EXIF 2.3, tag 0x0112).
+/// \pre 1 <= orientation <= 8
+Image8 upright(Image8 stored, int orientation);
+
+}  // namespace enfilade::image

@@ -1,0 +1,70 @@
+#include "enfilade/mesh/readers/webp.h"
+
+#include "enfilade/core/errors.h"
+
+#ifdef EN_WITH_WEBP
+#include <webp/decode.h>
+#endif
+
+namespace enfilade::mesh::readers {
+
+bool is_webp(std::string_view bytes) {
+  return bytes.size() >= 12 && bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP";
+}
+
+#ifdef EN_WITH_WEBP
+
+namespace {
+
+const std::uint8_t* raw(std::string_view bytes) {
+  return reinterpret_cast<const std::uint8_t*>(bytes.data());
+}
+
+WebPBitstreamFeatures features_of(std::string_view bytes, const std::string& file) {
+  WebPBitstreamFeatures out;
+  if (WebPGetFeatures(raw(bytes), bytes.size(), &out) != VP8_STATUS_OK || out.width <= 0 ||
+      out.height <= 0) {
+    refuse(file, "", "bad-picture", "not a WebP picture, or a damaged one");
+  }
+  if (out.has_animation != 0) refuse(file, "", "bad-picture", "a WebP animation, not a picture");
+  return out;
+}
+
+}  // namespace
+
+bool reads_webp() noexcept { return true; }
+
+image::Shape webp_shape(std::string_view bytes, const std::string& file) {
+  const WebPBitstreamFeatures found = features_of(bytes, file);
+  return {static_cast<std::uint32_t>(found.width), static_cast<std::uint32_t>(found.height),
+          found.has_alpha != 0 ? 4U : 3U};
+}
+
+image::Image8 decode_webp(std::string_view bytes, const std::string& file) {
+  const image::Shape shape = webp_shape(bytes, file);
+  image::Image8 out(shape.width, shape.height, shape.channels);
+  const auto decode = shape.channels == 4 ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
+  if (decode(raw(bytes), bytes.size(), out.pixels.data(), out.pixels.size(),
+             static_cast<int>(shape.width * shape.channels)) == nullptr) {
+    refuse(file, "", "bad-picture", "a damaged WebP picture");
+  }
+  return out;
+}
+
+#else
+
+bool reads_webp() noexcept { return false; }
+
+image::Shape webp_shape(std::string_view, const std::string& file) {
+  refuse(file, "", "unknown-picture",
+         "a WebP picture, and this build is without libwebp (libwebp-dev)");
+}
+
+image::Image8 decode_webp(std::string_view bytes, const std::string& file) {
+  webp_shape(bytes, file);
+  return {};
+}
+
+#endif
+
+}  // namespace enfilade::mesh::readers

@@ -1,0 +1,151 @@
+// Sessions of the arena (episodes stepped call by call), and its runs, shown step by step.
+#include <fmt/format.h>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "enfilade/service/http/routes.h"
+#include "enfilade/service/sessions/sessions.h"
+
+namespace enfilade::service::http {
+namespace {
+
+using nlohmann::ordered_json;
+using sessions::Ticket;
+
+constexpr std::size_t kMostCallBytes = 64U << 10U;  // of a call: a model's answer in words
+constexpr std::size_t kLongestText = 200;           // of a tool or an argument
+constexpr const char* kKeyHeader = "enfilade-session";
+
+/// The key is in a header and not in the address, which logs and histories have.
+Ticket ticket_of(const Request& request) {
+  const std::string_view key = request.header(kKeyHeader);
+  if (key.empty()) {
+    throw HttpError(401,
+                    "the header Enfilade-Session is missing: the key that the session began with");
+  }
+  return {request.id("session", "there is no such session"), std::string(key)};
+}
+
+std::int64_t whole(const ordered_json& object, const char* name, std::int64_t otherwise,
+                   std::int64_t least, std::int64_t most) {
+  const auto found = object.find(name);
+  if (found == object.end() || found->is_null()) return otherwise;
+  if (!found->is_number_integer() || *found < least || *found > most) {
+    throw HttpError(400, fmt::format("{}: not a whole number from {} to {}", name, least, most));
+  }
+  return found->get<std::int64_t>();
+}
+
+Response begin(RouteContext& context, const Request& request) {
+  context.begun_sessions.count(request.address, context.db.now());
+  const ordered_json body = parse_object(request.body);
+  sessions::NewSession wanted;
+  const std::string task = text_field(body, "task", Presence::kOptional);
+  if (!task.empty()) wanted.task = task;
+  wanted.split = text_field(body, "split");
+  wanted.episode = text_field(body, "episode");
+  const auto limit = [&body](const char* name) -> std::optional<std::uint32_t> {
+    constexpr std::int64_t kMost = 1000;
+    const std::int64_t given = whole(body, name, 0, 1, kMost);
+    return given == 0 ? std::nullopt : std::optional(static_cast<std::uint32_t>(given));
+  };
+  wanted.steps = limit("steps");
+  wanted.mistakes = limit("mistakes");
+  const Ticket ticket = context.arena_sessions.begin(wanted);
+  ordered_json out{{"key", ticket.key}};
+  out.update(context.arena_sessions.state(ticket));
+  Response response = json_response(out, 201);
+  response.add_header("Location", fmt::format("/api/v1/sessions/{}", ticket.id));
+  response.add_header("Cache-Control", "no-store");
+  return response;
+}
+
+/// {"tool", "argument"?}, or {"answer"}: a model's words, of which the last line "Action: ..."
+/// counts.
+arena::Reading read_call(const ordered_json& body) {
+  if (body.contains("answer")) {
+    if (body.contains("tool")) throw HttpError(400, "answer, tool: one of them");
+    return arena::read_answer_text(text_field(body, "answer"));
+  }
+  arena::Reading reading;
+  arena::Call& call = reading.call.emplace();
+  call.tool = text_field(body, "tool");
+  call.argument = text_field(body, "argument", Presence::kOptional);
+  for (const auto& [name, text] : {std::pair{"tool", &call.tool}, {"argument", &call.argument}}) {
+    if (text->size() <= kLongestText) continue;
+    throw HttpError(400, fmt::format("{}: longer than {} bytes", name, kLongestText));
+  }
+  return reading;
+}
+
+Response call(RouteContext& context, const Request& request) {
+  const Ticket ticket = ticket_of(request);
+  const ordered_json body = parse_object(request.body);
+  sessions::NewCall wanted{read_call(body), {}};
+  constexpr std::int64_t kMost = 1'000'000;
+  const std::int64_t after = whole(body, "after", -1, 0, kMost);
+  if (after >= 0) wanted.after = after;
+  return json_response(context.arena_sessions.call(ticket, wanted));
+}
+
+arena::PictureKind kind_of(const Request& request) {
+  const std::string& name = request.parameter("kind");
+  if (name == "strip") return arena::PictureKind::kStrip;
+  if (name == "places") return arena::PictureKind::kPlaces;
+  throw HttpError(404, "pictures: strip or places");
+}
+
+Response picture(RouteContext& context, const Request& request) {
+  constexpr std::int64_t kLeast = 64, kMost = 1024;
+  const Ticket ticket = ticket_of(request);
+  const auto number =
+      static_cast<std::size_t>(std::max<std::int64_t>(0, request.id("number", "no such picture")));
+  const auto size = static_cast<std::uint32_t>(request.number("size", 512, kLeast, kMost));
+  Response response = text_response(
+      "image/jpeg", context.arena_sessions.picture(ticket, kind_of(request), number, size));
+  response.add_header("Cache-Control", "no-store");  // the same address shows another step later
+  return response;
+}
+
+Response state(RouteContext& context, const Request& request) {
+  return json_response(context.arena_sessions.state(ticket_of(request)));
+}
+
+Response result(RouteContext& context, const Request& request) {
+  return text_response("application/json", context.arena_sessions.result(ticket_of(request)));
+}
+
+Response list_runs(RouteContext& context, const Request& request) {
+  return json_response(context.replays.runs(request.text("episode")));
+}
+
+Response run(RouteContext& context, const Request& request) {
+  constexpr std::int64_t kMostOffset = 1'000'000'000, kMostListed = 500;  // episodes
+  const auto offset = request.number("offset", 0, 0, kMostOffset);
+  const auto limit = request.number("limit", kMostListed, 1, kMostListed);
+  return json_response(context.replays.run(
+      request.parameter("run"), static_cast<std::size_t>(offset), static_cast<std::size_t>(limit)));
+}
+
+Response run_episode(RouteContext& context, const Request& request) {
+  return json_response(
+      context.replays.episode(request.parameter("run"), request.parameter("episode")));
+}
+
+}  // namespace
+
+void add_session_routes(Router& router) {
+  const std::string one = "/api/v1/sessions/{session}";
+  router.add({"POST", "/api/v1/sessions", Access::kPublic, begin});
+  router.add({"GET", one, Access::kPublic, state});
+  router.add({"POST", one + "/calls", Access::kPublic, call, kMostCallBytes});
+  router.add({"GET", one + "/pictures/{kind}/{number}", Access::kPublic, picture});
+  router.add({"GET", one + "/result", Access::kPublic, result});
+  router.add({"GET", "/api/v1/runs", Access::kPublic, list_runs});
+  router.add({"GET", "/api/v1/runs/{run}", Access::kPublic, run});
+  router.add({"GET", "/api/v1/runs/{run}/episodes/{episode}", Access::kPublic, run_episode});
+}
+
+}  // namespace enfilade::service::http
