@@ -12,6 +12,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/utf8.h"
 
 namespace enfilade {
 namespace {
@@ -82,8 +83,7 @@ std::string read_text_file(const std::filesystem::path& path, std::size_t most) 
 }
 
 std::string text_beginning(const std::filesystem::path& path, std::size_t most) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  const std::size_t wanted = most + kMark.size();
+  const std::size_t wanted = most + kByteOrderMark.size();
   std::ifstream file(path, std::ios::binary);
   const auto read = [&](std::size_t bytes) {
     std::string piece(bytes, '\0');
@@ -112,9 +112,7 @@ std::string text_beginning(const std::filesystem::path& path, std::size_t most) 
     }
     content = std::move(text);
   }
-  if (content.starts_with(kMark)) content.erase(0, kMark.size());
-  content.resize(std::min(content.size(), most));
-  return content;
+  return std::string(without_byte_order_mark(content).substr(0, most));
 }
 
 struct Gunzip::Impl {

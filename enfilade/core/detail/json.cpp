@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/utf8.h"
 
 namespace enfilade::json {
 namespace {
@@ -191,10 +192,6 @@ Document Document::load(const std::filesystem::path& path) {
 }
 
 Document Document::parse(std::string_view text, const std::string& name) { return {text, name}; }
-
-std::string_view without_byte_order_mark(std::string_view text) {
-  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
-}
 
 std::size_t skip_string(std::string_view text, std::size_t at) {
   for (;;) {
