@@ -14,7 +14,6 @@
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/written_lists.h"
 
@@ -84,10 +83,7 @@ PromptParts read_parts(std::string_view text, const std::string& file) {
   PromptParts parts;
   std::array<std::size_t, 2> begins{};  // lines
   std::size_t number = 0, section = 0;
-  while (!text.empty()) {
-    const std::size_t end = text.find('\n');
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  for (const std::string_view line : all_lines(text)) {
     ++number;
     if (trimmed(line) == "---") {
       if (++section > 2) refuse(file, number, "third-text", "a third text; there are two");
@@ -251,7 +247,7 @@ Prompt Prompt::parse(std::string_view text, const std::string& file, std::string
 }
 
 Prompt Prompt::load(const std::filesystem::path& file) {
-  return parse(read_file(file), file.string(), file.stem().string());
+  return parse(read_plain_text(file), file.string(), file.stem().string());
 }
 
 PastStep past_step(const Reading& reading, std::string told) {
