@@ -74,10 +74,20 @@ def _connectivity():
     return os.environ.get("ENFILADE_CONNECTIVITY", str(HERE / "connectivity"))
 
 
+def _without_repeats(pairs, file):
+    """Fields of an object; json.loads() would take the last of several, and tell nobody."""
+    names = [name for name, _ in pairs]
+    for name in names:
+        if names.count(name) > 1:
+            raise RuntimeError(f"{file}: {name}: given twice in one object")
+    return dict(pairs)
+
+
 def _phase(codename):
     """Splits and step of a phase, and whether its participants' result files have the means."""
     file = Path(os.environ.get("ENFILADE_PHASES", str(HERE / "phases.json")))
-    phases = json.loads(file.read_text(encoding="utf-8-sig")) if file.exists() else {}
+    text = file.read_text(encoding="utf-8-sig") if file.exists() else "{}"
+    phases = json.loads(text, object_pairs_hook=lambda pairs: _without_repeats(pairs, file.name))
     phase = phases.get(codename, {})
     step = phase.get("step", DEFAULT_STEP)
     if not 0.001 <= step <= 0.5:

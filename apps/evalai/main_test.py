@@ -103,6 +103,14 @@ class Evaluate(unittest.TestCase):
         with self.assertRaises(RuntimeError):
             self.evaluate_many(0)
 
+    def test_a_phase_that_is_given_twice_is_refused(self):
+        self.set_phases({})
+        file = Path(os.environ["ENFILADE_PHASES"])
+        for phases in ('"test": {"step": 0.1}, "test": {}', '"test": {"step": 0.1, "step": 0.2}'):
+            file.write_text("{" + phases + "}")
+            with self.assertRaisesRegex(RuntimeError, "phases.json: (test|step): given twice"):
+                self.evaluate_many(0)
+
     def test_faults_are_told_without_the_secret_files_name(self):
         with self.assertRaises(main.BadSubmission) as refused:
             self.evaluate([["v1", 0, 0]])

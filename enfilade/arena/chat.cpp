@@ -11,6 +11,7 @@
 #include "enfilade/core/base64.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::arena {
 namespace {
@@ -122,7 +123,7 @@ AnswerFlaw flaw_of(const Json& choice, const Json& message, std::string_view ans
       kReasons, [&reason](const Reason& one) { return detail::is_same(one.name, reason); });
   if (known != kReasons.end()) return known->flaw;
   if (!text_in(message, "refusal").empty()) return AnswerFlaw::kRefusal;
-  return detail::trimmed(answer).empty() ? AnswerFlaw::kEmpty : AnswerFlaw::kNone;
+  return trimmed(answer).empty() ? AnswerFlaw::kEmpty : AnswerFlaw::kNone;
 }
 
 /// The message of a chat completion.
@@ -357,7 +358,7 @@ void Chat::close(std::string_view body, const ChatAnswer& answer, const SessionO
       chat.dialect.answers == Answers::kTools ? calls_of(message) : Json(Json::array());
   chat.told_by_tool = !calls.empty() && chat.prompt.memory() == PromptMemory::kAll;
   if (chat.prompt.memory() == PromptMemory::kLast) return;
-  const bool silent = calls.empty() && detail::trimmed(answer.text).empty();
+  const bool silent = calls.empty() && trimmed(answer.text).empty();
   Json said{{"role", "assistant"}, {"content", silent ? kNoAnswer : answer.text}};
   if (message.contains("content") && message["content"].is_array() && !message["content"].empty()) {
     said["content"] = message["content"];  // parts of thinking have signatures

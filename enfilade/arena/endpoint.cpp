@@ -8,7 +8,6 @@
 #include <chrono>
 #include <utility>
 
-#include "enfilade/arena/detail/texts.h"
 #include "enfilade/arena/dialect.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
@@ -119,13 +118,13 @@ std::vector<std::pair<std::string, std::string>> load_headers(const fs::path& fi
   const std::string text = read_plain_text(file);
   for (const auto& [number, line] : list_lines(text)) {
     const std::size_t colon = line.find(':');
-    const std::string_view name = detail::trimmed(line.substr(0, colon));
+    const std::string_view name = trimmed(line.substr(0, colon));
     if (colon == std::string_view::npos || name.empty() ||
         name.find(' ') != std::string_view::npos) {
       throw InvalidInput({{Severity::kError, file.string(), fmt::format("line {}", number),
                            "bad-header", "not \"Name: value\""}});
     }
-    headers.emplace_back(name, detail::trimmed(line.substr(colon + 1)));
+    headers.emplace_back(name, trimmed(line.substr(colon + 1)));
   }
   return headers;
 }

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "enfilade/arena/detail/texts.h"
 #include "enfilade/arena/endpoint.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::arena {
 namespace {
@@ -52,7 +52,7 @@ std::string next_event(std::string_view& rest) {
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (line.empty() && !data.empty()) return data;
     if (!line.starts_with("data:")) continue;  // comments, ids, names
-    data += (data.empty() ? "" : "\n") + std::string(detail::trimmed(line.substr(5)));
+    data += (data.empty() ? "" : "\n") + std::string(trimmed(line.substr(5)));
   }
   return data;
 }

@@ -17,6 +17,7 @@
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/proxy.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::arena {
 namespace {
@@ -144,7 +145,7 @@ class HttpEndpoint : public Endpoint {
       }
       const bool parts =
           result->get_header_value("Content-Type").starts_with("text/event-stream") ||
-          detail::trimmed(std::string_view(answer).substr(0, kMostBody)).starts_with("data:");
+          trimmed(std::string_view(answer).substr(0, kMostBody)).starts_with("data:");
       if (parts) answer = join_events(answer);
       // What is no answer is an error, which is shown.
       return answer.find("\"choices\"") == std::string::npos ? hidden(std::move(answer)) : answer;

@@ -14,8 +14,8 @@
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::arena {
 namespace {
@@ -58,8 +58,8 @@ void read_head(std::string_view line, const std::string& file, std::size_t numbe
   if (colon == std::string_view::npos) {
     refuse(file, number, "bad-head", R"(not "name: value", nor "---")");
   }
-  const std::string_view name = detail::trimmed(line.substr(0, colon));
-  const std::string_view value = detail::trimmed(line.substr(colon + 1));
+  const std::string_view name = trimmed(line.substr(0, colon));
+  const std::string_view value = trimmed(line.substr(colon + 1));
   if (name == "pictures") {
     parts.pictures = read_name<PictureKind>(value, file, number);
   } else if (name == "answers") {
@@ -83,19 +83,16 @@ PromptParts read_parts(std::string_view text, const std::string& file) {
   PromptParts parts;
   std::array<std::size_t, 2> begins{};  // lines
   std::size_t number = 0, section = 0;
-  while (!text.empty()) {
-    const std::size_t end = text.find('\n');
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  for (const std::string_view line : all_lines(text)) {
     ++number;
-    if (detail::trimmed(line) == "---") {
+    if (trimmed(line) == "---") {
       if (++section > 2) refuse(file, number, "third-text", "a third text; there are two");
       begins.at(section - 1) = number + 1;
     } else if (section > 0) {
       std::string& part = section == 1 ? parts.start : parts.step;
       part += line;
       part += '\n';
-    } else if (!detail::trimmed(line).empty()) {
+    } else if (!trimmed(line).empty()) {
       read_head(line, file, number, parts);
     }
   }
@@ -240,7 +237,7 @@ data step_data(const SessionObservation& seen, Answers answers, const SessionLim
 std::string fill(const std::string& text, const data& values) {
   mustache compiled(text);
   compiled.set_custom_escape([](const std::string& value) { return value; });  // it is no HTML
-  return std::string(detail::trimmed(compiled.render(values)));
+  return std::string(trimmed(compiled.render(values)));
 }
 
 }  // namespace
@@ -250,7 +247,7 @@ Prompt Prompt::parse(std::string_view text, const std::string& file, std::string
 }
 
 Prompt Prompt::load(const std::filesystem::path& file) {
-  return parse(read_file(file), file.string(), file.stem().string());
+  return parse(read_plain_text(file), file.string(), file.stem().string());
 }
 
 PastStep past_step(const Reading& reading, std::string told) {

@@ -7,7 +7,10 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "tests/support/refusal.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
 namespace EN_UNIT {
@@ -108,6 +111,22 @@ TEST(Prompts, FaultsNameTheLine) {
   EXPECT_THAT(fault("---\na\n---\n{{#places}} x"), HasSubstr("line 4"));
   EXPECT_EQ(fault("---\n---\n"), "accepted");
   EXPECT_THAT(refusal<FileError>([] { Prompt::load("/nowhere.txt"); }), HasSubstr("nowhere"));
+}
+
+TEST(Prompts, AreReadAsAnyEditorSavesThem) {
+  const tests::TemporaryFolder folder("prompt");
+  const auto file = folder.path() / "mine.txt";
+  for (const std::string& saved :
+       {std::string("\uFEFFanswers: json\n---\na\n---\nb\n\nc"),
+        std::string("\uFEFFanswers: json\r\n---\r\na\r\n---\r\nb\r\n\r\nc\r\n"),
+        gzip("answers: json\n---\na\n---\nb\n\nc", 6)}) {
+    write_file_atomically(file, saved);
+    const Prompt made = Prompt::open(file);
+    EXPECT_EQ(made.name(), "mine");
+    EXPECT_EQ(made.answers(), Answers::kJson);
+    EXPECT_EQ(made.start(observation(), Answers::kJson, {}), "a");
+    EXPECT_EQ(made.step(observation(), Answers::kJson, {}, {}), "b\n\nc");
+  }
 }
 
 }  // namespace EN_UNIT

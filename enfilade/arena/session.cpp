@@ -7,6 +7,7 @@
 
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::arena {
 namespace {
@@ -17,7 +18,7 @@ std::vector<std::string_view> parts_of(std::string_view list) {
   std::vector<std::string_view> parts;
   for (;;) {
     const std::size_t comma = list.find(',');
-    parts.push_back(detail::trimmed(list.substr(0, comma)));
+    parts.push_back(trimmed(list.substr(0, comma)));
     if (comma == std::string_view::npos) return parts;
     list.remove_prefix(comma + 1);
   }
@@ -37,9 +38,9 @@ std::string read_values(const ToolUse& use, std::string_view argument,
                         std::vector<std::string>& values) {
   const std::string_view tool = name_of(use.tool);
   if (use.argument.empty()) {
-    return detail::trimmed(argument).empty() ? "" : fmt::format("{} has no argument", tool);
+    return trimmed(argument).empty() ? "" : fmt::format("{} has no argument", tool);
   }
-  const auto parts = use.list ? parts_of(argument) : std::vector{detail::trimmed(argument)};
+  const auto parts = use.list ? parts_of(argument) : std::vector{trimmed(argument)};
   if (parts.size() > kMostMoves) {
     return fmt::format("{}: {} {}; 1 to {} are possible", tool, parts.size(), use.argument,
                        kMostMoves);
@@ -64,7 +65,7 @@ void validate(const SessionLimits& limits) {
 
 bool Session::call(const Call& call) {
   if (ending_) return false;
-  const std::string_view wanted = detail::trimmed(call.tool);
+  const std::string_view wanted = trimmed(call.tool);
   const auto use = std::ranges::find_if(seen_.tools, [wanted](const ToolUse& one) {
     return detail::is_same(name_of(one.tool), wanted);
   });

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "enfilade/arena/detail/texts.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::arena {
 namespace {
@@ -173,14 +174,14 @@ std::optional<std::string> action_in(std::string_view line) {
   std::string said(line.substr(kMark.size()));
   std::ranges::replace_if(
       said, [](char c) { return c == '*' || c == '`' || c == '.' || c == '"'; }, ' ');
-  return std::string(detail::trimmed(said));
+  return std::string(trimmed(said));
 }
 
 /// "go_to B", also "go_to(B)" and "go_to: B".
 Reading read_action(std::string_view said) {
   if (said.empty()) return fault("nothing stands after \"Action:\"");
   const std::size_t end = std::min(said.find_first_of(" (:"), said.size());
-  std::string_view argument = detail::trimmed(said.substr(std::min(end + 1, said.size())));
+  std::string_view argument = trimmed(said.substr(std::min(end + 1, said.size())));
   while (argument.ends_with(')') || argument.ends_with(' ')) argument.remove_suffix(1);
   return {Call{std::string(said.substr(0, end)), std::string(argument)}, {}, {}};
 }
@@ -191,11 +192,11 @@ std::string reasoning_in(std::string_view text) {
   for (const std::string_view tag : {"</think>", "</thinking>", "[/THINK]"}) {
     if (before.ends_with(tag)) before.remove_suffix(tag.size());
   }
-  before = detail::trimmed(before);
+  before = trimmed(before);
   for (const std::string_view tag : {"<think>", "<thinking>", "[THINK]"}) {
     if (before.starts_with(tag)) before.remove_prefix(tag.size());
   }
-  return std::string(detail::trimmed(before));
+  return std::string(trimmed(before));
 }
 
 }  // namespace
@@ -281,7 +282,7 @@ std::string answer_schema(const SessionObservation& seen) {
 }
 
 Reading read_call(std::string_view tool, std::string_view arguments) {
-  const std::string_view text = detail::trimmed(arguments);
+  const std::string_view text = trimmed(arguments);
   Json parsed = text.empty() ? Json::object() : Json::parse(text, nullptr, false);
   if (parsed.is_string()) {  // JSON in a text of JSON
     Json inner = Json::parse(parsed.get<std::string>(), nullptr, false);
@@ -289,9 +290,9 @@ Reading read_call(std::string_view tool, std::string_view arguments) {
   }
   if (parsed.is_null()) parsed = Json::object();
   if (parsed.is_discarded()) {
-    return fault(fmt::format("the arguments of {:?} are no JSON", detail::trimmed(tool)));
+    return fault(fmt::format("the arguments of {:?} are no JSON", trimmed(tool)));
   }
-  return read_arguments(detail::trimmed(tool), parsed);
+  return read_arguments(trimmed(tool), parsed);
 }
 
 std::string_view after_reasoning(std::string_view text) {
@@ -306,7 +307,7 @@ std::string_view after_reasoning(std::string_view text) {
   }
   const std::string_view rest = text.substr(after);
   const bool cut_off = std::ranges::any_of(
-      kBegins, [rest](std::string_view begin) { return detail::trimmed(rest).starts_with(begin); });
+      kBegins, [rest](std::string_view begin) { return trimmed(rest).starts_with(begin); });
   return cut_off ? std::string_view() : rest;
 }
 
@@ -318,7 +319,7 @@ Reading read_answer_json(std::string_view text) {
   const auto tool = answer.find("tool"), argument = answer.find("argument"),
              thought = answer.find("thought");
   if (tool == answer.end() || !tool->is_string()) return fault("the answer has no text \"tool\"");
-  const std::string name(detail::trimmed(tool->get<std::string>()));
+  const std::string name(trimmed(tool->get<std::string>()));
   Reading reading;
   if (argument != answer.end() && argument->is_object()) {  // {"place": "B"}
     reading = read_arguments(name, *argument);
@@ -343,7 +344,7 @@ Reading read_answer_text(std::string_view whole) {
     const std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
     if (const auto said = action_in(text.substr(begin, end - begin))) {
       Reading reading = read_action(*said);
-      if (reading.call) reading.thought = detail::trimmed(text.substr(0, begin));
+      if (reading.call) reading.thought = trimmed(text.substr(0, begin));
       if (reading.call && reading.thought.empty()) reading.thought = reasoning_in(whole);
       return reading;
     }

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/arena/detail/texts.h"
 #include "enfilade/arena/detail/view_renderer.h"
 #include "enfilade/arena/dialect.h"
 #include "enfilade/arena/wire.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/utf8.h"
+#include "enfilade/core/written_lists.h"
 #include "enfilade/mesh/mpcat40.h"
 
 namespace enfilade::arena {
@@ -131,7 +131,7 @@ class CaptionWords : public Words {
   static std::string one_line(std::string_view text) {
     constexpr std::size_t kMost = 300;
     std::string line;
-    for (const char c : detail::trimmed(text)) {
+    for (const char c : trimmed(text)) {
       const bool blank = static_cast<unsigned char>(c) <= ' ';
       if (!blank) {
         line += c;

@@ -7,6 +7,13 @@
 
 namespace enfilade {
 
+/// What editors write before a text to mark it as UTF-8: U+FEFF.
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+/// The text behind a byte-order mark at its beginning; the whole text if there is none.
+constexpr std::string_view without_byte_order_mark(std::string_view text) noexcept {
+  return text.substr(text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
+}
+
 /// Length in bytes of the first character of `text`, 1 to 4. 0 if the text is empty or does not
 /// begin with a well-formed character; overlong forms, surrogates and values above U+10FFFF are not
 /// well-formed (Unicode 15, table 3-7).

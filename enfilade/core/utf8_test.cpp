@@ -31,6 +31,14 @@ TEST(Utf8Length, IsNoneForWhatIsNotWellFormed) {
   EXPECT_EQ(utf8_length("\xFF"), 0U);
 }
 
+TEST(Utf8, HasAMarkAtItsBeginningOnly) {
+  EXPECT_EQ(without_byte_order_mark("\uFEFFone"), "one");
+  EXPECT_EQ(without_byte_order_mark("\uFEFF\uFEFF"), "\uFEFF") << "one mark";
+  for (const std::string_view text : {"", "one", "one\uFEFF", "\xEF\xBB"}) {
+    EXPECT_EQ(without_byte_order_mark(text), text);
+  }
+}
+
 TEST(AppendUtf8, IsUndoneByTheLengths) {
   std::string text;
   for (const std::uint32_t code : {0x41U, 0x7ffU, 0xffffU, 0x10ffffU}) append_utf8(code, text);

@@ -4,64 +4,44 @@
 #include <utility>
 
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/utf8.h"
 
 namespace enfilade {
 namespace {
 
-constexpr std::string_view kMark = "\xEF\xBB\xBF";
 constexpr std::string_view kNoBreakSpace = "\xC2\xA0";
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
-constexpr char32_t kReplacement = 0xFFFD;
-
-void append_utf8(std::string& text, char32_t code) {
-  const auto byte = [&text](char32_t bits) { text += static_cast<char>(bits); };
-  const auto next = [&](unsigned shift) { byte(0x80U | ((code >> shift) & 0x3FU)); };
-  if (code < 0x80U) {
-    byte(code);
-  } else if (code < 0x800U) {
-    byte(0xC0U | (code >> 6U));
-    next(0);
-  } else if (code < 0x10000U) {
-    byte(0xE0U | (code >> 12U));
-    next(6);
-    next(0);
-  } else {
-    byte(0xF0U | (code >> 18U));
-    next(12);
-    next(6);
-    next(0);
-  }
-}
+constexpr std::uint32_t kReplacement = 0xFFFD;
 
 /// \param low  the byte of a unit that has its lower bits: 0 or 1
 std::string from_utf16(std::string_view bytes, std::size_t low) {
   const auto unit = [&](std::size_t at) {
     const auto of = [&](std::size_t k) { return static_cast<unsigned char>(bytes[at + k]); };
-    return static_cast<char32_t>(of(low) | (of(1 - low) << 8U));
+    return static_cast<std::uint32_t>(of(low) | (of(1 - low) << 8U));
   };
   std::string text;
   text.reserve(bytes.size() / 2);
   std::size_t at = 0;
   for (; at + 1 < bytes.size(); at += 2) {
-    const char32_t first = unit(at);
+    const std::uint32_t first = unit(at);
     const bool pair = first >= 0xD800U && first < 0xDC00U && at + 3 < bytes.size();
-    const char32_t second = pair ? unit(at + 2) : 0;
+    const std::uint32_t second = pair ? unit(at + 2) : 0;
     if (second >= 0xDC00U && second < 0xE000U) {
-      append_utf8(text, 0x10000U + ((first - 0xD800U) << 10U) + (second - 0xDC00U));
+      append_utf8(0x10000U + ((first - 0xD800U) << 10U) + (second - 0xDC00U), text);
       at += 2;
     } else {
-      append_utf8(text, first >= 0xD800U && first < 0xE000U ? kReplacement : first);
+      append_utf8(first >= 0xD800U && first < 0xE000U ? kReplacement : first, text);
     }
   }
-  if (at < bytes.size()) append_utf8(text, kReplacement);  // half a unit
+  if (at < bytes.size()) append_utf8(kReplacement, text);  // half a unit
   return text;
 }
 
 }  // namespace
 
 std::string plain_text(std::string content) {
-  if (content.starts_with(kMark)) {
-    content.erase(0, kMark.size());
+  if (content.starts_with(kByteOrderMark)) {
+    content.erase(0, kByteOrderMark.size());
   } else if (content.starts_with("\xFF\xFE")) {
     return from_utf16(std::string_view(content).substr(2), 0);
   } else if (content.starts_with("\xFE\xFF")) {

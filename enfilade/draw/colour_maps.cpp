@@ -290,7 +290,7 @@ IdNames load_class_names(const std::filesystem::path& file) {
     if (line == 1) continue;  // names the columns
     const std::size_t tab = std::min(row.find('\t'), row.size());
     const std::size_t next = std::min(row.find('\t', tab + 1), row.size());
-    const auto id = parse_number<std::uint32_t>(enfilade::trimmed(row.substr(0, tab)));
+    const auto id = parse_number<std::uint32_t>(trimmed(row.substr(0, tab)));
     if (!id || next <= tab + 1) {
       refuse(file.string(), fmt::format("line {}", line), "bad-label",
              "not a whole number, a tab and a name, as mpcat40.tsv has them");

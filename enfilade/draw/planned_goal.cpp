@@ -1,11 +1,13 @@
 #include "enfilade/draw/planned_goal.h"
-#include "enfilade/tasks/objects.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <cctype>
 #include <variant>
+
+#include "enfilade/core/written_lists.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::draw {
 namespace {
@@ -99,13 +101,6 @@ namespace {
 
 constexpr std::string_view kTarget = "<TAR>";
 
-std::string trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return std::string(text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin));
-}
-
 std::string line_of(const tasks::DialogueTurn& turn) {
   std::string role = turn.role.empty() ? "somebody" : turn.role;
   role[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(role[0])));
@@ -127,7 +122,7 @@ std::string line_of(const tasks::SubInstruction& part, std::size_t number) {
 
 std::string target_of(std::string_view text) {
   const std::size_t at = text.rfind(kTarget);
-  return at == std::string_view::npos ? "" : trimmed(text.substr(at + kTarget.size()));
+  return at == std::string_view::npos ? "" : std::string(trimmed(text.substr(at + kTarget.size())));
 }
 
 std::vector<std::string> episode_lines(const tasks::Episode& episode) {
@@ -135,7 +130,7 @@ std::vector<std::string> episode_lines(const tasks::Episode& episode) {
   const tasks::InstructionDetails& details = episode.details;
   if (!details.language.empty()) lines.push_back("Language: " + details.language);
   for (const tasks::DialogueTurn& turn : details.turns) lines.push_back(line_of(turn));
-  const std::string target = target_of(episode.text), text = trimmed(episode.text);
+  const std::string target = target_of(episode.text), text(trimmed(episode.text));
   if (!target.empty()) {
     lines.push_back("Looking for: " + target);
   } else if (!text.empty() && details.turns.empty()) {

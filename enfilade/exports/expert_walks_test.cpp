@@ -11,7 +11,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/image/codecs.h"
+#include "enfilade/image/photo.h"
 #include "tests/support/made_meshes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -81,7 +81,7 @@ TEST(StreamVln, HasAPictureBeforeEachAction) {
     const fs::path rgb = folder.path() / entry["video"].get<std::string>() / "rgb";
     const auto files = std::distance(fs::directory_iterator(rgb), fs::directory_iterator());
     EXPECT_EQ(static_cast<std::size_t>(files), actions.size());
-    const image::Image8 first = image::load_picture((rgb / "001.jpg").string());
+    const image::Image8 first = image::load_photo((rgb / "001.jpg").string()).picture;
     EXPECT_EQ(first.width, 64U);
     EXPECT_EQ(first.height, 48U);
     pictures += actions.size();

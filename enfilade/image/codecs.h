@@ -98,12 +98,7 @@ ImageF decode_hdr(Bytes hdr, const std::string& file);
 /// \throws ArgumentError unless there are 3 channels
 Image8 tone_map(const ImageF& linear, std::optional<double> exposure = std::nullopt);
 
-// --- by content -----------------------------------------------------------------------------
-
-/// Reads JPEG, PNG or HDR (tone-mapped with that exposure), recognised by the first bytes. It has 3
-/// channels and is upright by EXIF's orientation. load_photo() (photo.h) also returns findings.
-/// \throws FileError; InvalidInput
-Image8 load_picture(const std::string& path, std::optional<double> exposure = std::nullopt);
+// --- files ----------------------------------------------------------------------------------
 
 /// Writes a picture of 1 or 3 channels as the name says: .png, .jpg or .jpeg. Atomic.
 /// \param jpeg_quality 1 .. 100, 4:4:4 from kFullChromaQuality on; ignored for PNG

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
+#include "enfilade/image/photo.h"
 
 namespace enfilade::image {
 namespace EN_UNIT {
@@ -154,12 +155,13 @@ TEST(CubeFromEquirectangular, IsWithinTwoLevelsOfAPhotographsTrueCubeMap) {
   if (data == nullptr) GTEST_SKIP() << "ENFILADE_DATA is not set: no panorama with its cube map";
   const std::string prefix =
       (std::filesystem::path(data) / "imagery" / "pannellum_examplepano").string();
-  const auto faces = cube_from_equirectangular(load_picture(prefix + ".jpg"), 512);
+  const auto faces = cube_from_equirectangular(load_photo(prefix + ".jpg").picture, 512);
   constexpr std::array kOrder{CubeFace::kFront, CubeFace::kRight, CubeFace::kBack,
                               CubeFace::kLeft,  CubeFace::kUp,    CubeFace::kDown};
   double sum = 0;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    Image8 truth = shrink(load_picture(prefix + "cube" + std::to_string(k) + ".jpg"), 512, 512);
+    Image8 truth =
+        shrink(load_photo(prefix + "cube" + std::to_string(k) + ".jpg").picture, 512, 512);
     // Theirs are seen by turning up or down from the front, Matterport3D's from the back.
     if (kOrder[k] == CubeFace::kUp || kOrder[k] == CubeFace::kDown) truth = half_turn(truth);
     const double difference = mean_difference(faces[index(kOrder[k])], truth);

@@ -10,6 +10,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/written_lists.h"
 #include "enfilade/geometry/angle.h"
 #include "enfilade/image/detail/photo_notes.h"
 
@@ -29,13 +30,6 @@ Image8 to_rgb(Image8 picture) {
 }
 
 // --- GPano -----------------------------------------------------------------------------------
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
-}
 
 // Fields of an XMP packet. Each is an attribute (GPano:Name="value") or an element
 // (<GPano:Name>value</GPano:Name>); all writers use that prefix.

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "enfilade/core/file.h"
 #include "tests/support/photo_files.h"
@@ -14,6 +17,7 @@ namespace EN_UNIT {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
 
 std::string unhexed(std::string_view hex) {
   std::string bytes;
@@ -156,14 +160,62 @@ TEST(LevelFromPicture, UndoesPitchAndRoll) {
   EXPECT_NEAR(up.y, -1, 1e-12);
 }
 
-TEST(LoadPhoto, TakesPicturesForPrintingAndOfSixteenBits) {
-  const tests::TemporaryFolder folder("load_photo");
-  const std::string path = (folder.path() / "picture").string();
+class LoadPhoto : public ::testing::Test {
+ protected:
+  // Every file has the same name, which says nothing.
+  std::string write(std::string_view content) const {
+    const std::filesystem::path path = folder_.path() / "picture";
+    write_file_atomically(path, content);
+    return path.string();
+  }
+  std::string write(const std::vector<std::uint8_t>& content) const {
+    return write(std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
+  }
+
+  const tests::TemporaryFolder folder_{"load_photo"};
+};
+
+TEST_F(LoadPhoto, TellsFormatsByTheirFirstBytes) {
+  Image8 red(8, 4, 3);
+  for (std::size_t i = 0; i < red.pixels.size(); i += 3) red.pixels[i] = 254;
+  EXPECT_EQ(load_photo(write(encode_png(red))).picture, red);
+  // Quality 100 has quantization steps of 1: rounding alone.
+  const Image8 jpeg = load_photo(write(encode_jpeg(red, 100, true))).picture;
+  EXPECT_NEAR(jpeg.pixels[0], 254, 2);
+  EXPECT_NEAR(jpeg.pixels[1], 0, 2);
+  const std::string hdr =
+      "#?RGBE\n\n-Y 1 +X 2\n"
+      "\x40\x40\x40\x80"
+      "\x40\x40\x40\x80";
+  EXPECT_THAT(load_photo(write(hdr)).picture.pixels, ::testing::Each(118));
+  // 64.5 / 256 of exponent 0, two stops down: 0.063, in sRGB 0.2782.
+  EXPECT_THAT(load_photo(write(hdr), -2).picture.pixels, ::testing::Each(71));
+}
+
+TEST_F(LoadPhoto, GivesThreeChannelsWhateverTheFileHas) {
+  Image8 grey(2, 1, 1), grey_alpha(2, 1, 2), rgba(2, 1, 4);
+  grey.pixels = {5, 6};
+  grey_alpha.pixels = {5, 255, 6, 0};
+  rgba.pixels = {1, 2, 3, 255, 4, 5, 6, 0};
+  EXPECT_THAT(load_photo(write(encode_png(grey))).picture.pixels, ElementsAre(5, 5, 5, 6, 6, 6));
+  EXPECT_THAT(load_photo(write(encode_png(grey_alpha))).picture.pixels,
+              ElementsAre(5, 5, 5, 6, 6, 6));
+  EXPECT_THAT(load_photo(write(encode_png(rgba))).picture.pixels, ElementsAre(1, 2, 3, 4, 5, 6));
+}
+
+TEST_F(LoadPhoto, TakesPicturesForPrintingAndOfSixteenBits) {
   Image16 grey(2, 1, 1);
   grey.pixels = {0, 65535};
-  const auto png = encode_png(grey);
-  write_file_atomically(path, std::string(png.begin(), png.end()));
-  EXPECT_THAT(load_photo(path).picture.pixels, ElementsAre(0, 0, 0, 255, 255, 255));
+  EXPECT_THAT(load_photo(write(encode_png(grey))).picture.pixels,
+              ElementsAre(0, 0, 0, 255, 255, 255));
+}
+
+TEST_F(LoadPhoto, RefusesOtherFiles) {
+  EXPECT_THAT([&] { load_photo(write("GIF89a")); },
+              ThrowsMessage<InvalidInput>(HasSubstr("neither JPEG, nor PNG, nor Radiance HDR")));
+  EXPECT_THAT([&] { load_photo(write("")); },
+              ThrowsMessage<InvalidInput>(HasSubstr("the file is empty")));
+  EXPECT_THROW(load_photo("/nowhere/at/all.jpg"), FileError);
 }
 
 }  // namespace EN_UNIT

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "enfilade/core/file.h"
+#include "enfilade/core/utf8.h"
 #include "enfilade/mesh/readers/reader.h"
 
 namespace enfilade::mesh {
@@ -59,7 +60,7 @@ void orient(Mesh& mesh, double scale, bool y_up) {
 ReadResult read(Source source, const ReadOptions& options) {
   check_options(options);
   const Format& format = format_of(source.name);
-  source.bytes = without_mark(source.bytes);
+  source.bytes = without_byte_order_mark(source.bytes);
   if (source.bytes.starts_with("\xFF\xFE") || source.bytes.starts_with("\xFE\xFF")) {
     refuse(source.name, "", "bad-encoding", "text in UTF-16; save it in UTF-8");
   }

@@ -16,7 +16,7 @@ import contextlib
 import errno
 import importlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Callable, Mapping, Tuple, Union
@@ -80,6 +80,10 @@ class Features(Mapping[Key, Array]):
         self.file = file
         self.info = info
         self._names = names
+        try:
+            _check_names(names)
+        except ArgumentError as error:
+            raise InvalidInput(f"{file}: {error}") from error
         self._keys = {"_".join(key): key for key in names}  # either id may have a "_"
         self._read = read
         self.shape: tuple[int, ...] = np.shape(read(next(iter(names.values()))))  #: (views, D)
@@ -173,6 +177,7 @@ def write_tsv(
     ArgumentError, naming the viewpoint, for values that could not be read again.
     """
     shape: tuple[int, ...] = ()
+    _check_names(features)
     with _whole_file(file) as part, open(part, "w", encoding="ascii") as out:
         for key, given in features.items():
             values = _checked(key, given)
@@ -214,6 +219,7 @@ def write_safetensors(
     ArgumentError, naming the viewpoint, for values that the format cannot hold.
     """
     arrays: dict[str, NDArray[Any]] = {}
+    _check_names(features)
     for key, given in features.items():
         values = _checked(key, given)
         first = next(iter(arrays.values()), values)
@@ -223,9 +229,7 @@ def write_safetensors(
                 f"features of {key}: {values.dtype} of shape {values.shape}; (views, D) of float32 or "
                 "float16 is wanted, the same for all"
             )
-        if (name := "_".join(key)) in arrays:
-            raise ArgumentError(f"features of {key}: another key has the name {name} too")
-        arrays[name] = np.ascontiguousarray(values)
+        arrays["_".join(key)] = np.ascontiguousarray(values)
     _core.write_safetensors(file, arrays, _metadata(info))
 
 
@@ -318,6 +322,15 @@ def _whole_file(file: Union[str, Path]) -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):
             part.unlink()
+
+
+def _check_names(keys: Iterable[Key]) -> None:
+    """Raises ArgumentError for two keys of one name: either id may have a "_"."""
+    known: dict[str, Key] = {}
+    for key in keys:
+        name = "_".join(map(str, key))
+        if known.setdefault(name, key) != key:
+            raise ArgumentError(f"features of {key}: another key has the name {name} too")
 
 
 def _checked(key: Key, given: Any) -> NDArray[Any]:

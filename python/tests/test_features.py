@@ -133,6 +133,23 @@ def test_broken_lines_of_tsv_are_named(tmp_path: Path) -> None:
             features.open_features(file)
 
 
+def test_two_keys_of_one_name_are_refused(tmp_path: Path) -> None:
+    """Either would be found by the other's ids."""
+    values = np.ones((36, 4), np.float32)
+    one, other = {("a_b", "c"): values}, {("a", "b_c"): values}
+    text = ""
+    for some in (one, other):
+        text += Path(write(tmp_path / "f.tsv", some)).read_text()
+    (tmp_path / "f.tsv").write_text(text)
+    said = r"features of \('a', 'b_c'\): another key has the name a_b_c too"
+    with pytest.raises(enfilade.InvalidInput, match=rf"f\.tsv: {said}"):
+        features.open_features(tmp_path / "f.tsv")
+    for suffix in (".tsv", ".safetensors"):
+        with pytest.raises(enfilade.ArgumentError, match=said):
+            write(tmp_path / f"g{suffix}", {**one, **other})
+    assert not list(tmp_path.glob("g*"))
+
+
 def test_hdf5_that_another_program_writes_is_said_to_be_locked(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py", reason="h5py is not installed")
     file = tmp_path / "f.h5"

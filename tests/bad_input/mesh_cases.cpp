@@ -1,5 +1,6 @@
 #include <string>
 
+#include "enfilade/core/gzip.h"
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
@@ -32,6 +33,10 @@ Case scanned(std::string input, const std::string& options, int exit_code, std::
           }};
 }
 
+void pack(Files& files) {
+  files.write(std::string(kGraph) + ".gz", gzip(files.content(kGraph), 6)).remove(kGraph);
+}
+
 Damage mesh(const std::string& content) {
   return [=](Files& files) { files.write("m.obj", content); };
 }
@@ -46,12 +51,41 @@ Case read(std::string input, const std::string& file, int exit_code, std::string
           [=](Files& files) { files.write(file, content); }};
 }
 
+// A level square of 4 m, z up, as HM3D's files are.
+std::string glb_of_hm3d() {
+  std::string json =
+      R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
+"bufferViews": [{"buffer": 0, "byteLength": 48}], "buffers": [{"byteLength": 48,
+"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAQAAAAAAAAAAAAACAQAAAgEAAAAAAAAAAAAAAgEAAAAAA"}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto number = [](std::size_t value) {
+    return std::string{static_cast<char>(value % 256), static_cast<char>(value / 256), '\0', '\0'};
+  };
+  return "glTF" + number(2) + number(json.size() + 20) + number(json.size()) + "JSON" + json;
+}
+
+// The mesh of a scan, in a folder of its name.
+Case in_folder(std::string input, const std::string& folder, const std::string& scan,
+               const std::string& file, const std::string& content) {
+  return {"Scans from meshes",
+          std::move(input),
+          "scan-mesh {}/" + folder + scan + " -o {}/new --parts depth --size 16",
+          0,
+          "enfilade graph draw " + scan + " --data {}/new",
+          [=](Files& files) { files.write(folder + scan + "/" + file, content); }};
+}
+
 std::vector<Case> files() {
   return {
       scanned("a mesh that is not there", "", 3, "{}/m.obj: cannot open: No such file",
               [](Files& f) { f.remove("m.obj"); }),
       scanned("a folder in the mesh's place", "", 3, "{}/m.obj: cannot read: Is a directory",
               [](Files& f) { f.remove("m.obj").write("m.obj/x", ""); }),
+      in_folder("a scan's folder in the mesh's place", "", "room", "room.obj", kFloor),
+      in_folder("a scan's folder as HM3D has it", "hm3d/val/", "00800-one", "one.basis.glb",
+                glb_of_hm3d()),
       read("an ending that is no mesh's", "m.stl", 2,
            "m.stl: ending \".stl\", not .glb, .gltf, .obj or .ply", "solid"),
       scanned("an empty mesh file", "", 3, "{}/m.obj: no triangles, at least 1 is needed",
@@ -175,6 +209,7 @@ std::vector<Case> scans() {
       scanned("a graph that is no JSON", " --graph {}/m.obj", 3, "{}/m.obj: $: line 1, column 1"),
       scanned("a graph whose pose is no pose", graph, 3, "one_connectivity.json: $[0].pose",
               [](Files& f) { f.edit(kGraph, "[1.0,", "[\"1\","); }),
+      scanned("a graph that was packed", graph, 0, "enfilade graph draw one --data {}/new", pack),
       scanned("labels that are not there", " --labels {}/none", 2, "{}/none"),
       scanned("labels without their files", " --labels {}/r2r", 3,
               "{}/r2r/m.house: cannot open: No such file"),
@@ -262,6 +297,8 @@ std::vector<Case> comparisons() {
       compared("a graph that is annotations", one + " {}/r2r/R2R_made.json", 3, "missing-field"),
       compared("a graph cut off in the middle", both, 3, "one_connectivity.json: $",
                [](Files& f) { f.write(kGraph, f.content(kGraph).substr(0, 500)); }),
+      compared("a graph that was packed", both, 0, "edges       4 in both, 0 extra, 0 missing",
+               pack),
       compared("a mesh in a graph's place", one + " {}/m.obj", 3, "{}/m.obj: $: line 1, column 1",
                [](Files& f) { f.write("m.obj", kFloor); }),
       compared("buildings that share nothing", one + " {}/b.json", 2, "no viewpoint of one",

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/utf8.h"
 
 namespace enfilade::json {
 namespace {
@@ -187,14 +188,11 @@ Document::Document(std::string_view text, std::string name)
 }
 
 Document Document::load(const std::filesystem::path& path) {
-  return {read_text_file(path), path.string()};
+  const std::filesystem::path found = find_text_file(path);
+  return {read_text_file(found), found.string()};
 }
 
 Document Document::parse(std::string_view text, const std::string& name) { return {text, name}; }
-
-std::string_view without_byte_order_mark(std::string_view text) {
-  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
-}
 
 std::size_t skip_string(std::string_view text, std::size_t at) {
   for (;;) {

@@ -91,7 +91,6 @@ class Document {
 void check_syntax(std::string_view text, const std::string& name);
 /// The error of Document::parse() for a text that simdjson refused with `code`.
 InvalidInput not_json(std::string_view text, const std::string& name, simdjson::error_code code);
-std::string_view without_byte_order_mark(std::string_view text);
 /// The position after a string of a JSON text; the text's end if the string does not end.
 /// \param at the position after its first quotation mark
 std::size_t skip_string(std::string_view text, std::size_t at);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "enfilade/core/threads.h"
+#include "enfilade/core/utf8.h"
 
 namespace enfilade::json {
 namespace {

@@ -8,6 +8,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "enfilade/core/written_lists.h"
+
 namespace enfilade::mesh::readers {
 namespace {
 
@@ -256,7 +258,7 @@ Model load_gltf(const Source& source, ReadResult& result) {
   }
   if (files.missing && !read) throw FileError(*files.missing);
   if (!read) {
-    const std::string_view first = trim(std::string_view(error).substr(0, error.find('\n')));
+    const std::string_view first = trimmed(std::string_view(error).substr(0, error.find('\n')));
     refuse(source.name, "", "bad-gltf", std::string(first.substr(0, 200)));
   }
   unpack_meshopt(model, source.name);

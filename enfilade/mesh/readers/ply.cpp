@@ -8,6 +8,7 @@
 #include <cstring>
 #include <utility>
 
+#include "enfilade/core/written_lists.h"
 #include "enfilade/mesh/readers/reader.h"
 
 namespace enfilade::mesh::readers::ply {
@@ -82,7 +83,7 @@ class HeaderParser {
   /// `comment TextureFile NAME`, as MeshLab writes it; the names are numbered from 0.
   void read_comment(std::string_view line) {
     cut_word(line);
-    if (lower(cut_word(line)) == "texturefile") out_.textures.emplace_back(trim(line));
+    if (lower(cut_word(line)) == "texturefile") out_.textures.emplace_back(trimmed(line));
   }
   /// Counts a line that has more words than it needs.
   void count_rest(const std::vector<std::string_view>& found, std::size_t needed) {
@@ -186,7 +187,7 @@ class AsciiSource {
     do {
       const auto line = lines_.next();
       if (!line) return false;
-      line_ = trim(*line);
+      line_ = trimmed(*line);
     } while (line_.empty());
     return true;
   }
@@ -195,7 +196,7 @@ class AsciiSource {
     return word_.empty() ? "too few values"
                          : in_quotes(word_) + " is not a number, or not one of its type";
   }
-  bool row_done() const { return trim(line_).empty(); }
+  bool row_done() const { return trimmed(line_).empty(); }
 
   /// Whether the last value was a word that is no number.
   bool odd() const { return odd_; }

@@ -11,6 +11,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "enfilade/core/utf8.h"
+#include "enfilade/core/written_lists.h"
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/readers/reader.h"
 
@@ -40,7 +42,7 @@ constexpr std::array kMapOptions{
 class MtlParser {
  public:
   MtlParser(std::string_view text, const std::string& file, std::vector<Diagnostic>& warnings)
-      : lines_(without_mark(text)), file_(file), warnings_(warnings) {}
+      : lines_(without_byte_order_mark(text)), file_(file), warnings_(warnings) {}
 
   std::vector<MtlMaterial> parse() {
     while (const auto line = lines_.next()) {
@@ -52,7 +54,7 @@ class MtlParser {
         out_.emplace_back();
         illumination_ = 0;
         specular_ = {};
-        out_.back().material.name = trim(rest);
+        out_.back().material.name = trimmed(rest);
       } else if (!out_.empty()) {
         read(key, word, rest);
       }
@@ -79,7 +81,7 @@ class MtlParser {
     } else if (key == "ks") {
       specular_ = colour(word, rest, 1).value_or(Vec3f{});
     } else if (key == "illum") {
-      illumination_ = to_integer(trim(rest)).value_or(0);
+      illumination_ = to_integer(trimmed(rest)).value_or(0);
     } else if (key == "map_kd") {
       out_.back().colour_map = map_file(rest);
     } else if (key == "map_d") {
@@ -107,7 +109,7 @@ class MtlParser {
     return Vec3f{value[0], value[1], value[2]};
   }
   std::string map_file(std::string_view rest) {
-    for (rest = trim(rest); rest.starts_with('-'); rest = trim(rest)) {
+    for (rest = trimmed(rest); rest.starts_with('-'); rest = trimmed(rest)) {
       std::string_view after = rest;
       const auto option = std::ranges::find(kMapOptions, cut_word(after), &MapOption::name);
       if (option == kMapOptions.end()) break;
@@ -213,9 +215,9 @@ class ObjReader {
     } else if (key == "f") {
       read_face(rest);
     } else if (key == "usemtl") {
-      material_ = material_named(std::string(trim(rest)));
+      material_ = material_named(std::string(trimmed(rest)));
     } else if (key == "mtllib") {
-      read_library(trim(rest));
+      read_library(trimmed(rest));
     } else if (key == "g" || key == "o") {
       start_object(rest);
     } else if (key != "s") {
@@ -368,7 +370,7 @@ class ObjReader {
   }
 
   void start_object(std::string_view rest) {
-    name_ = trim(rest);
+    name_ = trimmed(rest);
     object_.reset();  // its first face adds it: many groups have none
   }
   std::uint32_t object_named() {

@@ -235,10 +235,6 @@ std::optional<std::string_view> Lines::next() {
   return line;
 }
 
-std::string_view without_mark(std::string_view text) {
-  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
-}
-
 std::string Lines::where() const { return fmt::format("line {}", number_); }
 
 std::string_view cut_word(std::string_view& line) {
@@ -251,12 +247,6 @@ std::string_view cut_word(std::string_view& line) {
   const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
   line.remove_prefix(word.size());
   return word;
-}
-
-std::string_view trim(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
 std::string lower(std::string_view text) {

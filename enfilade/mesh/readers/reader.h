@@ -133,14 +133,9 @@ class Lines {
   std::size_t number_ = 0;
 };
 
-/// The text without the byte-order mark of UTF-8.
-std::string_view without_mark(std::string_view text);
-
 /// Removes and returns the first word of `line`; empty at its end. White space: space, \t, \r, \v,
 /// \f.
 std::string_view cut_word(std::string_view& line);
-/// The text without white space at both ends.
-std::string_view trim(std::string_view text);
 std::vector<std::string_view> words(std::string_view line);
 /// With small letters; ASCII alone.
 std::string lower(std::string_view text);

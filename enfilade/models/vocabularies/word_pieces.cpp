@@ -169,7 +169,7 @@ class Reader {
   explicit Reader(const std::string& origin) : origin_(origin) {}
 
   void read(std::string_view text, WordPieces& pieces) {
-    text = json::without_byte_order_mark(text);
+    text = without_byte_order_mark(text);
     for (;;) {  // blank lines at the end
       const std::size_t blank = text.ends_with("\n\n") ? 1 : text.ends_with("\n\r\n") ? 2 : 0;
       if (blank == 0) break;

@@ -1,13 +1,8 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
-#include "enfilade/image/photo.h"
 
 namespace enfilade::image {
-
-Image8 load_picture(const std::string& path, std::optional<double> exposure) {
-  return load_photo(path, exposure).picture;
-}
 
 void save(const std::string& path, const Image8& picture, int jpeg_quality) {
   const std::size_t dot = path.rfind('.');
