@@ -242,16 +242,20 @@ struct Chat::Impl {
       if (dialect.tool_choice != ToolChoice::kNone) {
         made["tool_choice"] = enum_name(dialect.tool_choice);
       }
-    } else if (dialect.answers == Answers::kJson && dialect.json == JsonForm::kSchema) {
-      made["response_format"] = {{"type", "json_schema"},
-                                 {"json_schema",
-                                  {{"name", "action"},
-                                   {"strict", true},
-                                   {"schema", Json::parse(answer_schema(present))}}}};
-    } else if (dialect.answers == Answers::kJson && dialect.json == JsonForm::kObject) {
-      made["response_format"] = {{"type", "json_object"}};
+    } else if (dialect.answers == Answers::kJson && dialect.json != JsonForm::kNone) {
+      made["response_format"] = response_format();
     }
     return made;
+  }
+
+  Json response_format() const {
+    if (dialect.json == JsonForm::kObject) return {{"type", "json_object"}};
+    Json schema = Json::parse(answer_schema(present));
+    if (dialect.json == JsonForm::kObjectOfSchema) {
+      return {{"type", "json_object"}, {"schema", std::move(schema)}};
+    }
+    return {{"type", "json_schema"},
+            {"json_schema", {{"name", "action"}, {"strict", true}, {"schema", std::move(schema)}}}};
   }
 };
 

@@ -105,6 +105,11 @@ TEST_F(ChatTest, JsonAndTextAreAskedForAndRead) {
   EXPECT_FALSE(request.contains("tools"));
   EXPECT_FALSE(request.contains("seed"));
   EXPECT_EQ(session_->observation().here, "C");
+  Chat with_object(prompt_, {.model = "m"},
+                   {.answers = Answers::kJson, .json = JsonForm::kObjectOfSchema}, {});
+  const json object = exchange(with_object, {{"content", "no JSON"}}).at("response_format");
+  EXPECT_EQ(object.at("type"), "json_object");
+  EXPECT_TRUE(object.at("schema").at("properties").contains("tool"));
   Chat with_text(prompt_, {.model = "m"}, {.answers = Answers::kText}, {});
   const json plain = exchange(with_text, {{"content", "Back.\nAction: back_to A"}});
   EXPECT_FALSE(plain.contains("response_format"));

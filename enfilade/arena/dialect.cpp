@@ -278,6 +278,7 @@ std::vector<std::string> differences(const Dialect& dialect) {
     add(dialect.tool_choice == ToolChoice::kNone, "tool_choice is left out");
   }
   if (dialect.answers == Answers::kJson) {
+    add(dialect.json == JsonForm::kObjectOfSchema, "response_format is json_object with schema");
     add(dialect.json == JsonForm::kObject, "response_format is json_object");
     add(dialect.json == JsonForm::kNone, "response_format is left out");
   }

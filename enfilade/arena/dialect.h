@@ -22,10 +22,10 @@ enum class ToolChoice : std::uint8_t { kRequired, kAuto, kNone };
 constexpr std::array<std::string_view, 3> names_of(ToolChoice /*enum*/) {
   return {"required", "auto", "none"};
 }
-/// The type of `response_format`.
-enum class JsonForm : std::uint8_t { kSchema, kObject, kNone };
-constexpr std::array<std::string_view, 3> names_of(JsonForm /*enum*/) {
-  return {"json_schema", "json_object", "none"};
+/// The type of `response_format`; llama-cpp-python takes a schema beside the second.
+enum class JsonForm : std::uint8_t { kSchema, kObjectOfSchema, kObject, kNone };
+constexpr std::array<std::string_view, 4> names_of(JsonForm /*enum*/) {
+  return {"json_schema", "json_object with schema", "json_object", "none"};
 }
 
 /// What is sent, and how. `kNone` and false: the field is left out.

@@ -73,6 +73,9 @@ TEST(Dialects, GoOnFromRemedyToRemedy) {
             "tools; max_tokens is left out");
   const std::string format = R"({"error": {"message": "bad response_format"}})";
   dialect = {.answers = Answers::kJson};
+  EXPECT_EQ(changed(format, kJsonRequest, dialect),
+            "json; response_format is json_object with schema");
+  dialect.json = JsonForm::kObjectOfSchema;
   EXPECT_EQ(changed(format, kJsonRequest, dialect), "json; response_format is json_object");
   dialect.json = JsonForm::kObject;
   EXPECT_EQ(changed(format, kJsonRequest, dialect), "text");

@@ -204,7 +204,7 @@ TEST_F(OddServers, TheFormOfAnswersIsFoundStepByStep) {
   const AskReport report = run(&server);
   EXPECT_EQ(report.answers, Answers::kText);
   EXPECT_EQ(report.done, which_.size());
-  EXPECT_EQ(server.requests.size(), which_.size() + 3);
+  EXPECT_EQ(server.requests.size(), which_.size() + 4);
   expect_replay();
   // By hand it stays, as far as JSON without a schema goes.
   config_.answers = Answers::kJson;
