@@ -48,11 +48,7 @@ std::string scan_of(const MeshOptions& options, const std::string& graph) {
         fmt::format("--scan {:?}: letters, digits, _, - and . are allowed, not first a - or a .",
                     options.scan));
   }
-  constexpr std::string_view kSuffix = "_connectivity.json";
-  const std::string graph_name = fs::path(graph).filename().string();
-  if (graph_name.ends_with(kSuffix)) {
-    return graph_name.substr(0, graph_name.size() - kSuffix.size());
-  }
+  if (const auto scan = scan::scan_of_file(graph)) return *scan;
   // HM3D's 00800-NAME/NAME.basis.glb: the folder's name.
   const std::string folder = fs::path(options.file).parent_path().filename().string();
   if (tasks::scan_of_scene(options.file) == folder && scan::is_scan_id(folder)) return folder;

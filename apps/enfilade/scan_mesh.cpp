@@ -10,7 +10,7 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/capture/plain_room.h"
 #include "enfilade/capture/scan_files.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/mesh/lighting.h"
@@ -56,7 +56,7 @@ mesh::Mesh read(const Arguments& a) {
 scan::Connectivity graph_of(const Arguments& a, const mesh::RayTracer& tracer,
                             const std::string& scan) {
   if (!a.graph.empty()) {
-    scan::Connectivity graph = scan::parse_connectivity(read_file(a.graph), scan, a.graph);
+    scan::Connectivity graph = scan::load_connectivity_file(a.graph, scan);
     std::size_t taken = 0;
     for (scan::ConnectivityEntry& entry : graph.entries) {
       if (entry.included && a.limit != 0) entry.included = taken++ < a.limit;
@@ -127,7 +127,8 @@ void add(CLI::App& app, int& /*status*/) {
                 "Put the mesh into a plain room, for objects without one");
   add_value(verb, "--graph", arguments->graph, "CONNECTIVITY.json",
             "Viewpoints and edges (default: placed on the mesh's walkable floor)")
-      ->check(CLI::ExistingFile);
+      ->check(
+          [](const std::string& file) { return CLI::ExistingFile(find_text_file(file).string()); });
   add_whole_number(verb, "--limit", arguments->limit, "Make the first N viewpoints only; 0: all", 0)
       ->type_name("N");
   add_value(verb, "--labels", arguments->labels, "DIR",

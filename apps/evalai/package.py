@@ -43,7 +43,8 @@ def contents(options):
     files = {name: HERE / name for name in ("__init__.py", "main.py")}
     files["bin/enfilade"] = options.program
     files.update({f"lib/{name}": Path(file) for name, file in libraries_of(options.program).items()})
-    graphs = sorted(options.connectivity.glob("*_connectivity.json"))
+    names = ("*_connectivity.json", "*_connectivity.json.gz")
+    graphs = sorted(file for name in names for file in options.connectivity.glob(name))
     scans = options.connectivity / "scans.txt"
     if not graphs or not scans.exists():
         raise SystemExit(f"{options.connectivity}: no scans.txt with SCAN_connectivity.json beside it")

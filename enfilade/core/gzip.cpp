@@ -72,19 +72,41 @@ std::string gunzip(std::string_view packed, std::size_t most) {
   return text;
 }
 
+std::filesystem::path find_text_file(const std::filesystem::path& path) {
+  std::error_code ignored;  // who reads the file says it
+  if (std::filesystem::exists(path, ignored)) return path;
+  std::filesystem::path other = path;
+  if (path.extension() == ".gz") {
+    other.replace_extension();
+  } else {
+    other += ".gz";
+  }
+  return std::filesystem::exists(other, ignored) ? other : path;
+}
+
+std::optional<std::string> name_before(const std::filesystem::path& file, std::string_view ending) {
+  constexpr std::string_view kPacked = ".gz";
+  std::string name = file.filename().string();
+  if (name.ends_with(kPacked)) name.resize(name.size() - kPacked.size());
+  if (!name.ends_with(ending)) return std::nullopt;
+  name.resize(name.size() - ending.size());
+  return name;
+}
+
 std::string read_text_file(const std::filesystem::path& path, std::size_t most) {
-  std::string content = read_file(path);
-  if (!content.starts_with("\x1f\x8b")) return content;
+  const std::filesystem::path found = find_text_file(path);
+  std::string content = read_file(found);
+  if (!content.starts_with(kGzipMark)) return content;
   try {
     return gunzip(content, most);
   } catch (const Error& error) {
-    throw FileError(fmt::format("{}: cannot unpack: {}", path.string(), error.what()));
+    throw FileError(fmt::format("{}: cannot unpack: {}", found.string(), error.what()));
   }
 }
 
 std::string text_beginning(const std::filesystem::path& path, std::size_t most) {
   const std::size_t wanted = most + kByteOrderMark.size();
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(find_text_file(path), std::ios::binary);
   const auto read = [&](std::size_t bytes) {
     std::string piece(bytes, '\0');
     file.read(piece.data(), std::ssize(piece));
@@ -95,7 +117,7 @@ std::string text_beginning(const std::filesystem::path& path, std::size_t most) 
     return piece;
   };
   std::string content = read(wanted);
-  if (content.starts_with("\x1f\x8b")) {
+  if (content.starts_with(kGzipMark)) {
     std::string text;
     Gunzip unpacked;
     const auto take = [&](std::string_view piece) {
@@ -164,18 +186,19 @@ void Gunzip::add(std::string_view packed, const Take& take) {
 }
 
 TextFile::TextFile(const std::filesystem::path& path, std::size_t most) {
+  const std::filesystem::path found = find_text_file(path);
   // What is small is read at once: mapping costs more. So are pipes, which have no size.
   constexpr std::uintmax_t kLeastMapped = std::uintmax_t{1} << 20U;
   std::error_code code;
-  if (std::filesystem::is_regular_file(path, code) &&
-      std::filesystem::file_size(path, code) >= kLeastMapped) {
-    mapped_.emplace(path);
+  if (std::filesystem::is_regular_file(found, code) &&
+      std::filesystem::file_size(found, code) >= kLeastMapped) {
+    mapped_.emplace(found);
     const auto bytes = mapped_->bytes();
     text_ = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    if (!text_.starts_with("\x1f\x8b")) return;
+    if (!text_.starts_with(kGzipMark)) return;
     mapped_.reset();
   }
-  read_ = read_text_file(path, most);
+  read_ = read_text_file(found, most);
   text_ = read_;
 }
 

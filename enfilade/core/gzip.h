@@ -12,6 +12,9 @@
 
 namespace enfilade {
 
+/// How gzip begins; no JSON and no text of UTF-8 does.
+inline constexpr std::string_view kGzipMark = "\x1f\x8b";
+
 /// gzip as in RFC 1952. \param level 1 (fast) to 9 (small)
 std::string gzip(std::string_view text, int level);
 /// Its inverse. Several members (RFC 1952, 2.2) are one text; `cat a.gz b.gz`, bgzip and parallel
@@ -23,6 +26,13 @@ std::string gunzip(std::string_view packed, std::size_t most);
 /// Largest size of a packed text file's content: ten times the largest annotations of the field
 /// (RxR's guide).
 inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 32U;
+/// The file; where it is not there, the same packed (`x.json.gz` for `x.json`) or unpacked
+/// (`x.json` for `x.json.gz`). The file's own name if neither is there. All readers of text files
+/// below open what this finds.
+std::filesystem::path find_text_file(const std::filesystem::path& path);
+/// What a file's name has before `ending`: "a" of "some/a.json" and of "some/a.json.gz" for
+/// ".json". No value for other names.
+std::optional<std::string> name_before(const std::filesystem::path& file, std::string_view ending);
 /// The content of a text file, unpacked if it begins as gzip does, whatever its name is.
 /// \throws FileError naming the path: as read_file(), and for gzip that is damaged or holds more
 /// than `most` bytes

@@ -134,5 +134,31 @@ TEST(Gzip, TextFilesAreReadPackedOrPlain) {
               ThrowsMessage<FileError>(HasSubstr("more than 49999 bytes")));
 }
 
+TEST(Gzip, TextFilesHaveANameBeforeTheirEnding) {
+  EXPECT_EQ(name_before("some/a.json", ".json"), "a");
+  EXPECT_EQ(name_before("some/a.b_c.json.gz", "_c.json"), "a.b");
+  EXPECT_EQ(name_before(".json", ".json"), "");
+  for (const char* other : {"a.jsonl", "a.json.gz.part1", "a.json/b", "a.gz", ""}) {
+    EXPECT_EQ(name_before(other, ".json"), std::nullopt) << other;
+  }
+}
+
+TEST(Gzip, TextFilesAreFoundPackedAndPlain) {
+  const tests::TemporaryFolder made("found");
+  const auto plain = made.path() / "a.json", packed = made.path() / "a.json.gz";
+  EXPECT_EQ(find_text_file(plain), plain) << "neither is there";
+  EXPECT_EQ(find_text_file(packed), packed);
+  write_file_atomically(packed, gzip("packed", 6));
+  EXPECT_EQ(find_text_file(plain), packed);
+  EXPECT_EQ(read_text_file(plain), "packed");
+  EXPECT_EQ(text_beginning(plain, 4), "pack");
+  EXPECT_EQ(TextFile(plain).text(), "packed");
+  write_file_atomically(plain, "plain");
+  EXPECT_EQ(read_text_file(plain), "plain") << "the one that is named counts";
+  EXPECT_EQ(read_text_file(packed), "packed");
+  std::filesystem::remove(packed);
+  EXPECT_EQ(read_text_file(packed), "plain");
+}
+
 }  // namespace EN_UNIT
 }  // namespace enfilade

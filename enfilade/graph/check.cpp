@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "enfilade/core/gzip.h"
+
 namespace enfilade::graph {
 namespace {
 
@@ -190,12 +192,10 @@ FileReport check_file(const std::filesystem::path& directory, const std::string&
 }
 
 std::set<std::string> scans_with_files(const std::filesystem::path& directory) {
-  constexpr std::string_view kEnding = "_connectivity.json";
   std::set<std::string> scans;
   std::error_code code;
   for (const auto& entry : std::filesystem::directory_iterator(directory, code)) {
-    const std::string name = entry.path().filename().string();
-    if (name.ends_with(kEnding)) scans.insert(name.substr(0, name.size() - kEnding.size()));
+    if (auto scan = scan::scan_of_file(entry.path())) scans.insert(*std::move(scan));
   }
   if (code) throw FileError(fmt::format("{}: {}", directory.string(), code.message()));
   return scans;
@@ -226,7 +226,8 @@ std::vector<FileReport> check_folder(const std::filesystem::path& directory,
   for (const std::string& scan : files) {
     FileReport report;
     report.scan = scan;
-    report.diagnostics = {{Severity::kNote, scan::connectivity_file(directory, scan).string(), "",
+    report.diagnostics = {{Severity::kNote,
+                           find_text_file(scan::connectivity_file(directory, scan)).string(), "",
                            "unlisted-file", "scans.txt does not name this scan; not checked"}};
     reports.push_back(std::move(report));
   }

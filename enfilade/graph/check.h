@@ -32,7 +32,8 @@ struct FileReport {
   std::vector<Diagnostic> diagnostics;
 };
 
-/// Checks each scan of a folder's scans.txt, or, if it has none, each `*_connectivity.json`.
+/// Checks each scan of a folder's scans.txt, or, if it has none, each `*_connectivity.json`,
+/// packed or not.
 /// Files of scans that the list does not name are noted (`unlisted-file`).
 /// \throws FileError if there is no such folder; InvalidInput if scans.txt is broken
 std::vector<FileReport> check_folder(const std::filesystem::path& directory,

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/scan/data_root.h"
 #include "tests/support/graphs.h"
 #include "tests/support/temporary_folder.h"
@@ -75,6 +76,24 @@ TEST(CheckFolder, ReportsFilesThatCannotBeUsedAndGoesOn) {
   EXPECT_TRUE(reports[2].diagnostics.empty());
   EXPECT_EQ(reports[2].edges, 4U);
   EXPECT_EQ(reports[3].diagnostics.at(0).code, "unlisted-file");
+}
+
+TEST(CheckFolder, ReadsPackedFiles) {
+  const tests::TemporaryFolder made("check_packed");
+  const fs::path& folder = made.path();
+  write_file_atomically(folder / "one_connectivity.json.gz", gzip(to_json(testing::square()), 6));
+  write_file_atomically(folder / "two_connectivity.json", to_json(testing::square("two")));
+  write_file_atomically(folder / "two_connectivity.json.gz", gzip("[]", 6));
+  const auto all = check_folder(folder);
+  ASSERT_EQ(all.size(), 2U) << "without scans.txt, each scan once";
+  EXPECT_EQ(all[0].scan, "one");
+  EXPECT_EQ(all[0].edges, 4U);
+  EXPECT_EQ(all[1].edges, 4U) << "the plain one counts";
+  write_file_atomically(folder / "scans.txt", "two");
+  const auto listed = check_folder(folder);
+  ASSERT_EQ(listed.size(), 2U);
+  EXPECT_EQ(listed[1].diagnostics.at(0).code, "unlisted-file");
+  EXPECT_THAT(listed[1].diagnostics.at(0).file, HasSubstr("one_connectivity.json.gz"));
 }
 
 TEST(CheckFolder, CountsTheOdditiesOfTheRealGraphs) {

@@ -10,7 +10,7 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/enum_names.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 
 namespace enfilade::graph {
 namespace {
@@ -127,7 +127,7 @@ void check_ids(const Corrections& corrections, const scan::Connectivity& graph,
 }  // namespace
 
 Corrections load_corrections(const std::filesystem::path& file) {
-  return parse_corrections(read_file(file), file.string());
+  return parse_corrections(read_text_file(file), file.string());
 }
 
 Corrections parse_corrections(std::string_view json, const std::string& file) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/graph/nav_graph.h"
 #include "tests/support/graphs.h"
 #include "tests/support/temporary_folder.h"
@@ -59,6 +60,8 @@ TEST(Corrections, LoadsFilesAndNamesThoseThatAreNotThere) {
   const tests::TemporaryFolder folder("corrections");
   write_file_atomically(folder.path() / "c.json", kFile);
   EXPECT_EQ(load_corrections(folder.path() / "c.json").list.size(), 3U);
+  write_file_atomically(folder.path() / "packed.json.gz", gzip(kFile, 6));
+  EXPECT_EQ(load_corrections(folder.path() / "packed.json").list.size(), 3U);
   EXPECT_THROW(load_corrections(folder.path() / "none.json"), FileError);
 }
 

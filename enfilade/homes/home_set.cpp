@@ -10,6 +10,7 @@
 
 #include "enfilade/capture/mesh_panoramas.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/corrections.h"
 #include "enfilade/graph/nav_graph.h"
@@ -142,7 +143,11 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   std::error_code code;
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (entry.path().filename().string().ends_with(kSuffix)) files.push_back(entry.path());
+    const auto scan = name_before(entry.path(), kSuffix);
+    // Of a plain and a packed file the one that readers take.
+    if (scan && find_text_file(folder / fmt::format("{}{}", *scan, kSuffix)) == entry.path()) {
+      files.push_back(entry.path());
+    }
   }
   if (code) throw FileError(fmt::format("{}: cannot open: {}", folder.string(), code.message()));
   if (files.empty()) {
@@ -159,8 +164,7 @@ std::map<std::size_t, HomeCorrections> load_home_corrections(const fs::path& fol
   std::map<std::size_t, HomeCorrections> all;
   if (folder.empty()) return all;
   for (const fs::path& file : files_in(folder)) {
-    std::string scan = file.filename().string();
-    scan.resize(scan.size() - kSuffix.size());
+    const std::string scan = name_before(file, kSuffix).value();
     const std::size_t home = place_of(scan, homes, file, "");
     graph::Corrections corrections = graph::load_corrections(file);
     if (corrections.scan != scan) {

@@ -13,6 +13,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/graph/check.h"
 #include "enfilade/graph/corrections.h"
 #include "enfilade/graph/graph_set.h"
@@ -244,6 +245,14 @@ TEST(HomeSet, CorrectionsAreAppliedOnTopAndTakenBack) {
   // The same as if they had been there from the start; and without them as if they never had been.
   write_homes(fresh.path(), options);
   EXPECT_EQ(content_of(fresh.path()), content_of(folder.path()));
+  const fs::path file = corrections.path() / "home0001_corrections.json";
+  write_file_atomically(file.string() + ".gz", gzip("{}", 6));
+  write_homes(fresh.path(), options);
+  EXPECT_EQ(content_of(fresh.path()), content_of(folder.path())) << "the plain file counts";
+  write_file_atomically(file.string() + ".gz", gzip(read_file(file), 6));
+  fs::remove(file);
+  write_homes(fresh.path(), options);
+  EXPECT_EQ(content_of(fresh.path()), content_of(folder.path())) << "packed";
   options.corrections.clear();
   write_homes(folder.path(), options);
   EXPECT_EQ(content_of(folder.path()), as_found);

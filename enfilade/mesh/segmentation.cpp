@@ -14,7 +14,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/detail/json.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/house.h"
 #include "enfilade/mesh/mpcat40.h"
@@ -313,13 +313,13 @@ std::string segment_groups_json(const std::vector<SegmentGroup>& groups, const s
 }
 
 Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& scan) {
-  const auto path = [&](const char* ending) { return folder / (scan + ending); };
+  const auto path = [&](const char* ending) { return find_text_file(folder / (scan + ending)); };
   const auto house_file = path(".house"), ply_file = path(".ply"), faces_file = path(".fsegs.json"),
              groups_file = path(".semseg.json");
-  const House house = parse_house(read_file(house_file), house_file.string());
-  LabelledMesh labelled = parse_labelled_ply(read_file(ply_file), ply_file.string());
-  const auto segments = parse_face_segments(read_file(faces_file), faces_file.string());
-  const auto groups = parse_segment_groups(read_file(groups_file), groups_file.string());
+  const House house = parse_house(read_text_file(house_file), house_file.string());
+  LabelledMesh labelled = parse_labelled_ply(read_text_file(ply_file), ply_file.string());
+  const auto segments = parse_face_segments(read_text_file(faces_file), faces_file.string());
+  const auto groups = parse_segment_groups(read_text_file(groups_file), groups_file.string());
   if (segments.size() != labelled.faces) {
     refuse(faces_file.string(), "$.segIndices", "bad-count",
            fmt::format("segments of {} faces, but {} has {}", segments.size(), ply_file.string(),

@@ -6,6 +6,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/mesh/mpcat40.h"
 #include "tests/support/temporary_folder.h"
 
@@ -146,6 +147,17 @@ TEST_F(HouseMesh, JoinsTheFourFiles) {
   EXPECT_EQ(mesh.objects[2].name, "door") << "of semseg alone; category as of its name in C";
   EXPECT_EQ(mesh.objects[2].category, Mpcat40::kDoor);
   EXPECT_EQ(mesh.objects[2].region, -1);
+}
+
+TEST_F(HouseMesh, ReadsPackedFiles) {
+  for (const char* ending : {"s.fsegs.json", "s.semseg.json"}) {
+    const std::filesystem::path file = folder_ / ending;
+    write_file_atomically(file.string() + ".gz", gzip(read_file(file), 6));
+    std::filesystem::remove(file);
+  }
+  EXPECT_THAT(read_house_mesh(folder_, "s").triangle_object, ElementsAre(1, 1, 2));
+  write(".fsegs.json.gz", gzip(R"({"segIndices": [70, 71, 72]})", 6));
+  expect_refused("s.fsegs.json.gz: $.segIndices: segments of 3 faces");
 }
 
 TEST_F(HouseMesh, FacesWithoutASegmentHaveNoObject) {

@@ -52,13 +52,7 @@ std::vector<fs::path> entries(const fs::path& folder) {
 }
 
 // "val_seen.json.gz" -> "val_seen". No value for files with other endings.
-std::optional<std::string> json_stem(const fs::path& file) {
-  const std::string name = file.filename().string();
-  for (const std::string_view ending : {".json", ".json.gz"}) {
-    if (name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
-  }
-  return std::nullopt;
-}
+std::optional<std::string> json_stem(const fs::path& file) { return name_before(file, ".json"); }
 
 // The files of a folder that may be results.
 std::vector<fs::path> json_files(const fs::path& folder) {
@@ -86,7 +80,8 @@ char first_sign(const fs::path& file) {
 // The files that are named, and those in named folders and their results/.
 std::vector<fs::path> candidates(std::span<const fs::path> named) {
   std::vector<fs::path> files;
-  for (const fs::path& one : named) {
+  for (const fs::path& name : named) {
+    const fs::path one = find_text_file(name);
     std::error_code code;
     if (!fs::exists(one, code)) continue;  // find_runs() says so
     if (!fs::is_directory(one, code)) {
@@ -107,7 +102,8 @@ class Finder {
     found_.benchmark = &benchmark;
   }
 
-  void add(const fs::path& named) {
+  void add(const fs::path& name) {
+    const fs::path named = find_text_file(name);
     std::error_code code;
     if (!fs::exists(named, code)) {
       throw FileError(fmt::format(
@@ -210,6 +206,7 @@ class Finder {
       if (other.agent != agent || other.split != split) continue;
       std::error_code code;
       if (fs::equivalent(other.file, file, code)) return;
+      if (file == other.file.string() + ".gz") return;  // packed beside it: the plain one counts
       throw LookupError(fmt::format("{} and {} are both of agent {} on {}; name one of them",
                                     other.file.string(), file.string(), agent, split));
     }

@@ -67,6 +67,26 @@ TEST_F(RunDirectoryTest, FindsPackedResultsAndThoseWithAByteOrderMark) {
               ElementsAre("random@val_seen", "marked@val_seen", "other@val_seen"));
 }
 
+TEST_F(RunDirectoryTest, TakesThePlainFileOfTwoAndThePackedOneInItsPlace) {
+  const fs::path plain = made_.run() / "results/random_val_seen.json";
+  made_.write_results(plain, 1);
+  const fs::path packed = plain.string() + ".gz";
+  write_file_atomically(packed, gzip(read_file(plain), 6));
+  const auto files = [this](const fs::path& named) {
+    std::vector<fs::path> found;
+    for (const ResultsFile& one : find({named}).results) found.push_back(one.file);
+    return found;
+  };
+  EXPECT_THAT(files(made_.run()), ElementsAre(plain));
+  fs::remove(plain);
+  EXPECT_THAT(files(made_.run()), ElementsAre(packed));
+  EXPECT_THAT(files(plain), ElementsAre(packed)) << "by the name that it had";
+  write_file_atomically(packed, gzip(R"([{"instruction_id": 1, "path": []}])", 6));
+  const tasks::Benchmark* found = find_benchmark_of_runs(std::vector{plain});
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->name, "rxr");
+}
+
 TEST_F(RunDirectoryTest, TakesFilesAndModelsByName) {
   model("student");
   made_.write_results(made_.run() / "my_agent_val_unseen.json", 1);

@@ -13,6 +13,7 @@
 
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/written_lists.h"
 
 namespace enfilade::scan {
@@ -114,14 +115,6 @@ std::filesystem::path scan_list_file(const std::filesystem::path& directory) {
   return directory / "scans.txt";
 }
 
-// A list made by `ls` has the files' names.
-std::string_view without_suffix(std::string_view name) {
-  for (const std::string_view suffix : {".gz", "_connectivity.json"}) {
-    if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
-  }
-  return name;
-}
-
 // Scan ids with white space between them; none in a blank text.
 std::vector<std::string> parse_scan_list(std::string_view text, const std::string& file) {
   std::vector<std::string> scans;
@@ -139,7 +132,8 @@ std::vector<std::string> parse_scan_list(std::string_view text, const std::strin
   };
   for (const ListLine& line : list_lines(text)) {
     std::istringstream words{std::string(line.text)};
-    for (std::string word; words >> word;) add(without_suffix(word));
+    // A list made by `ls` has the files' names.
+    for (std::string word; words >> word;) add(scan_of_file(word).value_or(word));
   }
   faults.throw_if_errors();
   return scans;
@@ -183,16 +177,21 @@ std::filesystem::path connectivity_file(const std::filesystem::path& directory,
 
 std::optional<std::filesystem::path> find_connectivity(const std::filesystem::path& directory,
                                                        std::string_view scan) {
-  std::filesystem::path file = connectivity_file(directory, scan);
-  if (file_exists(file)) return file;
-  file += ".gz";
+  const std::filesystem::path file = find_text_file(connectivity_file(directory, scan));
   return file_exists(file) ? std::optional(file) : std::nullopt;
+}
+
+std::optional<std::string> scan_of_file(const std::filesystem::path& file) {
+  return name_before(file, "_connectivity.json");
 }
 
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan) {
   require_scan_id(scan);
-  const auto file = find_connectivity(directory, scan).value_or(connectivity_file(directory, scan));
-  return read(json::Document::load(file), std::string(scan));
+  return load_connectivity_file(connectivity_file(directory, scan), std::string(scan));
+}
+
+Connectivity load_connectivity_file(const std::filesystem::path& file, std::string scan) {
+  return read(json::Document::load(file), std::move(scan));
 }
 
 Connectivity parse_connectivity(std::string_view json, std::string scan, const std::string& file) {

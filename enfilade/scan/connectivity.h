@@ -39,13 +39,16 @@ bool is_scan_id(std::string_view scan);
 /// \throws LookupError naming `scan` if it is not a scan id
 void require_scan_id(std::string_view scan);
 
-/// Reads `<directory>/<scan>_connectivity.json`, or the same with `.gz` where that is not there.
+/// Reads `<directory>/<scan>_connectivity.json`, packed or not (find_text_file()).
 /// \throws FileError if it cannot be read
 /// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
 /// - not JSON; a missing, repeated or wrongly typed field
 /// - a pose that isn't 16 numbers; `unobstructed` or `visible` of another length than the file
 /// - an id twice
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan);
+
+/// The same for a file of any name. \throws FileError; InvalidInput
+Connectivity load_connectivity_file(const std::filesystem::path& file, std::string scan);
 
 /// The same for a text in memory; `file` is its name in messages. \throws InvalidInput
 Connectivity parse_connectivity(std::string_view json, std::string scan, const std::string& file);
@@ -77,5 +80,7 @@ std::filesystem::path connectivity_file(const std::filesystem::path& directory,
 /// That file, or else the packed one (`.json.gz`); no value: neither is there.
 std::optional<std::filesystem::path> find_connectivity(const std::filesystem::path& directory,
                                                        std::string_view scan);
+/// The scan that a connectivity file, packed or not, is named after; no value for other names.
+std::optional<std::string> scan_of_file(const std::filesystem::path& file);
 
 }  // namespace enfilade::scan

@@ -166,10 +166,21 @@ TEST(Connectivity, MayBePacked) {
   const fs::path file = connectivity_file(made.path(), "row");
   write_file_atomically(file.string() + ".gz", gzip(read_file(file), 6));
   fs::remove(file);
-  EXPECT_EQ(load_connectivity(made.path(), "row").entries.size(), 3U);
+  EXPECT_EQ(find_connectivity(made.path(), "row"), file.string() + ".gz");
+  const Connectivity read = load_connectivity(made.path(), "row");
+  EXPECT_EQ(read.entries.size(), 3U);
+  EXPECT_EQ(read.file, file.string() + ".gz") << "messages name what was read";
+  EXPECT_EQ(load_connectivity_file(file, "other").scan, "other");
   fs::remove(file.string() + ".gz");
+  EXPECT_EQ(find_connectivity(made.path(), "row"), std::nullopt);
   EXPECT_THAT([&] { load_connectivity(made.path(), "row"); },
               ::testing::ThrowsMessage<FileError>(HasSubstr("row_connectivity.json: ")));
+}
+
+TEST(Connectivity, FilesHaveTheirScansName) {
+  EXPECT_EQ(scan_of_file("some/a_b_connectivity.json"), "a_b");
+  EXPECT_EQ(scan_of_file("00800-TEEsavR23oF_connectivity.json.gz"), "00800-TEEsavR23oF");
+  EXPECT_EQ(scan_of_file("a.json"), std::nullopt);
 }
 
 TEST(Connectivity, BeginsABlankListOfScansAnew) {

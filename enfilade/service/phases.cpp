@@ -10,7 +10,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/enum_names.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/benchmark.h"
@@ -216,7 +216,7 @@ std::vector<Phase> parse_phases(std::string_view text, const std::string& file) 
 }
 
 std::vector<Phase> load_phases(const std::filesystem::path& file) {
-  std::vector<Phase> phases = parse_phases(read_file(file), file.string());
+  std::vector<Phase> phases = parse_phases(read_text_file(file), file.string());
   for (Phase& phase : phases) {
     if (phase.goals_secret()) phase.annotations = file.parent_path() / phase.annotations;
     if (!phase.experts.empty()) phase.experts = file.parent_path() / phase.experts;

@@ -5,7 +5,10 @@
 #include <string>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "tests/support/refusal.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::service {
 namespace EN_UNIT {
@@ -40,6 +43,13 @@ TEST(Phases, AreReadWithTheirDefaults) {
   EXPECT_EQ(phases[2].per_team, 20);
   EXPECT_EQ(phases[2].per_address, 100);
   EXPECT_EQ(phases[2].teams, 20);
+}
+
+TEST(Phases, MayBePacked) {
+  const tests::TemporaryFolder folder("phases");
+  write_file_atomically(folder.path() / "phases.json.gz",
+                        gzip(R"({"phases": [{"name": "val", "split": "val_unseen"}]})", 6));
+  EXPECT_EQ(load_phases(folder.path() / "phases.json").size(), 1U);
 }
 
 TEST(Phases, HaveRulesForSecretGoals) {

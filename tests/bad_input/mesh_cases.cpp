@@ -1,5 +1,6 @@
 #include <string>
 
+#include "enfilade/core/gzip.h"
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
@@ -30,6 +31,10 @@ Case scanned(std::string input, const std::string& options, int exit_code, std::
             files.write("m.obj", kFloor);
             if (damage) damage(files);
           }};
+}
+
+void pack(Files& files) {
+  files.write(std::string(kGraph) + ".gz", gzip(files.content(kGraph), 6)).remove(kGraph);
 }
 
 Damage mesh(const std::string& content) {
@@ -175,6 +180,7 @@ std::vector<Case> scans() {
       scanned("a graph that is no JSON", " --graph {}/m.obj", 3, "{}/m.obj: $: line 1, column 1"),
       scanned("a graph whose pose is no pose", graph, 3, "one_connectivity.json: $[0].pose",
               [](Files& f) { f.edit(kGraph, "[1.0,", "[\"1\","); }),
+      scanned("a graph that was packed", graph, 0, "enfilade graph draw one --data {}/new", pack),
       scanned("labels that are not there", " --labels {}/none", 2, "{}/none"),
       scanned("labels without their files", " --labels {}/r2r", 3,
               "{}/r2r/m.house: cannot open: No such file"),
@@ -262,6 +268,8 @@ std::vector<Case> comparisons() {
       compared("a graph that is annotations", one + " {}/r2r/R2R_made.json", 3, "missing-field"),
       compared("a graph cut off in the middle", both, 3, "one_connectivity.json: $",
                [](Files& f) { f.write(kGraph, f.content(kGraph).substr(0, 500)); }),
+      compared("a graph that was packed", both, 0, "edges       4 in both, 0 extra, 0 missing",
+               pack),
       compared("a mesh in a graph's place", one + " {}/m.obj", 3, "{}/m.obj: $: line 1, column 1",
                [](Files& f) { f.write("m.obj", kFloor); }),
       compared("buildings that share nothing", one + " {}/b.json", 2, "no viewpoint of one",

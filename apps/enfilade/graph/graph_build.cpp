@@ -12,7 +12,6 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/core/file.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/check.h"
@@ -169,10 +168,8 @@ struct CompareArguments {
 };
 
 NavGraph load(const std::string& file) {
-  constexpr std::string_view kSuffix = "_connectivity.json";
-  std::string scan = std::filesystem::path(file).filename().string();
-  if (scan.ends_with(kSuffix)) scan.resize(scan.size() - kSuffix.size());
-  return NavGraph(scan::parse_connectivity(read_file(file), scan, file));
+  const std::string name = std::filesystem::path(file).filename().string();
+  return NavGraph(scan::load_connectivity_file(file, scan::scan_of_file(file).value_or(name)));
 }
 
 std::string list(const NavGraph& found, const std::vector<ComparedEdge>& edges, const char* what) {

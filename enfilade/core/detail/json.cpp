@@ -188,7 +188,8 @@ Document::Document(std::string_view text, std::string name)
 }
 
 Document Document::load(const std::filesystem::path& path) {
-  return {read_text_file(path), path.string()};
+  const std::filesystem::path found = find_text_file(path);
+  return {read_text_file(found), found.string()};
 }
 
 Document Document::parse(std::string_view text, const std::string& name) { return {text, name}; }

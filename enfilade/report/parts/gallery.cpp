@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/draw/planned_goal.h"
@@ -314,7 +315,7 @@ std::optional<models::RecordedSplit> recorded_split(const ScoredRun& run,
   std::optional<models::RecordedSplit> recorded;
   for (const ModelDirectory& model : found.models) {
     if (model.agent != run.agent) continue;
-    const auto file = models::ModelFiles{model.folder}.attention(run.split);
+    const auto file = find_text_file(models::ModelFiles{model.folder}.attention(run.split));
     std::error_code code;
     if (std::filesystem::exists(file, code)) recorded = models::load_recorded_split(file);
   }

@@ -219,13 +219,7 @@ std::vector<ViewedObject> read_viewpoint(Element element, std::string_view viewp
 /// \name Folders
 /// @{
 
-std::optional<std::string> key_of(const fs::path& file) {
-  const std::string name = file.filename().string();
-  for (const std::string_view ending : {".json", ".json.gz"}) {
-    if (name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
-  }
-  return std::nullopt;
-}
+std::optional<std::string> key_of(const fs::path& file) { return name_before(file, ".json"); }
 
 std::vector<fs::path> viewpoint_files(const fs::path& folder) {
   std::vector<fs::path> files;

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "enfilade/core/gzip.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/sim/observe.h"
 #include "python/src/mattersim/simulator.h"
@@ -166,7 +167,7 @@ std::shared_ptr<SharedGraphs> SharedGraphs::of_scan(const std::string& folder,
                                                     const std::string& scan) {
   const std::string path = absolute(folder);
   scan::require_scan_id(scan);
-  const auto file = scan::connectivity_file(path, scan);
+  const auto file = find_text_file(scan::connectivity_file(path, scan));
   auto& kept = registry()[{file.string(), state_of(file)}];
   if (!kept) {
     std::vector<graph::NavGraph> graphs;
