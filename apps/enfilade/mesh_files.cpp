@@ -33,11 +33,13 @@ bool is_plain(unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c ==
 }  // namespace
 
 void add_mesh_options(CLI::App& verb, MeshOptions& options) {
-  add_value(verb, "mesh", options.file, "MESH", "glTF 2.0 (.glb, .gltf), .obj with .mtl, or .ply")
+  add_value(verb, "mesh", options.file, "MESH",
+            "glTF 2.0 (.glb, .gltf), .obj with .mtl, .ply, or a scan's folder")
       ->required();
   add_value(verb, "--scan", options.scan, "ID", "Scan id (default: the mesh's file name)");
   add_setting(verb, "--scale", options.scale, "", "Metres per unit of the mesh", finite_number());
-  add_setting(verb, "--up", options.up, "AXIS", "Up axis; format: y for glTF, z for OBJ and PLY",
+  add_setting(verb, "--up", options.up, "AXIS",
+              "Up axis; format: y for glTF, z for OBJ, PLY and HM3D",
               CLI::IsMember({"format", "y", "z"}));
 }
 
@@ -50,9 +52,10 @@ std::string scan_of(const MeshOptions& options, const std::string& graph) {
   }
   if (const auto scan = scan::scan_of_file(graph)) return *scan;
   // HM3D's 00800-NAME/NAME.basis.glb: the folder's name.
-  const std::string folder = fs::path(options.file).parent_path().filename().string();
-  if (tasks::scan_of_scene(options.file) == folder && scan::is_scan_id(folder)) return folder;
-  std::string name = fs::path(options.file).stem().string();
+  const fs::path file = fs::absolute(dataset::mesh_at(options.file).file);
+  const std::string folder = file.parent_path().filename().string();
+  if (tasks::scan_of_scene(file.string()) == folder && scan::is_scan_id(folder)) return folder;
+  std::string name = file.stem().string();
   std::ranges::replace_if(name, std::not_fn(is_plain), '_');
   return name;
 }
@@ -62,7 +65,9 @@ mesh::UpAxis up_axis(const std::string& name) {
 }
 
 mesh::Mesh read_mesh_file(const fs::path& file, const mesh::ReadOptions& options) {
-  mesh::ReadResult result = mesh::read_mesh(file, options);
+  const dataset::MeshFile at = dataset::mesh_at(file);
+  const mesh::UpAxis up = options.up == mesh::UpAxis::kFormat ? at.up : options.up;
+  mesh::ReadResult result = mesh::read_mesh(at.file, {options.scale, up});
   if (!result.warnings.empty()) print_diagnostics(result.warnings);
   return std::move(result.mesh);
 }

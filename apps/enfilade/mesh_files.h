@@ -34,7 +34,8 @@ void add_mesh_options(CLI::App& verb, MeshOptions& options);
 /// \throws UsageError if --scan cannot be part of a file name
 std::string scan_of(const MeshOptions& options, const std::string& graph = "");
 
-/// Reads a file and prints its warnings. \throws as mesh::read_mesh()
+/// Reads the mesh that dataset::mesh_at() finds, and prints its warnings. Its axis counts where
+/// `options` leave that to the format. \throws as mesh::read_mesh()
 mesh::Mesh read_mesh_file(const std::filesystem::path& file, const mesh::ReadOptions& options);
 
 /// \throws as mesh::WalkableFloor, faults naming the file

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "enfilade/core/file.h"
+#include "enfilade/scan/connectivity.h"
 
 namespace enfilade::dataset {
 namespace {
@@ -15,14 +16,8 @@ namespace fs = std::filesystem;
 
 // Those of HM3D; the folders below have the buildings.
 constexpr std::array<const char*, 4> kSplits{"train", "val", "minival", "test"};
-
-// What HM3D's files are called in the folder "00800-TEEsavR23oF": "TEEsavR23oF". Empty for ids of
-// another form.
-std::string_view name_in_hm3d(std::string_view scan) {
-  const std::size_t digits = scan.find_first_not_of("0123456789");
-  const bool numbered = digits != 0 && digits != std::string_view::npos && scan[digits] == '-';
-  return numbered ? scan.substr(digits + 1) : std::string_view();
-}
+// Of its meshes. Where a building has both, the first counts: its textures are plain pictures.
+constexpr std::array<const char*, 2> kHm3dEndings{".glb", ".basis.glb"};
 
 std::optional<MeshFile> in_folder(const fs::path& folder, const std::string& scan,
                                   mesh::UpAxis glb_up) {
@@ -36,13 +31,20 @@ std::optional<MeshFile> in_folder(const fs::path& folder, const std::string& sca
   return std::nullopt;
 }
 
-// Files of HM3D. Where a building has both, the one whose textures are plain pictures.
+// With all folders, and none of its own behind a last "/".
+fs::path whole(const fs::path& path) {
+  std::error_code none;
+  const fs::path all = fs::absolute(path, none).lexically_normal();
+  return all.has_filename() ? all : all.parent_path();
+}
+
+// Files of HM3D.
 std::optional<MeshFile> in_hm3d(const fs::path& folder, const std::string& scan) {
-  const std::string name(name_in_hm3d(scan));
+  const std::string name(scan::name_in_hm3d(scan));
   if (name.empty()) return std::nullopt;
   const auto in = [&](const fs::path& split) -> std::optional<MeshFile> {
-    for (const char* suffix : {".glb", ".basis.glb"}) {
-      const fs::path file = split / scan / (name + suffix);
+    for (const char* ending : kHm3dEndings) {
+      const fs::path file = split / scan / (name + ending);
       if (file_exists(file)) return MeshFile{file, mesh::UpAxis::kZ};
     }
     return std::nullopt;
@@ -71,8 +73,28 @@ std::optional<MeshFile> of_matterport(const fs::path& data, const std::string& s
 }  // namespace
 
 std::optional<MeshFile> find_mesh_in(const fs::path& folder, const std::string& scan) {
-  if (auto found = in_folder(folder, scan, mesh::UpAxis::kFormat)) return found;
-  return in_hm3d(folder, scan);
+  std::vector<fs::path> folders{folder};
+  if (const fs::path own = whole(folder); own.filename() == scan) {  // that of this scan alone
+    folders.push_back(own.parent_path());
+  }
+  for (const fs::path& one : folders) {
+    if (auto found = in_folder(one, scan, mesh::UpAxis::kFormat)) return found;
+    if (auto found = in_hm3d(one, scan)) return found;
+  }
+  return std::nullopt;
+}
+
+MeshFile mesh_at(const fs::path& path) {
+  const fs::path named = whole(path), above = named.parent_path();
+  std::error_code none;
+  if (fs::is_directory(named, none)) {
+    return find_mesh_in(above, named.filename().string()).value_or(MeshFile{path});
+  }
+  const std::string name(scan::name_in_hm3d(above.filename().string()));
+  const bool hm3d = !name.empty() && std::ranges::any_of(kHm3dEndings, [&](const char* ending) {
+    return named.filename() == name + ending;
+  });
+  return {path, hm3d ? mesh::UpAxis::kZ : mesh::UpAxis::kFormat};
 }
 
 std::optional<MeshFile> find_mesh_file(const fs::path& data, const std::string& scan) {

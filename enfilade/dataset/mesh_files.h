@@ -26,7 +26,12 @@ struct MeshFile {
 std::optional<MeshFile> find_mesh_file(const std::filesystem::path& data, const std::string& scan);
 
 /// The same in one folder: `<scan>.glb`, .gltf, .obj, .ply or .basis.glb, there or in a folder of
-/// that name. Else as HM3D's (z up), there or in the folder of a split.
+/// that name. Else as HM3D's (z up), there or in the folder of a split. The folder may be that of
+/// the scan itself.
 std::optional<MeshFile> find_mesh_in(const std::filesystem::path& folder, const std::string& scan);
+
+/// The mesh that a path names: the file, or that of a scan's folder as find_mesh_in() finds it.
+/// HM3D's `00800-NAME/NAME.glb` and `NAME.basis.glb` have z up. `path` itself for other folders.
+MeshFile mesh_at(const std::filesystem::path& path);
 
 }  // namespace enfilade::dataset

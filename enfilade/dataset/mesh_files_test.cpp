@@ -70,6 +70,25 @@ TEST_F(MeshFiles, AFolderOfMeshesMayBeHm3dOrASplitOfIt) {
   EXPECT_EQ(find_mesh_in(made_.path() / "some", kScan)->up, mesh::UpAxis::kFormat);
 }
 
+TEST_F(MeshFiles, AScansOwnFolderIsEnough) {
+  const fs::path folder = made_.path() / "hm3d/val" / kScan,
+                 file = folder / "TEEsavR23oF.basis.glb";
+  write(file);
+  write("mp3d/one/one.glb");
+  EXPECT_EQ(find_mesh_in(folder, kScan)->file, file);
+  EXPECT_EQ(find_mesh_in(folder, "00801-TEEsavR23oF"), std::nullopt);
+  for (const fs::path& path : {folder, folder / "", folder / ".", file}) {
+    EXPECT_EQ(mesh_at(path).file, file);
+    EXPECT_EQ(mesh_at(path).up, mesh::UpAxis::kZ) << path;
+  }
+  EXPECT_EQ(mesh_at(made_.path() / "mp3d/one").file, made_.path() / "mp3d/one/one.glb");
+  for (const fs::path& path :
+       {folder / "TEEsavR23oF.semantic.glb", made_.path() / "mp3d/one/one.glb", made_.path()}) {
+    EXPECT_EQ(mesh_at(path).file, path);
+    EXPECT_EQ(mesh_at(path).up, mesh::UpAxis::kFormat) << path;
+  }
+}
+
 TEST_F(MeshFiles, OfOtherDataSetsAreFoundAsBefore) {
   write("mp3d/one/one.glb");
   EXPECT_EQ(found("one"), "mp3d/one/one.glb");

@@ -170,6 +170,12 @@ void require_scan_id(std::string_view scan) {
   throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
 }
 
+std::string_view name_in_hm3d(std::string_view scan) noexcept {
+  constexpr std::size_t kDigits = 5;
+  const bool numbered = scan.find_first_not_of("0123456789") == kDigits && scan[kDigits] == '-';
+  return numbered ? scan.substr(kDigits + 1) : std::string_view();
+}
+
 std::filesystem::path connectivity_file(const std::filesystem::path& directory,
                                         std::string_view scan) {
   return directory / fmt::format("{}_connectivity.json", scan);

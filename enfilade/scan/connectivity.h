@@ -39,6 +39,10 @@ bool is_scan_id(std::string_view scan);
 /// \throws LookupError naming `scan` if it is not a scan id
 void require_scan_id(std::string_view scan);
 
+/// What HM3D's files of a scan are named: "TEEsavR23oF" for "00800-TEEsavR23oF", which is five
+/// digits, a hyphen and the name. A part of `scan`; empty for other ids.
+std::string_view name_in_hm3d(std::string_view scan) noexcept;
+
 /// Reads `<directory>/<scan>_connectivity.json`, packed or not (find_text_file()).
 /// \throws FileError if it cannot be read
 /// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:

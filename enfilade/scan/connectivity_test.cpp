@@ -114,6 +114,15 @@ TEST(IsScanId, IsANameThatIsSafeEverywhere) {
   EXPECT_FALSE(is_scan_id(std::string(256, 'a')));
 }
 
+TEST(IsScanId, HasHm3dsName) {
+  EXPECT_EQ(name_in_hm3d("00800-TEEsavR23oF"), "TEEsavR23oF");
+  EXPECT_EQ(name_in_hm3d("00006-HkseAnWCgqk-2"), "HkseAnWCgqk-2");
+  for (const char* other : {"", "00800", "00800-", "0800-TEEsavR23oF", "000800-TEEsavR23oF",
+                            "val-T", "TEEsavR23oF", "00800_TEEsavR23oF", "12-room"}) {
+    EXPECT_EQ(name_in_hm3d(other), "") << other;
+  }
+}
+
 TEST(ScanList, RefusesWhatIsNoList) {
   const tests::TemporaryFolder made("scan_list");
   const fs::path& folder = made.path();

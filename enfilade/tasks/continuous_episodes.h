@@ -77,6 +77,10 @@ struct ContinuousInstruction {
 /// is named after it, as HM3D's are, its folder's name: "00800-TEEsavR23oF" of
 /// "hm3d/val/00800-TEEsavR23oF/TEEsavR23oF.basis.glb". A part of `scene`; empty for a folder.
 std::string_view scan_of_scene(std::string_view scene) noexcept;
+/// Its inverse: "mp3d/zsNo4HB9uLZ/zsNo4HB9uLZ.glb" for the folder "mp3d". HM3D's ids give
+/// "hm3d/val/00800-TEEsavR23oF/TEEsavR23oF.basis.glb" instead. The split follows from the number:
+/// train below 800, val below 900, test below 1,000; no folder of a split for larger ones.
+std::string scene_of_scan(std::string_view scan, std::string_view folder);
 
 /// An episode. What test splits hide has no value.
 struct ContinuousEpisode {

@@ -63,7 +63,7 @@ struct DeriveOptions {
   StartHeadings start_headings = StartHeadings::kOfPath;
   std::uint64_t seed = 1;             ///< of random headings
   double radius = 3;                  ///< of goals, metres \pre 0 or more
-  std::string scene_folder = "mp3d";  ///< a scene is "<folder>/<scan>/<scan>.glb"
+  std::string scene_folder = "mp3d";  ///< of scene_of_scan()
   std::int64_t first_id = 1;          ///< id of the first episode; the others follow without gaps
   /// Encoder of the instructions' tokens, and the vocabulary in the file. No value: no tokens, and
   /// a vocabulary without words.

@@ -51,12 +51,41 @@ Case read(std::string input, const std::string& file, int exit_code, std::string
           [=](Files& files) { files.write(file, content); }};
 }
 
+// A level square of 4 m, z up, as HM3D's files are.
+std::string glb_of_hm3d() {
+  std::string json =
+      R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
+"bufferViews": [{"buffer": 0, "byteLength": 48}], "buffers": [{"byteLength": 48,
+"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAQAAAAAAAAAAAAACAQAAAgEAAAAAAAAAAAAAAgEAAAAAA"}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto number = [](std::size_t value) {
+    return std::string{static_cast<char>(value % 256), static_cast<char>(value / 256), '\0', '\0'};
+  };
+  return "glTF" + number(2) + number(json.size() + 20) + number(json.size()) + "JSON" + json;
+}
+
+// The mesh of a scan, in a folder of its name.
+Case in_folder(std::string input, const std::string& folder, const std::string& scan,
+               const std::string& file, const std::string& content) {
+  return {"Scans from meshes",
+          std::move(input),
+          "scan-mesh {}/" + folder + scan + " -o {}/new --parts depth --size 16",
+          0,
+          "enfilade graph draw " + scan + " --data {}/new",
+          [=](Files& files) { files.write(folder + scan + "/" + file, content); }};
+}
+
 std::vector<Case> files() {
   return {
       scanned("a mesh that is not there", "", 3, "{}/m.obj: cannot open: No such file",
               [](Files& f) { f.remove("m.obj"); }),
       scanned("a folder in the mesh's place", "", 3, "{}/m.obj: cannot read: Is a directory",
               [](Files& f) { f.remove("m.obj").write("m.obj/x", ""); }),
+      in_folder("a scan's folder in the mesh's place", "", "room", "room.obj", kFloor),
+      in_folder("a scan's folder as HM3D has it", "hm3d/val/", "00800-one", "one.basis.glb",
+                glb_of_hm3d()),
       read("an ending that is no mesh's", "m.stl", 2,
            "m.stl: ending \".stl\", not .glb, .gltf, .obj or .ply", "solid"),
       scanned("an empty mesh file", "", 3, "{}/m.obj: no triangles, at least 1 is needed",

@@ -138,6 +138,21 @@ TEST(ContinuousEpisodes, NameTheirScansAsTheirDataSetsDo) {
   }
 }
 
+TEST(ContinuousEpisodes, GetTheScenesOfTheirScans) {
+  for (const auto& [scan, scene] : std::vector<std::pair<std::string, std::string>>{
+           {"zsNo4HB9uLZ", "mp3d/zsNo4HB9uLZ/zsNo4HB9uLZ.glb"},
+           {"room.2", "mp3d/room.2/room.2.glb"},
+           {"00000-kfPV7w3FaU5", "hm3d/train/00000-kfPV7w3FaU5/kfPV7w3FaU5.basis.glb"},
+           {"00744-1S7LAXRdDqK", "hm3d/train/00744-1S7LAXRdDqK/1S7LAXRdDqK.basis.glb"},
+           {"00800-TEEsavR23oF", "hm3d/val/00800-TEEsavR23oF/TEEsavR23oF.basis.glb"},
+           {"00900-XRJ2muKkwAV", "hm3d/test/00900-XRJ2muKkwAV/XRJ2muKkwAV.basis.glb"},
+           {"01000-room", "hm3d/01000-room/room.basis.glb"},
+           {"2026-room", "mp3d/2026-room/2026-room.glb"}}) {
+    EXPECT_EQ(scene_of_scan(scan, "mp3d"), scene);
+    EXPECT_EQ(scan_of_scene(scene), scan);
+  }
+}
+
 TEST(ContinuousEpisodes, AreWrittenBackEqual) {
   for (const std::string& text : {kR2r, edited(kTest, ", \"goals\": null", ""), kRxr}) {
     const ContinuousEpisodes read = parsed(text);

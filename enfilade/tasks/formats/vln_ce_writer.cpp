@@ -127,10 +127,17 @@ std::string_view scan_of_scene(std::string_view scene) noexcept {
   if (!folder.empty() && file.starts_with(folder) && file.substr(folder.size()).starts_with('.')) {
     return folder;
   }
-  const std::size_t digits = folder.find_first_not_of("0123456789");
-  const bool numbered = digits != 0 && digits != std::string_view::npos && folder[digits] == '-' &&
-                        folder.substr(digits + 1) == name;
-  return numbered ? folder : name;
+  return scan::name_in_hm3d(folder) == name ? folder : name;
+}
+
+std::string scene_of_scan(std::string_view scan, std::string_view folder) {
+  const std::string_view name = scan::name_in_hm3d(scan);
+  if (name.empty()) return fmt::format("{0}/{1}/{1}.glb", folder, scan);
+  const std::string_view split = !scan.starts_with("00") ? ""
+                                 : scan[2] == '9'        ? "test/"
+                                 : scan[2] == '8'        ? "val/"
+                                                         : "train/";
+  return fmt::format("hm3d/{}{}/{}.basis.glb", split, scan, name);
 }
 
 bool goals_hidden(const ContinuousEpisodes& episodes) noexcept {

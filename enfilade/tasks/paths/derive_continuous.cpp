@@ -125,7 +125,7 @@ class Deriver {
     const OnFloor& on_floor = on_floor_[p];
     ContinuousEpisode episode;
     episode.trajectory_id = trajectory_id(path);
-    episode.scene = fmt::format("{0}/{1}/{1}.glb", options_.scene_folder, path.scan);
+    episode.scene = scene_of_scan(path.scan, options_.scene_folder);
     episode.start = on_floor.nodes.front();
     episode.rotation = StartRotation::of(start_heading(path));
     if (!path.goal_hidden()) {

@@ -154,6 +154,18 @@ TEST(DeriveContinuous, TakesOptions) {
               HasSubstr("radius: -1"));
 }
 
+TEST(DeriveContinuous, NamesTheScenesOfHm3d) {
+  std::vector<graph::NavGraph> graphs;
+  graphs.emplace_back(graph::testing::square("00800-TEEsavR23oF"));
+  Annotations annotations = three_paths();
+  annotations.paths = {path(7, "00800-TEEsavR23oF", {"v0", "v1"}, {"Go."})};
+  const GuessedFloor floor;
+  const auto all =
+      derive_continuous(annotations, *graph::GraphSet::of(std::move(graphs)), floor).episodes;
+  EXPECT_EQ(all.episodes.at(0).scene, "hm3d/val/00800-TEEsavR23oF/TEEsavR23oF.basis.glb");
+  EXPECT_EQ(all.episodes.at(0).scan(), "00800-TEEsavR23oF");
+}
+
 TEST(DeriveContinuous, HidesHiddenGoals) {
   Annotations annotations = three_paths();
   annotations.paths = {path(7, "two", {"v0"}, {"Go."})};
