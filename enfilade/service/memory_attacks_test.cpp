@@ -190,7 +190,8 @@ TEST(MemoryAttacks, NoAddressTakesAllTheRoom) {
   std::vector<Raw> open;
   for (int k = 0; k < 6; ++k) {
     open.emplace_back(served.port());
-    open.back().send(head(team, "X-Forwarded-For: 192.0.2.1\r\n" + length(kMega)));
+    const std::string from = fmt::format("X-Forwarded-For: 192.0.2.1:{}\r\n", 51234 + k);
+    open.back().send(head(team, from + length(kMega)));
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   httplib::Headers other = team;
