@@ -6,12 +6,14 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "enfilade/service/server.h"
 #include "tests/support/raw_socket.h"
 #include "tests/support/secret_phase.h"
 #include "tests/support/served_data.h"
+#include "tests/support/worker.h"
 
 namespace enfilade::service {
 namespace EN_UNIT {
@@ -70,12 +72,23 @@ TEST(ClientAttacks, AnAddressOfTheClientsOwnMakingIsNotBelieved) {
               ::testing::ElementsAre(401));  // another client is not held up
 }
 
-// Gateways write the port of each connection to the address, or what they like.
-TEST(ClientAttacks, LimitsHoldBehindEveryProxy) {
+ServerConfig behind_gateway() {
   ServerConfig config;
-  config.most_attempts = 3;
   config.behind_proxy = true;
   config.public_names = {"vln.example.org"};
+  config.clock = [] { return std::int64_t{1'000'000}; };  // no minute ends meanwhile
+  return config;
+}
+
+httplib::Headers by_gateway(httplib::Headers headers, const std::string& address, int port) {
+  headers.emplace("X-Forwarded-For", fmt::format("{}:{}", address, port));
+  return headers;
+}
+
+// Gateways write the port of each connection to the address, or what they like.
+TEST(ClientAttacks, LimitsHoldBehindEveryProxy) {
+  ServerConfig config = behind_gateway();
+  config.most_attempts = 3;
   const std::vector<std::function<std::string(int)>> entries{
       [](int k) { return fmt::format("203.0.113.7:{}", 51234 + k); },
       [](int k) { return fmt::format("192.0.2.{}, 203.0.113.8:{}", k, 51234 + k); },
@@ -90,6 +103,61 @@ TEST(ClientAttacks, LimitsHoldBehindEveryProxy) {
     const auto header = [&](int k) { return httplib::Headers{{"X-Forwarded-For", entry(k)}}; };
     EXPECT_THAT(guess(served, 5, header), ::testing::Contains(429)) << entry(1);
   }
+}
+
+TEST(ClientAttacks, RequestsOfAnAddressAreCountedForAllItsPorts) {
+  ServerConfig config = behind_gateway();
+  config.most_attempts = 3;
+  config.most_joins = 5;
+  Served served(config);
+  ASSERT_EQ(served.client()
+                .Post("/api/v1/collections", served.organiser(),
+                      testing::collection_body("pilot", "write").dump(), "application/json")
+                ->status,
+            201);
+  int host = 0;
+  for (const auto& [target, most] : std::vector<std::pair<std::string, int>>{
+           {"/api/v1/teams", 3},
+           {"/api/v1/session", 3},
+           {"/api/v1/collections/pilot/join", 3},  // wrong keys
+           {"/api/v1/collections/none/join", 5},
+           {"/api/v1/sessions", 5}}) {
+    const auto status = [&](int of, int port) {
+      const nlohmann::json body{{"name", fmt::format("team {}", port)},
+                                {"token", fmt::format("enfilade_{}", port)},
+                                {"parameters", {{"key", "wrong"}}}};
+      return served.client()
+          .Post(target, by_gateway({}, fmt::format("203.0.113.{}", of), port), body.dump(),
+                "application/json")
+          ->status;
+    };
+    for (int k = 0; k < most; ++k) EXPECT_NE(status(host, 51234 + k), 429) << target;
+    EXPECT_EQ(status(host, 51234 + most), 429) << target;
+    EXPECT_NE(status(host + 1, 51234), 429) << target << ", of another client";
+    host += 2;
+  }
+}
+
+TEST(ClientAttacks, SubmissionsOfAnAddressAreCountedForAllItsPorts) {
+  Served served(behind_gateway());
+  served.restart_with(R"({"name": "open", "split": "val_seen", "per_address": 1})");
+  int port = 51234;
+  const auto submit = [&](const httplib::Headers& team, const std::string& address,
+                          const std::string& results) {
+    return served.submit(by_gateway(team, address, port++), "open", results)->status;
+  };
+  EXPECT_EQ(submit(served.team("A"), "203.0.113.7", row_results(3)), 202);
+  EXPECT_EQ(submit(served.team("B"), "203.0.113.7", row_results(3)), 429);
+  EXPECT_EQ(submit(served.team("C"), "[2001:db8::7]", row_results(3)), 202);
+  EXPECT_EQ(submit(served.team("D"), "[2001:db8::8]", row_results(3)), 429) << "of one home";
+  // Files with faults: 20 of a team, 100 from an address.
+  for (int team = 0; team < 5; ++team) {
+    const auto headers = served.team(fmt::format("team {}", team));
+    for (int k = 0; k < 20; ++k) EXPECT_EQ(submit(headers, "203.0.113.8", "[]"), 422);
+  }
+  const auto last = served.team("last");
+  EXPECT_EQ(submit(last, "203.0.113.8", "[]"), 429);
+  EXPECT_EQ(submit(last, "203.0.113.9", "[]"), 422);
 }
 
 TEST(ClientAttacks, ACookieFromBeforeTheLoginStaysAStrangers) {

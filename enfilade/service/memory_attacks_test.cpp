@@ -105,10 +105,11 @@ std::string uneven_list(std::size_t bytes) {
   return text + "{}]";
 }
 
+/// \param coding  of the header Content-Encoding; empty: without the header
 int submit_packed(Served& served, const httplib::Headers& team, const std::string& packed,
-                  const char* coding = "gzip") {
+                  const std::string& coding = "gzip") {
   httplib::Headers headers = team;
-  headers.emplace("Content-Encoding", coding);
+  if (!coding.empty()) headers.emplace("Content-Encoding", coding);
   const auto result = served.client().Post("/api/v1/submissions?phase=open&method=m", headers,
                                            packed, "application/json");
   return result ? result->status : 0;
@@ -137,6 +138,69 @@ TEST(MemoryAttacks, CompressedBodiesUnpackWithinTheLimits) {
   // Packed twice is a text like any other.
   EXPECT_EQ(submit_packed(served, team, gzip(gzip(list_of("{}", kMega), 9), 9)), 422);
   EXPECT_EQ(served.get("/healthz")->status, 200);
+}
+
+// A packed file that a person chose in a form, or sent with `curl --data-binary`.
+TEST(MemoryAttacks, PackedBodiesWithoutTheHeaderUnpackWithinTheSameLimits) {
+  ServerConfig config;
+  config.most_submission_bytes = kMega;
+  Served served(config);
+  const auto team = served.team("A");
+  const auto submit = [&](const std::string& body) {
+    return submit_packed(served, team, body, "");
+  };
+  const std::string good = gzip(row_results(3), 6);
+  EXPECT_EQ(submit(good), 202);
+  EXPECT_EQ(submit(row_results(3)), 200);  // the same file
+  EXPECT_EQ(submit_packed(served, team, good, "identity"), 200);
+  // The two bytes that tell come one by one, the rest in pieces.
+  std::string chunks;
+  for (std::size_t at = 0; at < good.size(); at += at < 2 ? 1 : 10) {
+    const std::string piece = good.substr(at, at < 2 ? 1 : 10);
+    chunks += fmt::format("{:x}\r\n", piece.size()) + piece + "\r\n";
+  }
+  EXPECT_THAT(Raw(served.port())
+                  .send(head(team, "Transfer-Encoding: chunked\r\n") + chunks + "0\r\n\r\n")
+                  .answer(),
+              HasSubstr("HTTP/1.1 200"));
+  EXPECT_EQ(submit("\x1f"), 422);  // one byte tells nothing, and is no JSON
+  EXPECT_EQ(submit("\x1f\x8b"), 400);
+  EXPECT_EQ(submit(good.substr(0, good.size() - 1)), 400);
+  EXPECT_EQ(submit(good + "x"), 400);
+  EXPECT_EQ(submit(gzip(uneven_list(kMega - 1000), 9)), 422);
+  EXPECT_EQ(submit(gzip(uneven_list(kMega + 1), 9)), 413);
+  EXPECT_EQ(submit(gzip(std::string(kMega + 1, ' '), 0)), 413);  // its length says so
+  EXPECT_EQ(submit(gzip(list_of("{}", 100'000), 9)), 413);       // 1000 to 1
+  EXPECT_EQ(submit(gzip(gzip(list_of("{}", kMega), 9), 9)), 422);
+  EXPECT_EQ(served.get("/healthz")->status, 200);
+}
+
+// Their length is known, but not how large they unpack.
+TEST(MemoryAttacks, PackedBodiesWithoutTheHeaderTakeRoomForTheLargest) {
+  ServerConfig config;
+  config.most_submission_bytes = kMega;
+  Served served(config, 16);
+  const auto team = served.team("A");
+  const std::string whole = list_of("{}", kMega - 10);
+  // One that needs no room for itself, and one that has taken some.
+  for (const std::string& packed :
+       {gzip(uneven_list(kMega / 2), 9),
+        gzip(std::string(20'000, ' '), 0) + gzip(uneven_list(kMega / 2), 9)}) {
+    std::vector<Raw> open;
+    for (int k = 0; k < 2; ++k) {
+      open.emplace_back(served.port());
+      open.back().send(head(team, length(packed.size() + 1)) + packed);  // but for a last byte
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    EXPECT_EQ(served.submit(team, "open", whole)->status, 503) << packed.size();
+    open.clear();
+    int status = 503;
+    for (int k = 0; k < 100 && status == 503; ++k) {  // until the server has seen the ends
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      status = served.submit(team, "open", whole)->status;
+    }
+    EXPECT_EQ(status, 422);
+  }
 }
 
 TEST(MemoryAttacks, LargeBodiesBeyondTheRoomAreRefusedBeforeTheyAreSent) {
@@ -190,7 +254,8 @@ TEST(MemoryAttacks, NoAddressTakesAllTheRoom) {
   std::vector<Raw> open;
   for (int k = 0; k < 6; ++k) {
     open.emplace_back(served.port());
-    open.back().send(head(team, "X-Forwarded-For: 192.0.2.1\r\n" + length(kMega)));
+    const std::string from = fmt::format("X-Forwarded-For: 192.0.2.1:{}\r\n", 51234 + k);
+    open.back().send(head(team, from + length(kMega)));
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   httplib::Headers other = team;
@@ -445,8 +510,10 @@ TEST(MemoryAttacks, TwoHundredFilesOfFaultsTakeLittleAndOthersAreServed) {
                                     {"", std::string(30 * kMega, '[')},
                                     {"", R"({"a": )" + list + "}"},
                                     {"", "[" + list_of("[]", 30 * kMega) + "]"},
-                                    {"", "[\"" + std::string(30 * kMega, 'x') + "\"]"}};
-  const std::vector<int> statuses{422, 413, 422, 422, 422, 422, 422};
+                                    {"", "[\"" + std::string(30 * kMega, 'x') + "\"]"},
+                                    {"", enfilade::gzip(list, 9)},
+                                    {"", enfilade::gzip(uneven_list(30 * kMega), 9)}};
+  const std::vector<int> statuses{422, 413, 422, 422, 422, 422, 422, 413, 422};
   for (std::size_t k = 0; k < attacks.size(); ++k) {
     const std::string answer = attack(other, k, attacks[k]);
     EXPECT_EQ(status_of(answer), statuses[k]) << k << answer.substr(0, 2000);

@@ -1,4 +1,5 @@
 /** The instructions of a split, with filters: `/episodes?split=S&q=words&sort=error-down&offset=N`. */
+import { jsonFiles, textOf } from '../elements/files.ts';
 import { labelled } from '../elements/forms.ts';
 import { addSiteHeader, byId, empty, loading, make, problems, run, table, toast } from '../elements/page.ts';
 import type { Episode } from '../episodes/episode.ts';
@@ -99,10 +100,10 @@ class EpisodesPage {
 
   /** Choosing a results file, whose walks the viewer then shows beside the reference paths. */
   private resultsControl(): HTMLElement {
-    const [box, file] = labelled('results', 'Results file of this split', make('input', { type: 'file', accept: '.json,application/json' }),
+    const [box, file] = labelled('results', 'Results file of this split', make('input', { type: 'file', accept: jsonFiles }),
       'Shows navigation errors here, and each walk beside its path. The file stays in this browser.');
     const keep = async (): Promise<void> => {
-      const text = await file.files![0]!.text();
+      const text = await textOf(file.files![0]!);
       const { size } = parseResults(text);
       await keepResults(this.filters.split, text);
       this.whole = undefined;

@@ -2,6 +2,7 @@
 import type { Collection, ExportReport, Kind, Progress } from '../collecting/collections.ts';
 import { consentGap, consentText, instructionsText } from '../collecting/default_texts.ts';
 import { parseQuestions } from '../collecting/questions.ts';
+import { jsonFiles, textOf } from '../elements/files.ts';
 import { action, field, form, labelled, loggedIn, onlyFor } from '../elements/forms.ts';
 import { markdown } from '../elements/markdown.ts';
 import { byId, counted, make, run } from '../elements/page.ts';
@@ -209,7 +210,7 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; show(kind: Kin
     const tick = make('input', { type: 'checkbox', value: split });
     return { tick, label: make('label', { class: 'row' }, tick, `${split} (${paths} paths${goals_hidden ? ', goals hidden' : ''})`) };
   });
-  const [fileBox, file] = field('paths', splits.length > 0 ? 'Or a file of paths' : 'A file of paths', { type: 'file', accept: '.json,application/json' },
+  const [fileBox, file] = field('paths', splits.length > 0 ? 'Or a file of paths' : 'A file of paths', { type: 'file', accept: jsonFiles },
     'As enfilade sample writes, or any R2R file: path_id, scan, heading, path. Where objects are described or found, and for dialogues, also REVERIE files; for dialogues, CVDN files.');
   file.required = false;
   const [splitBox, split] = field('split', "That file's split, as the export will call it", { value: 'train', pattern: namePattern });
@@ -235,7 +236,7 @@ function sourceFields({ splits }: SplitList): { box: HTMLElement; show(kind: Kin
     const first: object[] = practice.value && !practiceBox.hidden ? [{ split: practice.value, most: 1, practice: true }] : [];
     const chosen: object[] = (kind === 'find' ? [] : boxes.filter(({ tick }) => tick.checked)).map(({ tick }) => ({ split: tick.value, ...limit }));
     const [given] = file.files ?? [];
-    if (given) chosen.push({ split: split.value, paths: JSON.parse(await given.text()) as object[], ...limit });
+    if (given) chosen.push({ split: split.value, paths: JSON.parse(await textOf(given)) as object[], ...limit });
     if (chosen.length === 0) throw new Error('Choose paths: a split of the data set, or a file.');
     return [...first, ...chosen];
   };

@@ -1,4 +1,5 @@
 /** Making a team, logging in, submitting, and a team's history. */
+import { jsonFiles } from '../elements/files.ts';
 import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../elements/forms.ts';
 import { addSiteHeader, byId, counted, dateTime, empty, make, problems, run, table } from '../elements/page.ts';
 import {
@@ -127,7 +128,7 @@ async function showTeam(who: Who): Promise<void> {
   const [paperField, paper] = field('paper', 'Paper (optional)', { type: 'url', maxlength: '300', pattern: 'https://.*', placeholder: 'https://' });
   const [codeField, code] = field('code', 'Code (optional)', { type: 'url', maxlength: '300', pattern: 'https://.*', placeholder: 'https://' });
   paper.required = code.required = false;
-  const [fileField, file] = field('file', 'Results file (JSON)', { type: 'file', accept: '.json,application/json' });
+  const [fileField, file] = field('file', 'Results file (JSON)', { type: 'file', accept: jsonFiles });
   const said = make('div', { 'aria-live': 'polite' });
   const heading = make('h2', { tabindex: '-1' }, who.role === 'team' ? 'Your submissions' : 'All submissions');
   const history = make('div', { 'aria-live': 'polite' });

@@ -289,6 +289,41 @@ std::unique_lock<std::mutex> BodyRoom::wait_for_turn(std::size_t bytes) {
   return std::unique_lock(turns_[bytes > kMedium ? 1 : 0]);
 }
 
+namespace {
+
+/// Unpacks a body as it is sent.
+class Unpacking {
+ public:
+  /// Passes what comes out to take(). What that throws ends it.
+  void add(std::string_view piece, const Gunzip::Take& take) {
+    packed_ += piece.size();
+    const auto take_checked = [&](std::string_view more) {
+      unpacked_ += more.size();
+      if (unpacked_ > kAnyRatio && unpacked_ / kMostRatio > packed_) {
+        throw HttpError(413,
+                        fmt::format("the body unpacks to more than {} times its size", kMostRatio));
+      }
+      take(more);
+    };
+    try {
+      gunzip_.add(piece, take_checked);
+    } catch (const HttpError&) {
+      throw;
+    } catch (const Error& error) {  // of gunzip_
+      throw HttpError(400, error.what());
+    }
+  }
+  void check_ended() const {
+    if (!gunzip_.ended()) throw HttpError(400, "the compressed body broke off");
+  }
+
+ private:
+  std::size_t packed_ = 0, unpacked_ = 0;
+  Gunzip gunzip_;
+};
+
+}  // namespace
+
 RequestBody::RequestBody(httplib::Request& request, const httplib::ContentReader& reader,
                          std::string address, BodyRoom& room, double seconds)
     : reader_(reader),
@@ -329,31 +364,6 @@ void RequestBody::read_pieces(const std::function<void(std::string_view)>& take)
   throw HttpError(400, "the body broke off");
 }
 
-// The same, unpacked.
-void RequestBody::read_packed(const std::function<void(std::string_view)>& take) {
-  std::size_t packed = 0, unpacked = 0;
-  Gunzip gunzip;
-  const auto take_checked = [&](std::string_view piece) {
-    unpacked += piece.size();
-    if (unpacked > kAnyRatio && unpacked / kMostRatio > packed) {
-      throw HttpError(413,
-                      fmt::format("the body unpacks to more than {} times its size", kMostRatio));
-    }
-    take(piece);
-  };
-  try {
-    read_pieces([&](std::string_view piece) {
-      packed += piece.size();
-      gunzip.add(piece, take_checked);
-    });
-  } catch (const HttpError&) {
-    throw;
-  } catch (const Error& error) {  // of gunzip
-    throw HttpError(400, error.what());
-  }
-  if (!gunzip.ended()) throw HttpError(400, "the compressed body broke off");
-}
-
 std::string RequestBody::read(std::size_t most) {
   begun_ = true;
   const bool plain = coding_.empty() || coding_ == "identity";
@@ -364,9 +374,11 @@ std::string RequestBody::read(std::size_t most) {
     if (bytes > most) throw HttpError(413, fmt::format("the body has more than {} bytes", most));
   };
   std::string body;
+  std::optional<Unpacking> packed;
+  if (!plain) packed.emplace();
   const auto expect = [&](std::size_t bytes) {
     if (bytes <= kSmallBody) return;
-    take_room(bytes);
+    take_room(bytes - taken_);
     body.reserve(bytes);  // takes memory only where it is written to
   };
   if (plain && length_) {
@@ -377,14 +389,22 @@ std::string RequestBody::read(std::size_t most) {
     const std::size_t size = body.size() + piece.size();
     check(size);
     // A body whose size is not known is expected to be the largest.
-    if (size > kSmallBody && taken_ == 0) expect(most);
+    if (size > kSmallBody && size > taken_) expect(most);
     body += piece;
   };
-  if (plain) {
-    read_pieces(take);
-  } else {
-    read_packed(take);
-  }
+  read_pieces([&](std::string_view piece) {
+    // A packed file whose header is missing, as of one that a person chose in a form.
+    if (!packed && body.size() < kGzipMark.size() &&
+        (body + std::string(piece.substr(0, kGzipMark.size()))).starts_with(kGzipMark)) {
+      packed.emplace().add(std::exchange(body, {}), take);
+    }
+    if (packed) {
+      packed->add(piece, take);
+    } else {
+      take(piece);
+    }
+  });
+  if (packed) packed->check_ended();
   keep_room(body.size());
   if (body.size() > kSmallBody) turn_ = room_.wait_for_turn(body.size());
   return body;

@@ -84,7 +84,8 @@ class RequestBody {
   RequestBody(const RequestBody&) = delete;
   RequestBody& operator=(const RequestBody&) = delete;
 
-  /// All of it, unpacked. Waits for a turn if it is large.
+  /// All of it, unpacked, also without Content-Encoding if it begins as gzip does. Waits for a turn
+  /// if it is large.
   /// \throws HttpError
   /// - 413 for more than `most` bytes, or a body that unpacks to more than 200 times its size
   /// - 503 if there is no room (both without reading on)
@@ -97,7 +98,6 @@ class RequestBody {
   void take_room(std::size_t bytes);
   void keep_room(std::size_t bytes);
   void read_pieces(const std::function<void(std::string_view)>& take);
-  void read_packed(const std::function<void(std::string_view)>& take);
 
   const httplib::ContentReader& reader_;
   BodyRoom& room_;
