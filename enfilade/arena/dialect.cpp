@@ -81,6 +81,15 @@ Told read_refusal(std::string_view body) {
   return told;
 }
 
+/// Whether an error has no text, as a failed check of llama-cpp-python.
+bool is_silent(std::string_view body) {
+  const Json parsed = Json::parse(body, nullptr, false);
+  if (!parsed.is_object() || !parsed.contains("error")) return false;
+  const Json& error = parsed["error"];
+  return error.is_object() && error.contains("message") && error["message"].is_string() &&
+         error["message"].get<std::string>().empty();
+}
+
 /// Where one of the words is told; 0 for a field by its name; npos: nowhere.
 std::size_t place_of(const Told& told, const std::vector<std::string_view>& words) {
   std::size_t first = std::string_view::npos;
@@ -192,14 +201,15 @@ RefusalKind kind_of(const Refusal& refusal) {
   }
   const std::string text = in_lower_case(refusal.body);
   if (refusal.status == 413 ||
-      has_any(text, {"context_length",     "context length",     "context size",
-                     "context_size",       "context window",     "context_window",
-                     "maximum context",    "max_model_len",      "maximum model length",
-                     "prompt is too long", "prompt too long",    "input is too long",
-                     "input length",       "too many tokens",    "model token limit",
-                     "context limit",      "reduce the length",  "string_above_max_length",
-                     "input token count",  "input token length", "maximum prompt length",
-                     "`inputs` tokens"})) {
+      has_any(text,
+              {"context_length", "context length", "context size", "context_size", "context window",
+               "context_window", "maximum context", "max_model_len", "maximum model length",
+               "prompt is too long", "prompt too long", "input is too long", "input length",
+               "too many tokens", "model token limit", "context limit", "reduce the length",
+               "string_above_max_length", "input token count", "input token length",
+               "maximum prompt length", "`inputs` tokens",
+               // llama-cpp-python, where the beginning of a conversation is in its cache
+               "could not broadcast input array from shape"})) {
     return RefusalKind::kTooLong;
   }
   if (has_any(text,
@@ -231,11 +241,12 @@ std::string words_in(std::string_view body) {
 }
 
 bool says_invalid(std::string_view body) {
-  return has_any(
-      in_lower_case(body),
-      {"invalid_request", "invalid request", "validation error", "badrequest", "bad request",
-       "_error', 'loc'", "literal_error", "extra_forbidden", "'loc':", "\"loc\":", "not supported",
-       "unsupported", "not permitted", "not allowed", "must alternate"});
+  return is_silent(body) ||
+         has_any(in_lower_case(body),
+                 {"invalid_request", "invalid request", "validation error", "badrequest",
+                  "bad request", "_error', 'loc'", "literal_error", "extra_forbidden",
+                  "'loc':", "\"loc\":", "not supported", "unsupported", "not permitted",
+                  "not allowed", "must alternate"});
 }
 
 bool refusal_names(const Refusal& refusal, std::string_view field) {
@@ -259,6 +270,12 @@ std::optional<Dialect> remedy_for(const Refusal& refusal, std::string_view reque
     if (!one.apply(changed, by_hand)) continue;
     best = changed;
     first = place;
+  }
+  const auto choice = sent.find("tool_choice");
+  if (!best && is_silent(refusal.body) && choice != sent.end() &&
+      *choice == Json(enum_name(ToolChoice::kRequired))) {
+    best = dialect;
+    best->tool_choice = ToolChoice::kAuto;
   }
   return best;
 }

@@ -62,15 +62,16 @@ RefusalKind kind_of(const Refusal& refusal);
 /// The server's own words in the body of a refusal, at most 300 bytes, without control characters.
 std::string words_in(std::string_view body);
 
-/// Whether the body of an answer of status 500 says that the request was invalid. What kind_of()
-/// tells apart is no part of it.
+/// Whether the body of an answer of status 500 says that the request was invalid, or has an error
+/// without a text. What kind_of() tells apart is no part of it.
 bool says_invalid(std::string_view body);
 
 /// Whether a refusal names a field: in `error.param`, in `detail[].loc`, or as a word of its text.
 bool refusal_names(const Refusal& refusal, std::string_view field);
 
 /// The dialect without what a refusal names, one step on: `temperature` and `seed` are left out,
-/// `max_tokens` becomes `max_completion_tokens`, then nothing, and so on (docs/arena.md).
+/// `max_tokens` becomes `max_completion_tokens`, then nothing, and so on (docs/arena.md). An error
+/// without a text is taken for one of `tool_choice: required`.
 /// \param request  that was refused, JSON; what it does not have is not changed
 /// \returns no value if the refusal names nothing that can be changed
 std::optional<Dialect> remedy_for(const Refusal& refusal, std::string_view request,

@@ -65,6 +65,18 @@ TEST(Dialects, LeaveOutOrRenameWhatIsNamed) {
   for (const Row& row : kRows) EXPECT_EQ(changed(row.body), row.changed) << row.body;
 }
 
+// llama-cpp-python with the format chatml-function-calling.
+TEST(Dialects, AnErrorWithoutATextIsOfARequiredTool) {
+  const std::string silent = R"({"error": {"message": "", "type": "internal_server_error"}})";
+  EXPECT_TRUE(says_invalid(silent));
+  EXPECT_EQ(changed(silent, R"({"tools": [], "tool_choice": "required"})"),
+            "tools; tool_choice is auto");
+  EXPECT_EQ(changed(silent, R"({"tools": [], "tool_choice": "auto"})"), "nothing");
+  EXPECT_FALSE(says_invalid(R"({"error": {"message": "busy"}})"));
+  EXPECT_FALSE(says_invalid(R"({"error": ""})"));
+  EXPECT_FALSE(says_invalid("[]"));
+}
+
 TEST(Dialects, GoOnFromRemedyToRemedy) {
   const std::string limit = R"({"error": {"message": "no max_completion_tokens", "param": null}})";
   Dialect dialect;
@@ -104,6 +116,9 @@ TEST(Dialects, TellRefusalsApart) {
   };
   constexpr Row kRows[] = {
       {400, R"({"error": {"code": "context_length_exceeded", "message": "..."}})",
+       RefusalKind::kTooLong},
+      {500,
+       R"({"error": {"message": "could not broadcast input array from shape (97,) into shape (84,) "}})",
        RefusalKind::kTooLong},
       {400, R"({"error": {"message": "the request exceeds the available context size"}})",
        RefusalKind::kTooLong},
