@@ -125,7 +125,7 @@ TEST(Prompts, AreReadAsAnyEditorSavesThem) {
     EXPECT_EQ(made.name(), "mine");
     EXPECT_EQ(made.answers(), Answers::kJson);
     EXPECT_EQ(made.start(observation(), Answers::kJson, {}), "a");
-    EXPECT_EQ(made.step(observation(), Answers::kJson, {}, {}), "b\n\nc");
+    EXPECT_EQ(made.step(observation(), Answers::kTools, {}, {}), "b\n\nc");
   }
 }
 
