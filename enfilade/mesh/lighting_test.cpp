@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <numbers>
 
+#include "enfilade/mesh/light/scene.h"
 #include "tests/support/assembly.h"
 
 namespace enfilade::mesh {
@@ -237,6 +240,23 @@ TEST(Lighting, IsTheSameOnAnyNumberOfThreads) {
   }
   one.seed = 2;
   EXPECT_NE(lit(assembly, lights, one).key(), a.key());
+}
+
+// Programs write them where a polygon's first corners are on one edge. Refinement had no end there.
+TEST(Lighting, TrianglesWithoutAreaStayWhole) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, -6}, {0, 0, -4}, {0, 0, 0}, {5, 0, 0}};
+  for (const float k : {1.0F, 3.0F, 7.0F}) mesh.positions.push_back({0.1F * k, 0.2F * k, 0.3F * k});
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}};
+  light::LightMesh cut(mesh);
+  cut.cut([&](light::LightPoint a, light::LightPoint b) {
+    return length(cut.position(a) - cut.position(b)) > 0.5F;
+  });
+  std::array<std::size_t, 3> pieces{};
+  for (const auto& piece : cut.pieces()) ++pieces[piece.triangle];
+  EXPECT_EQ(pieces[0], 1U);
+  EXPECT_GT(pieces[1], 100U) << "beside it, all edges are cut";
+  EXPECT_EQ(pieces[2], 1U) << "on a line up to rounding";
 }
 
 TEST(Lighting, TellsHowFarItIs) {

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/file.h"
 #include "enfilade/core/utf8.h"
+#include "enfilade/core/written_lists.h"
 #include "enfilade/mesh/readers/reader.h"
 
 namespace enfilade::mesh {
@@ -24,6 +25,9 @@ struct Format {
 constexpr std::array kFormats{
     Format{".glb", read_gltf, UpAxis::kY}, Format{".gltf", read_gltf, UpAxis::kY},
     Format{".obj", read_obj, UpAxis::kZ}, Format{".ply", read_ply, UpAxis::kZ}};
+
+/// Byte-order marks, of UTF-8 and UTF-16.
+constexpr std::array<std::string_view, 3> kMarks{kByteOrderMark, "\xFF\xFE", "\xFE\xFF"};
 
 const Format& format_of(const std::string& name) {
   std::string ending = std::filesystem::path(name).extension().string();
@@ -60,9 +64,10 @@ void orient(Mesh& mesh, double scale, bool y_up) {
 ReadResult read(Source source, const ReadOptions& options) {
   check_options(options);
   const Format& format = format_of(source.name);
-  source.bytes = without_byte_order_mark(source.bytes);
-  if (source.bytes.starts_with("\xFF\xFE") || source.bytes.starts_with("\xFE\xFF")) {
-    refuse(source.name, "", "bad-encoding", "text in UTF-16; save it in UTF-8");
+  std::string text;
+  const auto has_mark = [&](std::string_view mark) { return source.bytes.starts_with(mark); };
+  if (std::ranges::any_of(kMarks, has_mark)) {
+    source.bytes = text = plain_text(std::string(source.bytes));
   }
   ReadResult out = format.read(source);
   const UpAxis up = options.up == UpAxis::kFormat ? format.up : options.up;

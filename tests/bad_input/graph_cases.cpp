@@ -117,8 +117,7 @@ std::vector<Case> scan_lists() {
   return {
       good_list("a byte-order mark, CR LF, blank lines and a comment",
                 "\xef\xbb\xbf# ours\r\none\r\n\r\ntwo\r\n\r\n"),
-      good_list("UTF-16, as Windows PowerShell writes it",
-                std::string("\xff\xfeo\0n\0e\0\r\0\n\0t\0w\0o\0", 18)),
+      good_list("UTF-16, as Windows PowerShell writes it", utf16("one\r\ntwo")),
       good_list("the files' names, as `ls` prints them",
                 "one_connectivity.json\ntwo_connectivity.json\n"),
       list("an empty scans.txt", "lists no scan; one id a line is expected",

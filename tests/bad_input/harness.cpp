@@ -133,6 +133,12 @@ std::vector<Case> all_cases() {
   return all;
 }
 
+std::string utf16(std::string_view ascii) {
+  std::string text = "\xFF\xFE";
+  for (const char c : ascii) (text += c) += '\0';
+  return text;
+}
+
 Outcome run(const Case& one) {
   const tests::TemporaryFolder made("bad_input");
   const fs::path& folder = made.path();

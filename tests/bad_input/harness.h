@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,9 @@ inline constexpr const char* kScans = "connectivity/scans.txt";
 inline constexpr const char* kAnnotations = "r2r/R2R_made.json";
 inline constexpr const char* kRegions = "regions/region_to_panorama.json";
 inline constexpr const char* kResults = "results.json";
+
+/// ASCII as Windows' editors save "Unicode": little-endian, with a byte-order mark.
+std::string utf16(std::string_view ascii);
 
 struct Case {
   std::string group;    ///< heading in the docs: "Graphs"

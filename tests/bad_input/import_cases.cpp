@@ -138,13 +138,7 @@ std::vector<Case> import_cases() {
              "7 values, not 4 or 5: name x y z [heading]; decimal commas need semicolons",
              place("attic,1,5,2,0,4,5")),
       import("positions in UTF-16", placed, 0, "attic: faces of 16 pixels, at (1.50, 2.00, 4.50) m",
-             [](Files& f) {
-               std::string text = "\xff\xfe";
-               for (const char c : std::string("hall 0 0 1.5\nattic 1.5 2 4.5\n")) {
-                 (text += c) += '\0';
-               }
-               f.write("places.csv", text);
-             }),
+             [](Files& f) { f.write("places.csv", utf16("hall 0 0 1.5\nattic 1.5 2 4.5\n")); }),
       import("columns in another order", placed, 3,
              "columns \"name y x z\"; the order is: name x y z [heading]",
              [](Files& f) { f.edit("places.csv", "name,x,y,z", "name,y,x,z"); }),

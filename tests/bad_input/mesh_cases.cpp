@@ -137,8 +137,7 @@ std::vector<Case> files() {
                 f.write("m.obj", kPainted)
                     .write("M.MTL", "newmtl oak\nmap_Kd C:\\Users\\a b\\none.png\n");
               }),
-      scanned("text in UTF-16", "", 3, "{}/m.obj: text in UTF-16; save it in UTF-8 [bad-encoding]",
-              mesh("\xFF\xFEv")),
+      scanned("text in UTF-16", "", 0, "{}/m.obj: 2 triangles", mesh(utf16(kFloor))),
       read("a PLY whose rows have more values than its header says", "m.ply", 0,
            "warning: {}/m.ply: line 10, vertex 0: 4 rows have more values than the header says",
            kPlyHeader + std::string("0 0 0 9\n4 0 0 9\n4 4 0 9\n0 4 0 9\n4 0 1 2 3\n")),

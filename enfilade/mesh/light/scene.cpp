@@ -135,6 +135,14 @@ std::uint32_t LightMesh::halve(std::uint32_t piece, unsigned edge) {
   return made;
 }
 
+bool LightMesh::is_line(const LightPiece& piece) const {
+  constexpr float kRounding = 1e-6F;  // of coordinates; a float has a sixteenth of it
+  const Vec3f a = position(piece.front[0]), b = position(piece.front[1]) - a,
+              c = position(piece.front[2]) - a;
+  const float longest = std::max({length(b), length(c), length(c - b)});
+  return length(cross(b, c)) <= kRounding * (length(a) + longest) * longest;
+}
+
 LightMesh::PiecePoint LightMesh::locate(std::uint32_t triangle, float u, float v) const {
   PiecePoint place{0, {1 - u - v, u, v}};
   PieceNode node = nodes_[triangle];

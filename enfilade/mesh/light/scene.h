@@ -48,7 +48,7 @@ class LightMesh {
   PiecePoint locate(std::uint32_t triangle, float u, float v) const;
 
   /// Splits all edges for which `wanted(a, b)` (front sides, in any order) holds, until there is
-  /// none.
+  /// none. Pieces without area stay whole: nothing hits them, and their number would have no bound.
   template <class Wanted>
   void cut(const Wanted& wanted) {
     std::vector<std::uint32_t> open(pieces_.size());
@@ -87,8 +87,10 @@ class LightMesh {
         most = size;
       }
     }
-    return best;
+    return best >= 0 && is_line(piece) ? -1 : best;
   }
+  /// Whether the corners are on a line, up to rounding.
+  bool is_line(const LightPiece& piece) const;
   /// The piece keeps corner `edge`; the new one, which it returns, has the edge's other end.
   std::uint32_t halve(std::uint32_t piece, unsigned edge);
   LightPoint point_at(Vec3f position, Vec3f normal);

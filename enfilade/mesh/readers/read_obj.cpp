@@ -11,7 +11,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "enfilade/core/utf8.h"
 #include "enfilade/core/written_lists.h"
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/readers/reader.h"
@@ -42,7 +41,7 @@ constexpr std::array kMapOptions{
 class MtlParser {
  public:
   MtlParser(std::string_view text, const std::string& file, std::vector<Diagnostic>& warnings)
-      : lines_(without_byte_order_mark(text)), file_(file), warnings_(warnings) {}
+      : lines_(text), file_(file), warnings_(warnings) {}
 
   std::vector<MtlMaterial> parse() {
     while (const auto line = lines_.next()) {
@@ -401,7 +400,7 @@ class ObjReader {
   void read_library(std::string_view names) {
     try {
       const Source::Part part = source_.find(names);
-      read_library_file(part.path, read_part(part.path));
+      read_library_file(part.path, plain_text(read_part(part.path)));
       note_moved(out_, source_.name, lines_.where(), names, part);
       return;
     } catch (const FileError& e) {
