@@ -25,9 +25,10 @@ class DataRoot {
   const std::filesystem::path& folder() const noexcept { return folder_; }
 
   // Each throws FileError naming every place that was tried.
-  std::filesystem::path connectivity() const;                       ///< folder with scans.txt
-  std::filesystem::path annotations(std::string_view split) const;  ///< R2R_<split>.json, not packed
-  std::filesystem::path regions() const;                            ///< region_to_panorama.json
+  std::filesystem::path connectivity() const;  ///< folder with scans.txt
+  std::filesystem::path annotations(
+      std::string_view split) const;      ///< R2R_<split>.json, not packed
+  std::filesystem::path regions() const;  ///< region_to_panorama.json
   /// The first of several files or folders, relative to folder(), that is there.
   /// \param what  for messages: "boxes of objects"
   /// \throws FileError naming every one that was tried
