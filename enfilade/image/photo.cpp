@@ -112,6 +112,15 @@ const char* turn_of(int orientation) {
   return kTurns.at(static_cast<std::size_t>(orientation - 1));
 }
 
+void turn(Photo& photo, int orientation, const std::string& file) {
+  photo.orientation = orientation;
+  if (orientation == 1) return;
+  photo.picture = upright(std::move(photo.picture), orientation);
+  photo.findings.push_back(
+      {Severity::kNote, file, "", "orientation",
+       fmt::format("EXIF orientation {}: {}", orientation, turn_of(orientation))});
+}
+
 }  // namespace
 
 Image8 upright(Image8 stored, int orientation) {
@@ -155,14 +164,17 @@ Photo decode_photo(Bytes bytes, const std::string& file) {
   } else {
     refuse(file, "", "unknown-picture", "neither a JPEG nor a PNG");
   }
-  photo.orientation = notes.orientation;
-  if (notes.orientation != 1) {
-    photo.picture = upright(std::move(photo.picture), notes.orientation);
-    photo.findings.push_back(
-        {Severity::kNote, file, "", "orientation",
-         fmt::format("EXIF orientation {}: {}", notes.orientation, turn_of(notes.orientation))});
-  }
+  turn(photo, notes.orientation, file);
   photo.sphere = SphereReader(notes.xmp, file, photo.findings).read();
+  return photo;
+}
+
+Photo upright_by_exif(Image8 stored, Bytes exif, const std::string& file) {
+  detail::PhotoNotes notes;
+  detail::read_exif(exif, notes);
+  Photo photo;
+  photo.picture = std::move(stored);
+  turn(photo, notes.orientation, file);
   return photo;
 }
 

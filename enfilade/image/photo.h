@@ -50,6 +50,10 @@ Photo decode_photo(Bytes bytes, const std::string& file);
 /// bytes. \throws FileError; InvalidInput
 Photo load_photo(const std::string& path, std::optional<double> exposure = std::nullopt);
 
+/// A picture of another format, made upright by its file's EXIF data (TIFF's, with or without
+/// "Exif" before them; empty: none). Data that cannot be read say nothing.
+Photo upright_by_exif(Image8 stored, Bytes exif, const std::string& file);
+
 /// The upright picture of one stored with that orientation (EXIF 2.3, tag 0x0112).
 /// \pre 1 <= orientation <= 8
 Image8 upright(Image8 stored, int orientation);

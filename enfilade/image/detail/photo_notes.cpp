@@ -37,6 +37,7 @@ class Tiff {
 }  // namespace
 
 void read_exif(Bytes bytes, PhotoNotes& notes) {
+  if (text_of(bytes).starts_with(kExif)) bytes = bytes.subspan(kExif.size());
   const Tiff tiff(bytes);
   if (!tiff.is_valid()) return;
   constexpr std::uint32_t kOrientation = 0x0112, kShort = 3;
@@ -65,7 +66,7 @@ PhotoNotes jpeg_notes(Bytes jpeg) {
     if (marker == kScan || size < 2 || at + 2 + size > jpeg.size()) break;
     const std::string_view body = text_of(jpeg.subspan(at + 4, size - 2));
     if (marker == kApp1 && body.starts_with(kExif)) {
-      read_exif(bytes_of(body.substr(kExif.size())), notes);
+      read_exif(bytes_of(body), notes);
     } else if (marker == kApp1 && body.starts_with(kXmp)) {
       notes.xmp = body.substr(kXmp.size());
     }

@@ -12,7 +12,8 @@ struct PhotoNotes {
   std::string xmp;      ///< the packet, XML; empty: none
 };
 
-/// Sets the orientation from EXIF data that begin with TIFF's header, if they have a valid one.
+/// Sets the orientation from EXIF data, if they have a valid one. They begin with TIFF's header, or
+/// with "Exif" and two zeros before it, as some writers of PNG and WebP have it too.
 void read_exif(Bytes tiff, PhotoNotes& notes);
 /// The notes of the segments APP1 before the scan.
 PhotoNotes jpeg_notes(Bytes jpeg);

@@ -8,6 +8,9 @@
 #include "enfilade/core/file.h"
 #include "enfilade/mesh/read_mesh.h"
 #include "enfilade/mesh/readers/gltf.h"
+#include "enfilade/mesh/readers/reader.h"
+#include "enfilade/mesh/readers/webp.h"
+#include "tests/support/photo_files.h"
 
 namespace enfilade::mesh::readers {
 namespace EN_UNIT {
@@ -75,6 +78,43 @@ TEST(ReadGltf, ReadsWebpTextures) {
   EXPECT_GT(texture.at(0, 0)[0], 200) << "the left half is red";
   EXPECT_LT(texture.at(0, 0)[1], 60);
   EXPECT_GT(texture.at(7, 0)[1], 200) << "the right half is green";
+}
+
+/// The chunk of a RIFF file.
+std::string chunk(const std::string& name, std::string_view content) {
+  std::string out = name;
+  for (int k = 0; k < 4; ++k) out += static_cast<char>(content.size() >> (8 * k) & 0xFFU);
+  return out.append(content).append(content.size() % 2, '\0');
+}
+
+/// The lattice's WebP picture of 8 x 8 pixels, with EXIF data.
+std::string webp_with(const std::string& exif) {
+  const std::string glb = read_file(vector_file("lattice_webp.glb"));
+  const std::string simple = glb.substr(glb.find("RIFF") + 12, 82);  // its chunk "VP8 "
+  const std::string head("\x08\0\0\0\x07\0\0\x07\0\0", 10);          // EXIF; sides less one
+  return chunk("RIFF", "WEBP" + chunk("VP8X", head) + simple + chunk("EXIF", exif));
+}
+
+TEST(ReadGltf, WebpTexturesAreTurnedByExif) {
+  if (!reads_webp()) GTEST_SKIP() << "built without libwebp";
+  const std::string exif = tests::exif(6);
+  for (const std::string& data : {exif, exif.substr(6)}) {  // "Exif" and two zeros before it
+    ReadResult r;
+    const image::Image8 texture = TextureDecoder().decode(webp_with(data), "a.webp", r);
+    ASSERT_EQ(texture.width, 8U);
+    EXPECT_GT(texture.at(7, 0)[0], 200) << "the stored left is at the top";
+    EXPECT_GT(texture.at(0, 7)[1], 200);
+    ASSERT_EQ(r.warnings.size(), 1U);
+    EXPECT_EQ(r.warnings[0].message, "EXIF orientation 6: turned by a quarter clockwise");
+  }
+}
+
+TEST(ReadGltf, ExifOfWebpMayBeCutOff) {
+  const std::string whole = webp_with(tests::exif(6));
+  for (std::size_t n = 12; n < whole.size(); ++n) {
+    EXPECT_LE(webp_exif(std::string_view(whole).substr(0, n)).size(), tests::exif(6).size()) << n;
+  }
+  EXPECT_EQ(webp_exif(whole), tests::exif(6));
 }
 
 /// A .glb with a part of its JSON replaced.

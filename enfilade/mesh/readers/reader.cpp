@@ -153,15 +153,15 @@ image::Image8 TextureDecoder::decode(std::string_view bytes, const std::string& 
                                      ReadResult& result) {
   const image::Bytes raw = image::bytes_of(bytes);
   const bool jpeg = bytes.starts_with("\xFF\xD8"), png = bytes.starts_with("\x89PNG");
-  if (is_webp(bytes)) {
-    const image::Shape size = webp_shape(bytes, file);
-    take(size.width, size.height, file);
-    return decode_webp(bytes, file);
-  }
-  if (!jpeg && !png) refuse(file, "", "unknown-picture", "neither a JPEG nor a PNG");
-  const image::Shape shape = jpeg ? image::jpeg_shape(raw, file) : image::png_shape(raw, file);
+  const bool webp = is_webp(bytes);
+  if (!jpeg && !png && !webp) refuse(file, "", "unknown-picture", "neither a JPEG nor a PNG");
+  const image::Shape shape = webp   ? webp_shape(bytes, file)
+                             : jpeg ? image::jpeg_shape(raw, file)
+                                    : image::png_shape(raw, file);
   take(shape.width, shape.height, file);
-  image::Photo photo = image::decode_photo(raw, file);
+  image::Photo photo = webp ? image::upright_by_exif(decode_webp(bytes, file),
+                                                     image::bytes_of(webp_exif(bytes)), file)
+                            : image::decode_photo(raw, file);
   const bool fresh = noted_.insert(file).second;
   for (Diagnostic& d : photo.findings) {
     if (fresh && d.code != "bad-sphere") result.warnings.push_back(std::move(d));

@@ -12,6 +12,20 @@ bool is_webp(std::string_view bytes) {
   return bytes.size() >= 12 && bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP";
 }
 
+std::string_view webp_exif(std::string_view bytes) {
+  constexpr std::size_t kHead = 8;  // of a chunk: four letters, and its size
+  std::size_t at = 12;
+  while (at < bytes.size() && bytes.size() - at >= kHead) {
+    std::size_t size = 0;
+    for (std::size_t k = kHead; k-- > 4;) {
+      size = size << 8U | static_cast<std::uint8_t>(bytes[at + k]);
+    }
+    if (bytes.substr(at, 4) == "EXIF") return bytes.substr(at + kHead, size);
+    at += kHead + size + size % 2;
+  }
+  return {};
+}
+
 #ifdef EN_WITH_WEBP
 
 namespace {

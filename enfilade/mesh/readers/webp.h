@@ -15,5 +15,7 @@ bool is_webp(std::string_view bytes);
 image::Shape webp_shape(std::string_view bytes, const std::string& file);
 /// As RGB, or as RGBA if it has alpha. \throws InvalidInput, also for an animation
 image::Image8 decode_webp(std::string_view bytes, const std::string& file);
+/// The data of the chunk EXIF; empty: none.
+std::string_view webp_exif(std::string_view bytes);
 
 }  // namespace enfilade::mesh::readers
