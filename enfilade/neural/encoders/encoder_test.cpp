@@ -13,6 +13,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/features/tensor_file.h"
+#include "enfilade/neural/core/weights.h"
 #include "enfilade/neural/device.h"
 #include "tests/support/encoders.h"
 #include "tests/support/refusal.h"
@@ -117,6 +118,20 @@ TEST(Encoder, RandomWeightsAreThoseOfTheSeed) {
   EXPECT_EQ(hash(1), hash(1));
   EXPECT_NE(hash(1), hash(2));
   EXPECT_EQ(hash(1).size(), 16U);
+}
+
+TEST(Weights, BfloatsAreReadAsFloats) {
+  const TemporaryFolder folder("weights");
+  const fs::path file = folder.path() / "weights.safetensors";
+  const std::vector<std::uint16_t> halves{0x3FC0, 0xC000};  // the upper ones of 1.5F and -2.0F
+  const std::vector<features::NamedArray> arrays{
+      {"w", features::DType::kBFloat16, {2}, std::as_bytes(std::span(halves))}};
+  features::write_safetensors(file, arrays);
+  const std::vector<core::ArraySpec> wanted{{"w", {2}}};
+  const core::Weights read = core::read_weights(features::TensorFile::open(file), wanted);
+  const float* const values = read.at("w").data_ptr<float>();
+  EXPECT_EQ(values[0], 1.5F);
+  EXPECT_EQ(values[1], -2.0F);
 }
 
 TEST(Encoder, NamesEveryFaultOfAFileAtOnce) {
