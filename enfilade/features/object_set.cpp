@@ -78,9 +78,6 @@ class Reader {
         0) {
       file_.fail_unread(name, dataset);
     }
-    if (!std::ranges::all_of(numbers, [](float x) { return std::isfinite(x); })) {
-      file_.fail(name, "not-finite", "a number that is infinite or NaN");
-    }
     return numbers;
   }
 
@@ -260,7 +257,10 @@ void ObjectSet::copy(std::string_view scan, std::string_view viewpoint, std::siz
   EN_CHECK_LT(i, found->objects.size());
   EN_CHECK_LE(out.size(), dimensions());
   const auto row = found->numbers.subspan(i * dimensions() * sizeof(float), out.size_bytes());
-  std::memcpy(out.data(), row.data(), row.size());
+  if (!formats::copy_numbers(row.data(), DType::kFloat32, out)) {
+    refuse(file().string(), fmt::format("{:?}", found->name), "not-finite",
+           "a number that is infinite or NaN");
+  }
 }
 
 }  // namespace enfilade::features

@@ -37,6 +37,7 @@ class ObjectSet {
   std::span<const ObjectView> objects(std::string_view scan, std::string_view viewpoint) const;
   /// The first out.size() numbers of object `i`.
   /// \pre i < objects(scan, viewpoint).size(), out.size() <= dimensions()
+  /// \throws InvalidInput if one of them is not finite
   void copy(std::string_view scan, std::string_view viewpoint, std::size_t i,
             std::span<float> out) const;
 

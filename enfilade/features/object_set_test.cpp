@@ -77,6 +77,12 @@ TEST_F(ObjectSetTest, ObjectsAreReadInTheFilesOrder) {
   EXPECT_TRUE(set.objects("a", "nowhere").empty());
 }
 
+TEST_F(ObjectSetTest, ViewpointsMayHaveUnderscores) {
+  const ObjectSet set = written({dataset("a_v_1")});
+  EXPECT_EQ(set.objects("a", "v_1").size(), 2U);
+  EXPECT_TRUE(set.objects("a", "v").empty());
+}
+
 TEST_F(ObjectSetTest, WhatIsWrongIsNamedWithItsViewpoint) {
   Hdf5Dataset one = dataset("a_v");
   one.attributes.erase(one.attributes.begin());
@@ -90,7 +96,12 @@ TEST_F(ObjectSetTest, WhatIsWrongIsNamedWithItsViewpoint) {
   one = dataset("name");
   EXPECT_THAT(refused(one), HasSubstr("name"));
   numbers_[2] = std::numeric_limits<float>::infinity();
-  EXPECT_THAT(refused(dataset("a_v")), HasSubstr("infinite or NaN"));
+  const ObjectSet odd = written({dataset("a_v")});
+  std::array<float, 3> read{};
+  odd.copy("a", "v", 1, read);
+  EXPECT_THAT(read, ElementsAre(4, 5, 6)) << "the other object is of use";
+  EXPECT_THAT(refusal<InvalidInput>([&] { odd.copy("a", "v", 0, read); }),
+              AllOf(HasSubstr("\"a_v\""), HasSubstr("infinite or NaN")));
   write_file_atomically(file(), "no HDF5");
   EXPECT_THAT(refusal([&] { ObjectSet::open(file()); }), HasSubstr("not an HDF5 file"));
   EXPECT_THAT(refusal([&] { ObjectSet::open(folder_.path() / "none.hdf5"); }),
