@@ -237,6 +237,25 @@ TEST(Jpeg, TakesInkOffWhitePaper) {
   EXPECT_THROW(decode_jpeg(Bytes(jpeg).first(jpeg.size() - 2), "f"), InvalidInput);
 }
 
+// TurboJPEG writes YCCK: 155, 128, 128 and 100 here. Read as CMYK, the same numbers are ink.
+TEST(Jpeg, ReadsPlainCmykWithAndWithoutAdobesMarker) {
+  const std::vector<std::uint8_t> cmyk(std::size_t{16} * 16 * 4, 100);
+  auto jpeg = compress(cmyk, 16, 16, TJPF_CMYK, TJSAMP_444, 0);
+  constexpr std::array<std::uint8_t, 2> kAdobe{0xFF, 0xEE};
+  const auto adobe = std::ranges::search(jpeg, kAdobe).begin();
+  ASSERT_NE(adobe, jpeg.end());
+  adobe[15] = 0;                                       // the marker's transform: none
+  const auto expect = [&](double red, double other) {  // compression: as above
+    const Image8 picture = decode_jpeg(jpeg, "f");
+    EXPECT_NEAR(picture.pixels[0], red, 2);
+    EXPECT_NEAR(picture.pixels[1], other, 2);
+    EXPECT_NEAR(picture.pixels[2], other, 2);
+  };
+  expect(155 * 100 / 255., 128 * 100 / 255.);  // inverted
+  jpeg.erase(adobe, adobe + 16);
+  expect(100 * 155 / 255., 127 * 155 / 255.);
+}
+
 TEST(Jpeg, EncodingRefusesWhatItCannotHold) {
   EXPECT_THROW(encode_jpeg(Image8(4, 4, 3), 0), ArgumentError);
   EXPECT_THROW(encode_jpeg(Image8(4, 4, 3), 101), ArgumentError);

@@ -208,6 +208,9 @@ TEST_F(LoadPhoto, TakesPicturesForPrintingAndOfSixteenBits) {
   grey.pixels = {0, 65535};
   EXPECT_THAT(load_photo(write(encode_png(grey))).picture.pixels,
               ElementsAre(0, 0, 0, 255, 255, 255));
+  const Image8 colour = load_photo(write(tests::colour_of_sixteen_bits())).picture;
+  EXPECT_EQ(colour.width, 16U);
+  EXPECT_THAT(std::vector(colour.at(9, 5), colour.at(9, 5) + 3), ElementsAre(0, 255, 128));
 }
 
 TEST_F(LoadPhoto, RefusesOtherFiles) {

@@ -49,6 +49,9 @@ std::vector<Case> import_cases() {
                for (int i = 0; i < 8 * 16; ++i) hdr += "\x40\x40\x40\x80";
                f.write("hall.jpg", hdr);
              }),
+      import("a PNG of 16 bits a colour", two, 0,
+             "scan home: 2 imported; viewpoints now: 2; edges: 1",
+             [](Files& f) { f.write("hall.jpg", tests::colour_of_sixteen_bits()); }),
       import("ids as HM3D has them, which are good",
              "--scan 00000-kfPV7w3FaU5 --name 000001 -o new hall.jpg", 0,
              "scan 00000-kfPV7w3FaU5: 1 imported"),

@@ -13,6 +13,16 @@ inline std::string jpeg_of(const image::Image8& picture) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// A PNG of 16 x 8 pixels and 16 bits: no red, full green, half of the blue.
+inline std::string colour_of_sixteen_bits() {
+  return {
+      "\211PNG\015\012\032\012\000\000\000\015IHDR\000\000\000\020\000\000\000\010\020\002"
+      "\000\000\000\057\2044\203\000\000\000\030IDATx\332c\140\140\370\377\277\241\201\226"
+      "\344\250\005\243\026\014z\013\000\240\365\177\020KK\277h\000\000\000\000IEND\256B"
+      "\140\202",
+      81};
+}
+
 /// With a segment APP1 behind the first marker.
 inline std::string with_segment(const std::string& jpeg, const std::string& body) {
   const std::size_t size = body.size() + 2;
