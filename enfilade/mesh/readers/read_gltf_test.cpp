@@ -212,6 +212,15 @@ TEST(ReadGltf, FaultsOfWhatAShapeCanDoWithoutAreWarnings) {
          "material 3 of 0");
 }
 
+TEST(ReadGltf, PositionsThatNoFaceUsesNeedNotBeFinite) {
+  const std::string nan = raw<float>({std::numeric_limits<float>::quiet_NaN()});
+  const std::string indices = raw<std::uint16_t>({0, 2, 3, 3, 0, 2});
+  const ReadResult r =
+      parse(kJson, binary().replace(12, 4, nan).replace(48, indices.size(), indices));
+  EXPECT_EQ(r.mesh.positions.size(), 3U) << "those that faces use";
+  EXPECT_EQ(r.mesh.triangles.size(), 2U);
+}
+
 TEST(ReadGltf, NumbersThatAreNotFiniteAreWarnings) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::string odd = raw<float>({nan, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
@@ -335,6 +344,16 @@ TEST(ReadGltf, TexturesAreTurnedByExif) {
   EXPECT_GT(texture.at(6, 8)[0], 250) << "the stored top is at the right";
   ASSERT_THAT(codes(r), ElementsAre("orientation"));
   EXPECT_EQ(r.warnings[0].severity, Severity::kNote);
+}
+
+TEST(ReadGltf, TexturesMayHaveSixteenBits) {
+  const std::string png = tests::colour_of_sixteen_bits();
+  const std::string material = R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
+  const ReadResult r = parse(textured_json(material, png.size()), binary() + png);
+  const image::Image8& texture = r.mesh.materials[0].texture;
+  ASSERT_EQ(texture.width, 16U);
+  EXPECT_EQ(texture.at(15, 7)[1], 255);
+  EXPECT_EQ(texture.at(15, 7)[2], 128);
 }
 
 TEST(ReadGltf, TexturesHaveTheNameOfTheFileThatWasRead) {
@@ -504,6 +523,10 @@ TEST(ReadGltf, ReadsTextWithPartsInsideAndBeside) {
               ThrowsMessage<InvalidInput>(HasSubstr("my part.bin")));
   write_file_atomically(folder / "my part.bin", binary());
   EXPECT_EQ(read_mesh(folder / "a.gltf").mesh.triangles.size(), 2U);
+  std::string wide = "\xFE\xFF";
+  for (const char c : text) (wide += '\0') += c;
+  write_file_atomically(folder / "a.gltf", wide);
+  EXPECT_EQ(read_mesh(folder / "a.gltf").mesh.triangles.size(), 2U) << "UTF-16";
   write_file_atomically(folder / "a.gltf", with(text, "my%20part", "./my%20part"));
   EXPECT_EQ(read_mesh(folder / "a.gltf").mesh.triangles.size(), 2U);
   EXPECT_THROW(parse_mesh(text, "a.gltf"), InvalidInput) << "in memory there is nothing beside";

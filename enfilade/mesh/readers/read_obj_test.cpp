@@ -222,6 +222,16 @@ TEST_F(ObjFolder, ReadsMaterialsAndTextures) {
   EXPECT_THAT(codes(r), ElementsAre("bad-material"));  // -s is not looked at
 }
 
+TEST_F(ObjFolder, ReadsMaterialsInUtf16) {
+  std::string wide = "\xFE\xFF";
+  for (const char c : std::string("newmtl a\nKd 1 0.5 0.25\n")) (wide += '\0') += c;
+  write("a.mtl", wide);
+  write("a.obj", std::string("mtllib a.mtl\n") + kCorners + "usemtl a\nf 1 2 3\n");
+  const ReadResult r = read("a.obj");
+  EXPECT_EQ(r.mesh.materials[0].colour, (Vec3f{1, 0.5F, 0.25F}));
+  EXPECT_THAT(r.warnings, IsEmpty());
+}
+
 TEST_F(ObjFolder, MissingAndBrokenTexturesAreWarnings) {
   write("broken.jpg", "\xFF\xD8 no more");
   write("text.png", "hello");
