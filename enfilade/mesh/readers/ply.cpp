@@ -288,14 +288,14 @@ class RowReader {
   }
   double number(const Element& element, const Column& column) {
     const auto value = source_.value(column.type);
-    // A word among positions or corners means that columns are shifted.
-    if (!value || (source_.odd() && carries_shape(column.name))) fail(element, source_.fault());
+    // A word among corners means that columns are shifted. Among positions it is NaN, which
+    // geometry() refuses where a face uses it.
+    if (!value || (source_.odd() && names_corners(column.name))) fail(element, source_.fault());
     if (source_.odd()) out_.odd_values.add([&] { return where(element); });
     return *value;
   }
-  static bool carries_shape(std::string_view name) {
-    return name == "x" || name == "y" || name == "z" || name == "vertex_indices" ||
-           name == "vertex_index";
+  static bool names_corners(std::string_view name) {
+    return name == "vertex_indices" || name == "vertex_index";
   }
   std::string where(const Element& element) const {
     return fmt::format("{}{} {}", source_.where(), element.name, row_);

@@ -45,7 +45,7 @@ struct File {
   std::vector<std::string> textures;  ///< of the header's `comment TextureFile` lines
   OddValues unknown_lines;            ///< of the header: unknown, or with more words than they need
   OddValues long_rows;                ///< rows of more values than properties
-  OddValues odd_values;  ///< words that are no numbers, where a mesh's shape needs none
+  OddValues odd_values;               ///< words that are no numbers, corners excepted
   const Element* find(std::string_view name) const;
 };
 
@@ -69,5 +69,8 @@ struct Geometry {
 /// \throws InvalidInput for elements or properties that are missing, bad indices, and faces whose
 /// positions are not finite
 Geometry geometry(const File& ply, const std::string& file);
+/// Warns of the odd values of both, by counts.
+void tell_odd_values(const File& ply, const Geometry& geometry, const std::string& file,
+                     ReadResult& out);
 
 }  // namespace enfilade::mesh::readers::ply

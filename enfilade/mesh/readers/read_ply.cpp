@@ -321,6 +321,8 @@ void read_textures(const File& ply, const Source& source, ReadResult& out) {
   }
 }
 
+}  // namespace
+
 void tell_odd_values(const File& ply, const Geometry& geometry, const std::string& file,
                      ReadResult& out) {
   warn(out, file, ply.unknown_lines, "unknown-line",
@@ -340,7 +342,6 @@ void tell_odd_values(const File& ply, const Geometry& geometry, const std::strin
        "faces name a texture that is missing: the first is taken");
 }
 
-}  // namespace
 }  // namespace ply
 
 ReadResult read_ply(const Source& source) {

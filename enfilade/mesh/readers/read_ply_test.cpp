@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
@@ -140,6 +141,9 @@ TEST(ReadPly, NumbersThatAreNotFiniteAreWarnings) {
   }
   const ReadResult word = parse_mesh(ascii("0 0 0 none 0 1 7 7 7", "3 0 1 2"), "a.ply");
   EXPECT_THAT(codes(word), ElementsAre("bad-value", "not-finite"));
+  std::string unused = ascii("0 none 0 0 0 1 7 7 7", "3 1 2 3");
+  unused.replace(unused.rfind("3 0 2 3"), 7, "3 3 2 1");
+  EXPECT_THAT(codes(parse_mesh(unused, "a.ply")), ElementsAre("bad-value", "not-finite"));
 }
 
 TEST(ReadPly, FloatColoursOfBytesAreDivided) {
@@ -259,6 +263,31 @@ TEST_F(PlyFolder, TexturesThatCannotBeReadAreWarnings) {
   EXPECT_THAT(codes(number), ElementsAre("bad-index"));
 }
 
+TEST(ReadPly, BinaryNumbersMayBeNotFiniteWhereNoFaceUsesThem) {
+  for (const bool big : {false, true}) {
+    std::string x;
+    put(x, std::numeric_limits<float>::quiet_NaN(), big);
+    std::string bytes = binary_square(big);
+    // A row has 24 bytes, 10 of them before x. The file ends with the corner at vertex 3.
+    bytes.replace(bytes.find("end_header") + 12 + 3 * 24 + 10, 4, x);
+    EXPECT_THAT([&] { parse_mesh(bytes, "a.ply"); },
+                ThrowsMessage<InvalidInput>(HasSubstr("vertex 3, whose position is not finite")));
+    std::string corner;
+    put(corner, std::uint32_t{0}, big);
+    const ReadResult r = parse_mesh(bytes.replace(bytes.size() - 4, 4, corner), "a.ply");
+    EXPECT_THAT(codes(r), ::testing::Contains("not-finite"));
+    EXPECT_EQ(r.mesh.positions[3], (Vec3f{}));
+  }
+}
+
+TEST(ReadPly, ReadsTextWithAByteOrderMark) {
+  const std::string text = ascii("0 0 0 0 0 1 9 9 9", "3 0 1 2");
+  EXPECT_EQ(parse_mesh("\xEF\xBB\xBF" + text, "a.ply").mesh.triangles.size(), 2U);
+  std::string wide = "\xFE\xFF";  // UTF-16
+  for (const char c : text) (wide += '\0') += c;
+  EXPECT_EQ(parse_mesh(wide, "a.ply").mesh.triangles.size(), 2U);
+}
+
 TEST(ReadPly, NamesEachFault) {
   const auto parse = [](std::string text) {
     return [text = std::move(text)] { parse_mesh(text, "a.ply"); };
@@ -269,7 +298,7 @@ TEST(ReadPly, NamesEachFault) {
   EXPECT_THAT(parse(ascii(good, "3 0 1 -1")), says("face 0: vertex -1"));
   EXPECT_THAT(parse(ascii(good, "3 0 1")), says("line 21, face 0: too few values in row 1 of 2"));
   EXPECT_THAT(parse(ascii(good, "256 0 1 2")), says("\"256\" is not a number, or not one of its"));
-  EXPECT_THAT(parse(ascii("0 0 x 0 0 1 9 9 9", "3 0 1 2")), says("\"x\" is not a number"));
+  EXPECT_THAT(parse(ascii("0 0 x 0 0 1 9 9 9", "3 0 1 2")), says("[not-finite]"));
   EXPECT_THAT(parse(ascii("0 nan 0 0 0 1 9 9 9", "3 0 1 2")), says("[not-finite]"));
   EXPECT_THAT(parse(ascii("0 1e99 0 0 0 1 9 9 9", "3 0 1 2")), says("[not-finite]"));
   EXPECT_THAT(parse("plx\n"), says("not a PLY file"));
