@@ -180,8 +180,11 @@ void write_features(const Options& options, const dataset::Dataset& data, const 
 /// From --boxes, --meshes, or the data set.
 tasks::ObjectBoxes find_boxes(const Options& options, const dataset::Dataset& data) {
   if (!options.meshes.empty()) {
-    return exports::boxes_of_meshes(*data.graphs(), data.connectivity_folder(), options.meshes, {},
-                                    told(options));
+    std::vector<Diagnostic> warnings;
+    auto boxes = exports::boxes_of_meshes(*data.graphs(), data.connectivity_folder(),
+                                          options.meshes, {}, told(options), &warnings);
+    if (!warnings.empty()) print_diagnostics(warnings);
+    return boxes;
   }
   if (!options.boxes.empty()) {
     return exports::boxes_of_graphs(tasks::ObjectBoxes::load(options.boxes), *data.graphs());

@@ -107,7 +107,11 @@ void run(Arguments a) {
   bake.threads = a.files.threads;
   const mesh::LitMesh lit(tracer, mesh::studio_lights(tracer->mesh()), bake, progress_bar("light"));
   std::unique_ptr<const mesh::LitMesh> labels;
-  if (!a.labels.empty()) labels = capture::read_label_mesh(a.labels, scan);
+  if (!a.labels.empty()) {
+    std::vector<Diagnostic> warnings;
+    labels = capture::read_label_mesh(a.labels, scan, &warnings);
+    if (!warnings.empty()) print_diagnostics(warnings);
+  }
   a.files.label_mesh = labels.get();
   const auto files = write_scan(lit, graph, a.output, a.files, progress_bar("pictures"));
   report(a, graph, files, watch.seconds());

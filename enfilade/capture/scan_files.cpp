@@ -458,9 +458,10 @@ ScanParts scan_parts(const std::vector<std::string>& names) {
 mesh::BakeOptions least_light() { return {.spacing = 100, .rays = 1, .bounces = 1}; }
 
 std::unique_ptr<const mesh::LitMesh> read_label_mesh(const fs::path& house_segmentations,
-                                                     const std::string& scan) {
-  auto tracer = std::make_shared<const mesh::RayTracer>(
-      std::make_shared<const mesh::Mesh>(mesh::read_house_mesh(house_segmentations, scan)));
+                                                     const std::string& scan,
+                                                     std::vector<Diagnostic>* warnings) {
+  auto tracer = std::make_shared<const mesh::RayTracer>(std::make_shared<const mesh::Mesh>(
+      mesh::read_house_mesh(house_segmentations, scan, warnings)));
   return std::make_unique<const mesh::LitMesh>(std::move(tracer), mesh::Lights{}, least_light());
 }
 

@@ -107,9 +107,11 @@ mesh::BakeOptions least_light();
 
 /// The labelled mesh of a scan's `house_segmentations`, for ScanFilesOptions::label_mesh. Pictures
 /// of one mesh of a building get the classes and instances of another.
+/// \param warnings  as of mesh::read_house_mesh()
 /// \throws as mesh::read_house_mesh()
 std::unique_ptr<const mesh::LitMesh> read_label_mesh(
-    const std::filesystem::path& house_segmentations, const std::string& scan);
+    const std::filesystem::path& house_segmentations, const std::string& scan,
+    std::vector<Diagnostic>* warnings = nullptr);
 
 /// Writes `<root>/connectivity/<scan>_connectivity.json` and its line in scans.txt, and the parts.
 /// Then `root` is a data set that scan::DataRoot and scan::open_matterport_images() open. Each file

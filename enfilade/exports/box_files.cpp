@@ -52,14 +52,14 @@ ObjectBoxes boxes_of_graphs(const ObjectBoxes& boxes, const graph::GraphSet& gra
 
 ObjectBoxes boxes_of_meshes(const graph::GraphSet& graphs, const fs::path& connectivity,
                             const fs::path& folder, const capture::ObjectBoxOptions& boxes,
-                            const ExportOptions& options) {
+                            const ExportOptions& options, std::vector<Diagnostic>* warnings) {
   capture::ObjectBoxOptions told = boxes;
   told.threads = options.threads;
   ObjectBoxes all;
   for (std::size_t i = 0; i < graphs.size(); ++i) {
     const std::string& scan = graphs.scans()[i];
     const mesh::RayTracer tracer(std::make_shared<const mesh::Mesh>(
-        mesh::read_house_mesh(find_segmentations(folder, scan), scan)));
+        mesh::read_house_mesh(find_segmentations(folder, scan), scan, warnings)));
     const ObjectBoxes found =
         capture::compute_object_boxes(tracer, scan::load_connectivity(connectivity, scan), told);
     copy_boxes(found, graphs.graph(ScanIndex(i)), all);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "enfilade/capture/object_boxes.h"
 #include "enfilade/exports/options.h"
@@ -20,13 +21,15 @@ tasks::ObjectBoxes boxes_of_graphs(const tasks::ObjectBoxes& boxes, const graph:
 /// .fsegs.json and .semseg.json of each scan. They are searched in `folder` itself, and there in
 /// SCAN, `SCAN/house_segmentations` and `v1/scans/SCAN/house_segmentations`.
 /// \param connectivity  folder of the graphs' files. `options.progress` counts scans
+/// \param warnings  as of mesh::read_house_mesh()
 /// \throws LookupError for a scan without a .house file, naming the searched folders
 /// \throws as mesh::read_house_mesh() and capture::compute_object_boxes()
 tasks::ObjectBoxes boxes_of_meshes(const graph::GraphSet& graphs,
                                    const std::filesystem::path& connectivity,
                                    const std::filesystem::path& folder,
                                    const capture::ObjectBoxOptions& boxes = {},
-                                   const ExportOptions& options = {});
+                                   const ExportOptions& options = {},
+                                   std::vector<Diagnostic>* warnings = nullptr);
 
 /// Writes REVERIE's folder: `<scan>_<viewpoint>.json` for each viewpoint with boxes. Single files
 /// in both forms are made by tasks::ObjectBoxes::to_json().

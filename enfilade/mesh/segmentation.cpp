@@ -231,6 +231,9 @@ LabelledMesh parse_labelled_ply(std::string_view bytes, const std::string& file)
   ply::Geometry geometry = ply::geometry(parsed, file);
   const ply::Element& faces = *parsed.find("face");
   LabelledMesh out;
+  ReadResult told;
+  ply::tell_odd_values(parsed, geometry, file, told);
+  out.warnings = std::move(told.warnings);
   out.face_segment = face_numbers(faces, geometry, kSegmentNames, file);
   out.face_object = face_numbers(faces, geometry, kObjectNames, file);
   out.face_category = face_numbers(faces, geometry, kCategoryNames, file);
@@ -312,12 +315,16 @@ std::string segment_groups_json(const std::vector<SegmentGroup>& groups, const s
   return out + "]}\n";
 }
 
-Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& scan) {
+Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& scan,
+                     std::vector<Diagnostic>* warnings) {
   const auto path = [&](const char* ending) { return find_text_file(folder / (scan + ending)); };
   const auto house_file = path(".house"), ply_file = path(".ply"), faces_file = path(".fsegs.json"),
              groups_file = path(".semseg.json");
   const House house = parse_house(read_text_file(house_file), house_file.string());
   LabelledMesh labelled = parse_labelled_ply(read_text_file(ply_file), ply_file.string());
+  if (warnings != nullptr) {
+    warnings->insert(warnings->end(), labelled.warnings.begin(), labelled.warnings.end());
+  }
   const auto segments = parse_face_segments(read_text_file(faces_file), faces_file.string());
   const auto groups = parse_segment_groups(read_text_file(groups_file), groups_file.string());
   if (segments.size() != labelled.faces) {

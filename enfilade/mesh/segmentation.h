@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/core/errors.h"
 #include "enfilade/mesh/mesh.h"
 
 namespace enfilade::mesh {
@@ -19,6 +20,7 @@ struct LabelledMesh {
   std::vector<std::int32_t> face_category;  ///< row of category_mapping.tsv, as files have it
   std::vector<std::uint32_t> face;  ///< index of the face in the file that each triangle is part of
   std::size_t faces = 0;            ///< number of faces in the file
+  std::vector<Diagnostic> warnings;  ///< odd values, as read_mesh() has them
 };
 /// Property names as shipped (`material_id`, `segment_id`, `category_id`) or as documented
 /// (`face_material`, ...).
@@ -52,7 +54,9 @@ std::string segment_groups_json(const std::vector<SegmentGroup>& groups, const s
 ///
 /// Names of objects are semseg's labels, else the category's. Objects are those of the .house in
 /// its order, then those that only semseg has. A category that mpcat40 does not have becomes void.
+/// \param warnings  of the .ply are added to it; null: dropped
 /// \throws FileError; InvalidInput, also if the files disagree (faces, segments in two objects)
-Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& scan);
+Mesh read_house_mesh(const std::filesystem::path& folder, const std::string& scan,
+                     std::vector<Diagnostic>* warnings = nullptr);
 
 }  // namespace enfilade::mesh

@@ -73,6 +73,19 @@ TEST(LabelledPly, SaysWhatIsMissing) {
               ThrowsMessage<InvalidInput>(HasSubstr("face 0: face_category 0.5, not a whole")));
 }
 
+TEST(LabelledPly, WarnsOfOddValues) {
+  EXPECT_TRUE(parse_labelled_ply(kDocumented, "a.ply").warnings.empty());
+  std::string text = kDocumented;
+  text.replace(text.find("property uchar red"), 18, "property float red");
+  text.replace(text.find("255 0 0\n"), 8, "nan 0 0 9\n");
+  text.insert(text.find("element vertex"), "by hand\n");
+  const LabelledMesh m = parse_labelled_ply(text, "a.ply");
+  std::vector<std::string> codes;
+  for (const Diagnostic& d : m.warnings) codes.push_back(d.code);
+  EXPECT_THAT(codes, ElementsAre("unknown-line", "long-row", "not-finite", "colour-bytes"));
+  EXPECT_EQ(m.mesh.colours[0], (Vec3f{1, 1, 1}));
+}
+
 TEST(FaceSegments, ReadsNumbersAndTexts) {
   EXPECT_THAT(parse_face_segments(R"({"params": {}, "segIndices": [3, "4", -1]})", "f"),
               ElementsAre(3, 4, -1));
@@ -147,6 +160,17 @@ TEST_F(HouseMesh, JoinsTheFourFiles) {
   EXPECT_EQ(mesh.objects[2].name, "door") << "of semseg alone; category as of its name in C";
   EXPECT_EQ(mesh.objects[2].category, Mpcat40::kDoor);
   EXPECT_EQ(mesh.objects[2].region, -1);
+}
+
+TEST_F(HouseMesh, TellsOddValuesOfThePly) {
+  std::vector<Diagnostic> warnings;
+  read_house_mesh(folder_, "s", &warnings);
+  EXPECT_TRUE(warnings.empty());
+  std::string text = kDocumented;
+  write(".ply", text.insert(text.find("element vertex"), "by hand\n"));
+  read_house_mesh(folder_, "s", &warnings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].code, "unknown-line");
 }
 
 TEST_F(HouseMesh, ReadsPackedFiles) {
