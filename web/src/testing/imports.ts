@@ -22,7 +22,7 @@ export const rooms: Readonly<Record<string, readonly string[]>> = {
 };
 
 /** Packages, and the rooms that may import them: pages without a viewer must not load three.js. */
-const packages: Readonly<Record<string, readonly string[]>> = { three: ['viewer', 'roam'], marked: ['elements'] };
+const packages: Readonly<Record<string, readonly string[]>> = { three: ['viewer', 'roam'], marked: ['elements'], pako: ['elements'] };
 
 /** Texts of files by their paths within src: "viewer/stage.ts". */
 export type Sources = ReadonlyMap<string, string>;
