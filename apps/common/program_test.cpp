@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "enfilade/core/file.h"
+#include "tests/support/temporary_folder.h"
+
 namespace enfilade::apps {
 namespace EN_UNIT {
 
@@ -25,6 +28,17 @@ TEST(ProcessorName, IsUnknownWhereTheSystemDoesNotSay) {
   EXPECT_EQ(processor_name_in(""), "unknown processor");
   EXPECT_EQ(processor_name_in("processor\t: 0\nCPU implementer\t: 0x41\n"), "unknown processor");
   EXPECT_NE(processor_name(), "");
+}
+
+TEST(ReadSecret, TakesAFileAsEditorsSaveIt) {
+  const tests::TemporaryFolder folder("secret");
+  const auto file = folder.path() / "key.txt";
+  for (const char* saved : {"sk-1", "sk-1\r\n", "\xef\xbb\xbfsk-1\n"}) {
+    write_file_atomically(file, saved);
+    EXPECT_EQ(read_secret(file, {}), "sk-1");
+  }
+  write_file_atomically(file, std::string_view("\xff\xfes\0k\0\r\0\n\0", 10));
+  EXPECT_EQ(read_secret(file, {}), "sk") << "UTF-16";
 }
 
 }  // namespace EN_UNIT

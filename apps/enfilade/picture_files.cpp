@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "enfilade/core/enum_names.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/image/codecs.h"
 
@@ -56,7 +57,7 @@ bool is_jpeg(const fs::path& path) {
 }
 
 draw::IdNames class_names(const SceneOptions& options) {
-  const fs::path file = data_folder(options) / "labels/mpcat40.tsv";
+  const fs::path file = find_text_file(data_folder(options) / "labels/mpcat40.tsv");
   return fs::exists(file) ? draw::load_class_names(file) : draw::IdNames();
 }
 

@@ -6,7 +6,8 @@ environment variables name others:
 
     ENFILADE              the program `enfilade` (default: bin/enfilade beside this file, else the PATH)
     ENFILADE_CONNECTIVITY the folder of navigation graphs (default: connectivity/ beside this file)
-    ENFILADE_PHASES       the phases, as JSON (default: phases.json beside this file, if it is there):
+    ENFILADE_PHASES       the phases, as JSON, plain or packed with gzip
+                          (default: phases.json or phases.json.gz beside this file, if one is there):
                           {"test": {"splits": ["test_split"], "step": 0.01}}
                           keys are the `codename`s of challenge_phases in challenge_config.yaml, `splits` those of
                           the dataset_splits that challenge_phase_splits connects with the phase (default: the
@@ -21,6 +22,7 @@ cannot count. docs/service_evaluation.md says which settings are needed. Only th
 Python 3.7 or newer: workers have what their challenge asks for.
 """
 
+import gzip
 import json
 import os
 import shutil
@@ -83,10 +85,21 @@ def _without_repeats(pairs, file):
     return dict(pairs)
 
 
+def _text(file):
+    """Of a JSON file, as the program finds and reads one; "{}" if there is none."""
+    packed = str(file)[:-3] if file.suffix == ".gz" else str(file) + ".gz"
+    for name in (file, Path(packed)):
+        if name.exists():
+            content = name.read_bytes()
+            plain = gzip.decompress(content) if content.startswith(b"\x1f\x8b") else content
+            return plain.decode("utf-8-sig")
+    return "{}"
+
+
 def _phase(codename):
     """Splits and step of a phase, and whether its participants' result files have the means."""
     file = Path(os.environ.get("ENFILADE_PHASES", str(HERE / "phases.json")))
-    text = file.read_text(encoding="utf-8-sig") if file.exists() else "{}"
+    text = _text(file)
     phases = json.loads(text, object_pairs_hook=lambda pairs: _without_repeats(pairs, file.name))
     phase = phases.get(codename, {})
     step = phase.get("step", DEFAULT_STEP)

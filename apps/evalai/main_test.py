@@ -1,5 +1,6 @@
 """python3 main_test.py PROGRAM VECTORS: the script on the graph of tests/vectors."""
 
+import gzip
 import json
 import os
 import sys
@@ -102,6 +103,24 @@ class Evaluate(unittest.TestCase):
         self.set_phases({"test": {"step": 0.7}})
         with self.assertRaises(RuntimeError):
             self.evaluate_many(0)
+
+    def test_phases_may_have_a_byte_order_mark_and_be_packed(self):
+        file = self.write("phases.json", {"test": {"splits": ["a"]}})
+        os.environ["ENFILADE_PHASES"] = str(file)
+        content = file.read_bytes()
+
+        def splits():
+            scored = self.evaluate([["v0", 0, 0], ["v1", 0, 0]])
+            return [list(one) for one in scored["result"]]
+
+        file.write_bytes(b"\xef\xbb\xbf" + content)
+        self.assertEqual(splits(), [["a"]])
+        packed = Path(str(file) + ".gz")
+        packed.write_bytes(gzip.compress(content[:9]) + gzip.compress(content[9:]) + bytes(64))
+        file.unlink()
+        self.assertEqual(splits(), [["a"]])
+        packed.rename(file)
+        self.assertEqual(splits(), [["a"]])
 
     def test_a_phase_that_is_given_twice_is_refused(self):
         self.set_phases({})

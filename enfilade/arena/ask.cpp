@@ -27,6 +27,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/part_file.h"
+#include "enfilade/core/written_lists.h"
 
 namespace enfilade::arena {
 namespace {
@@ -485,7 +486,7 @@ std::map<std::string, Price> load_prices(const fs::path& file) {
   const auto refuse = [&file](const std::string& where, const char* text) {
     throw InvalidInput({{Severity::kError, file.string(), where, "bad-price", text}});
   };
-  const Json all = Json::parse(read_file(file), nullptr, false);
+  const Json all = Json::parse(read_plain_text(file), nullptr, false);
   if (!all.is_object()) refuse("$", R"(not {"model": {"prompt": 2.5, "answer": 10}})");
   std::map<std::string, Price> prices;
   for (const auto& [model, one] : all.items()) {

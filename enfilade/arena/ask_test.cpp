@@ -19,6 +19,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score_table.h"
 #include "tests/support/grid_world.h"
@@ -310,6 +311,12 @@ TEST_F(Ask, PricesMakeMoney) {
   ledger.prompt_tokens = 2'000'000;
   ledger.answer_tokens = 100'000;
   EXPECT_DOUBLE_EQ(money_of(ledger, price), 6);
+  const std::string marked = "\xef\xbb\xbf" + read_file(file);
+  write_file_atomically(file, marked);
+  EXPECT_EQ(load_prices(file).at("m").answer, 10) << "behind a byte-order mark";
+  write_file_atomically(file.string() + ".gz", gzip(marked, 6));
+  fs::remove(file);
+  EXPECT_EQ(load_prices(file).at("m").answer, 10) << "packed";
   write_file_atomically(file, R"({"m": {"prompt": -1, "answer": 10}})");
   EXPECT_THAT(refusal<InvalidInput>([&] { load_prices(file); }), HasSubstr("$.m.prompt"));
   write_file_atomically(file, "[]");

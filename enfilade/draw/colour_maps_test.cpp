@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::draw {
 namespace EN_UNIT {
@@ -165,6 +167,20 @@ TEST(Legends, WorkForPicturesOfAnySize) {
     EXPECT_GE(with_id_legend(colour_ids(ids), {}, {}).width, width);
     EXPECT_GE(with_depth_legend(colour_depth(ids, 0.5), 0.5).width, width);
   }
+}
+
+TEST(ClassNames, AreReadAsEditorsSaveThem) {
+  const tests::TemporaryFolder folder("labels");
+  const auto file = folder.path() / "mpcat40.tsv";
+  const std::string table = "mpcatcat40index\tmpcat40\r\n3\tchair\thex\r\n4\tdoor\r\n";
+  std::string wide = "\xff\xfe";  // UTF-16
+  for (const char c : table) (wide += c) += '\0';
+  for (const std::string& saved : {table, "\xef\xbb\xbf" + table, wide}) {
+    write_file_atomically(file, saved);
+    EXPECT_EQ(load_class_names(file), (IdNames{{3, "chair"}, {4, "door"}}));
+  }
+  write_file_atomically(file, "\xef\xbb\xbfindex\tname\nchair\t3\n");
+  EXPECT_THAT([&] { load_class_names(file); }, ThrowsMessage<InvalidInput>(HasSubstr("line 2")));
 }
 
 }  // namespace EN_UNIT

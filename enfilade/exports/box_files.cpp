@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/mesh/ray_tracer.h"
 #include "enfilade/mesh/segmentation.h"
@@ -34,7 +35,7 @@ fs::path find_segmentations(const fs::path& folder, const std::string& scan) {
   std::string tried;
   for (const fs::path& place : places) {
     const fs::path file = place / (scan + ".house");
-    if (file_exists(file)) return place;
+    if (file_exists(find_text_file(file))) return place;
     tried += "\n  " + file.string();
   }
   throw LookupError(fmt::format("no labelled mesh of scan {}; tried:{}", scan, tried));

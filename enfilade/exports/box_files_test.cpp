@@ -5,6 +5,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/tasks/objects.h"
 #include "tests/support/graphs.h"
 #include "tests/support/refusal.h"
@@ -62,6 +63,14 @@ TEST(BoxFiles, NameThePlacesOfAMeshThatIsNotThere) {
                   [&] { boxes_of_meshes(*square(), folder.path(), folder.path()); }),
               ::testing::AllOf(HasSubstr("no labelled mesh of scan s"),
                                HasSubstr("s/house_segmentations/s.house")));
+}
+
+TEST(BoxFiles, APackedHouseIsFound) {
+  const tests::TemporaryFolder folder("box_files");
+  write_file_atomically(folder.path() / "s.house.gz", gzip("no house", 6));
+  EXPECT_THAT(tests::refusal<InvalidInput>(
+                  [&] { boxes_of_meshes(*square(), folder.path(), folder.path()); }),
+              HasSubstr("s.house.gz: line 1: \"no house\", not \"ASCII 1.0\""));
 }
 
 }  // namespace EN_UNIT

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/core/gzip.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/house.h"
 #include "tests/support/served_data.h"
@@ -172,7 +173,7 @@ TEST(Browsing, AScannedBuildingsPlanIsItsHouseFiles) {
   house.objects.push_back({0, 1, {3, 2, 1}, {1, 0, 0}, {0, 1, 0}, {3, 0.1, 1}});
   const auto file = data / "v1/scans/row/house_segmentations/row.house";
   std::filesystem::create_directories(file.parent_path());
-  write_file_atomically(file, mesh::to_text(house));
+  write_file_atomically(file.string() + ".gz", gzip(mesh::to_text(house), 6));
 
   ServedFolder served(data);
   const auto plan = served.json("/api/v1/scans/row/plan");

@@ -3,8 +3,10 @@
 namespace enfilade::bad_input {
 namespace {
 
-Case line(std::string input, std::string command, int exit_code, std::string says) {
-  return {"Command lines", std::move(input), std::move(command), exit_code, std::move(says), {}};
+Case line(std::string input, std::string command, int exit_code, std::string says,
+          std::function<void(Files&)> damage = {}) {
+  return {"Command lines", std::move(input), std::move(command),
+          exit_code,       std::move(says),  std::move(damage)};
 }
 
 }  // namespace
@@ -25,6 +27,9 @@ std::vector<Case> command_line_cases() {
            "--shard: it is set for each share here"),
       line("a job of commands that are not there", "slurm -o {}/job --commands {}/none.txt", 3,
            "none.txt"),
+      line("a job of commands behind a byte-order mark", "slurm -o {}/job --commands {}/c.txt", 0,
+           "shares.sbatch: 1 shares",
+           [](Files& f) { f.write("c.txt", "\xef\xbb\xbf# ours\r\nenfilade stats --data d\r\n"); }),
       line("a job of features without a file", "slurm -o {}/job features --weights random", 2,
            "features: -o FILE is needed"),
       line("an option that is none", "stats --data {} --colour", 2, "--colour"),

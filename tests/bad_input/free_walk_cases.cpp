@@ -41,6 +41,15 @@ Damage edit(const std::string& file, const std::string& from, const std::string&
   return [=](Files& files) { files.edit(file, from, to); };
 }
 
+// Scan 00800-one, whose floor is where HM3D has it, in a folder of all scans.
+Damage in_hm3d(const std::string& folder) {
+  return [=](Files& f) {
+    f.write(kScans, "00800-one\n").remove(kMesh);
+    f.write("connectivity/00800-one_connectivity.json", std::string(f.content(kGraph)));
+    f.write(folder + "/00800-one/one.basis.glb", glb_of_hm3d());
+  };
+}
+
 Case floors(std::string input, const std::string& command, int exit_code, std::string says,
             Damage damage = {}) {
   return {"Navigation meshes", std::move(input), command,
@@ -115,10 +124,13 @@ std::vector<Case> training() {
 }
 
 std::vector<Case> navigation() {
+  const std::string made = "navigation meshes: 1 made, 0 were there";
   const std::string no_mesh = "no building has a mesh to walk on";
   return {
-      floors("a mesh of one building of two", kFloors, 0,
-             "navigation meshes: 1 made, 0 were there"),
+      floors("a mesh of one building of two", kFloors, 0, made),
+      floors("a mesh where HM3D has it", kFloors, 0, made, in_hm3d("hm3d/train")),
+      floors("a split of HM3D elsewhere", "continuous {} --floors-only --meshes {}/new/hm3d/train",
+             0, made, in_hm3d("new/hm3d/train")),
       floors("no mesh at all", kFloors, 2, no_mesh, [](Files& f) { f.remove(kMesh); }),
       floors("a folder of meshes that is not there", "continuous {} --meshes {}/none", 3,
              "{}/none: not a folder (looked for meshes there)"),

@@ -139,6 +139,20 @@ std::string utf16(std::string_view ascii) {
   return text;
 }
 
+std::string glb_of_hm3d() {
+  std::string json =
+      R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
+"bufferViews": [{"buffer": 0, "byteLength": 48}], "buffers": [{"byteLength": 48,
+"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAQAAAAAAAAAAAAACAQAAAgEAAAAAAAAAAAAAAgEAAAAAA"}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto number = [](std::size_t value) {
+    return std::string{static_cast<char>(value % 256), static_cast<char>(value / 256), '\0', '\0'};
+  };
+  return "glTF" + number(2) + number(json.size() + 20) + number(json.size()) + "JSON" + json;
+}
+
 Outcome run(const Case& one) {
   const tests::TemporaryFolder made("bad_input");
   const fs::path& folder = made.path();

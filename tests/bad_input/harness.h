@@ -35,6 +35,8 @@ inline constexpr const char* kResults = "results.json";
 
 /// ASCII as Windows' editors save "Unicode": little-endian, with a byte-order mark.
 std::string utf16(std::string_view ascii);
+/// A level square of 4 m, z up, as HM3D's files are: binary glTF.
+std::string glb_of_hm3d();
 
 struct Case {
   std::string group;    ///< heading in the docs: "Graphs"

@@ -51,21 +51,6 @@ Case read(std::string input, const std::string& file, int exit_code, std::string
           [=](Files& files) { files.write(file, content); }};
 }
 
-// A level square of 4 m, z up, as HM3D's files are.
-std::string glb_of_hm3d() {
-  std::string json =
-      R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
-"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}],
-"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
-"bufferViews": [{"buffer": 0, "byteLength": 48}], "buffers": [{"byteLength": 48,
-"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAQAAAAAAAAAAAAACAQAAAgEAAAAAAAAAAAAAAgEAAAAAA"}]})";
-  json.resize((json.size() + 3) / 4 * 4, ' ');
-  const auto number = [](std::size_t value) {
-    return std::string{static_cast<char>(value % 256), static_cast<char>(value / 256), '\0', '\0'};
-  };
-  return "glTF" + number(2) + number(json.size() + 20) + number(json.size()) + "JSON" + json;
-}
-
 // The mesh of a scan, in a folder of its name.
 Case in_folder(std::string input, const std::string& folder, const std::string& scan,
                const std::string& file, const std::string& content) {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/core/gzip.h"
 #include "enfilade/image/codecs.h"
 #include "tests/bad_input/harness.h"
 
@@ -42,6 +43,21 @@ Case damaged(std::string input, std::string command, std::string says,
             add_pictures(files);
             damage(files);
           }};
+}
+
+constexpr const char* kNoTable = "index\tname\nchair\t3\n";
+
+// A panorama with classes, and a file of their names.
+Case labelled(std::string input, std::string says, std::string file, std::string labels) {
+  return damaged(std::move(input), "render one v0 --data {} --outputs class -o {}/a.png",
+                 std::move(says),
+                 [file = std::move(file), labels = std::move(labels)](Files& files) {
+                   image::Image16 classes(96, 16, 1);
+                   std::ranges::fill(classes.pixels, std::uint16_t{3});
+                   files.write("scans/one/matterport_skybox_images/v0_skybox_class_small.png",
+                               text_of(image::encode_png(classes)));
+                   files.write(file, labels);
+                 });
 }
 
 std::vector<Case> cases_of_names() {
@@ -143,15 +159,9 @@ std::vector<Case> cases_of_files() {
               "loose files need --connectivity DIR", [](Files&) {}),
       damaged("a scan whose graph is broken", "render one v0 --data {}", "one_connectivity.json",
               [](Files& files) { files.write(kGraph, "[{"); }),
-      damaged("labels that are no table", "render one v0 --data {} --outputs class -o {}/a.png",
-              "mpcat40.tsv: line 2",
-              [](Files& files) {
-                image::Image16 classes(96, 16, 1);
-                std::ranges::fill(classes.pixels, std::uint16_t{3});
-                files.write("scans/one/matterport_skybox_images/v0_skybox_class_small.png",
-                            text_of(image::encode_png(classes)));
-                files.write("labels/mpcat40.tsv", "index\tname\nchair\t3\n");
-              }),
+      labelled("labels that are no table", "mpcat40.tsv: line 2", "labels/mpcat40.tsv", kNoTable),
+      labelled("labels that are no table, packed", "mpcat40.tsv.gz: line 2",
+               "labels/mpcat40.tsv.gz", gzip(kNoTable, 6)),
   };
 }
 

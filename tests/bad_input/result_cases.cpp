@@ -1,3 +1,4 @@
+#include "enfilade/core/gzip.h"
 #include "tests/bad_input/harness.h"
 
 namespace enfilade::bad_input {
@@ -12,6 +13,13 @@ Case refused(std::string input, std::string says, std::function<void(Files&)> da
 Case edited(std::string input, std::string says, const std::string& from, const std::string& to) {
   return refused(std::move(input), std::move(says),
                  [=](Files& files) { files.edit(kResults, from, to); });
+}
+
+// Halves, each a gzip of its own.
+void pack(Files& files) {
+  const std::string text = files.content(kResults);
+  files.write("results.json.gz", gzip(text.substr(0, 99), 6) + gzip(text.substr(99), 6));
+  files.remove(kResults);
 }
 
 }  // namespace
@@ -53,6 +61,9 @@ std::vector<Case> result_cases() {
        [](Files& f) {
          f.edit(kResults, "[{", "[{\"instr_id\": \"2_3\", \"trajectory\": [\"v0\"]}, {");
        }},
+      {"Results", "a packed file of two members", "score {}/results.json.gz --data {} --split made",
+       0, "made: 6 episodes", pack},
+      {"Results", "a packed file, named without .gz", kScore, 0, "made: 6 episodes", pack},
       {"Results",
        "no file",
        "score {}/none.json --data {} --split made",

@@ -6,6 +6,7 @@
 #include <optional>
 #include <thread>
 
+#include "enfilade/core/gzip.h"
 #include "enfilade/homes/home_set.h"
 #include "tests/service/program.h"
 #include "tests/support/emulated.h"
@@ -34,6 +35,29 @@ TEST(FirstSteps, AnOrganiserIsToldWhereToGoAndCanLogIn) {
   httplib::Client client("127.0.0.1", program.port());
   const auto who = client.Get("/api/v1/session", {{"Authorization", "Bearer " + token}});
   EXPECT_EQ(who->body, R"({"role":"organiser","name":"Ada"})");
+}
+
+TEST(FirstSteps, ResultsAndTokenAreHandedInAsFilesAreSaved) {
+  const tests::TemporaryFolder folder("first_steps");
+  const std::filesystem::path& root = folder.path();
+  testing::write_served_data(root);
+  Program program(EN_PROGRAM, root / "data", testing::new_database(root / "service.sqlite"),
+                  {"--open-registration", "--phases", root / "phases.json"});
+  program.start();
+  const std::string bearer = testing::make_team(program.port(), "Ours").begin()->second;
+  write_file_atomically(root / "token",
+                        "\xef\xbb\xbf" + bearer.substr(bearer.find(' ') + 1) + "\r\n");
+  const std::string results = testing::row_results(3);
+  write_file_atomically(root / "r.json.gz",
+                        gzip(results.substr(0, 99), 6) + gzip(results.substr(99), 6));
+  for (const char* name : {"r.json.gz", "r.json"}) {
+    tests::Process submit({EN_PROGRAM, "submit", root / name, "--server",
+                           "http://127.0.0.1:" + std::to_string(program.port()), "--phase", "open",
+                           "--method", name, "--token-file", root / "token"},
+                          root / "said");
+    EXPECT_EQ(submit.wait(), 0) << name;
+    EXPECT_THAT(read_file(root / "said"), HasSubstr(": scored")) << name;
+  }
 }
 
 TEST(FirstSteps, AServerBehindAProxyHasToKnowItsName) {

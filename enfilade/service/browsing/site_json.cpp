@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/house.h"
@@ -148,8 +148,8 @@ class PlanOfScan {
 
   std::optional<fs::path> house_file() const {
     for (const fs::path& folder : site_.image_folders()) {
-      const fs::path file =
-          folder / graph_.scan() / "house_segmentations" / (graph_.scan() + ".house");
+      const fs::path file = find_text_file(folder / graph_.scan() / "house_segmentations" /
+                                           (graph_.scan() + ".house"));
       if (fs::exists(file)) return file;
     }
     return std::nullopt;
@@ -158,7 +158,7 @@ class PlanOfScan {
   void read_house() {
     const auto file = house_file();
     if (!file) return;
-    const mesh::House house = mesh::parse_house(read_file(*file), file->string());
+    const mesh::House house = mesh::parse_house(read_text_file(*file), file->string());
     for (std::size_t r = 0; r < house.regions.size(); ++r) add_region(house, r);
     for (const mesh::HouseObject& object : house.objects) add_object(house, object);
   }
