@@ -63,7 +63,7 @@ void print_unanswered(const arena::AskReport& report) {
                counted(report.shortened, "episode"));
   }
   if (!report.adjusted.empty()) {
-    fmt::print("the server refuses the usual request: {}\n", fmt::join(report.adjusted, ", "));
+    fmt::print("requests differ from the usual ones: {}\n", fmt::join(report.adjusted, ", "));
   }
 }
 

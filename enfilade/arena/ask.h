@@ -61,7 +61,7 @@ struct AskReport {
   std::size_t episodes = 0;           ///< requested episodes
   std::size_t done = 0;               ///< of these, also in earlier runs
   Answers answers = Answers::kTools;  ///< the form of the answers
-  /// How requests differ from the usual ones, since the server refuses those: a phrase each.
+  /// How requests differ from the usual ones, by AskConfig or since the server refuses those.
   std::vector<std::string> adjusted;
   std::size_t mistakes = 0;  ///< invalid calls in all finished episodes, without `unanswered`
   /// Responses without a call in all finished episodes, by the reason.

@@ -19,6 +19,7 @@
 #include "enfilade/core/file.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/refusal.h"
+#include "tests/support/run_ends.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::arena {
@@ -73,6 +74,28 @@ json answer_to(const json& request, std::size_t step) {
   return message;
 }
 
+/// An answer with a call in parts: its argument comes in two, the usage last.
+std::string events_of(const json& message) {
+  const json& call = message["tool_calls"][0];
+  const auto arguments = call["function"]["arguments"].get<std::string>();
+  const auto event = [](const json& delta, const json& reason) {
+    const json choice{{"index", 0}, {"delta", delta}, {"finish_reason", reason}};
+    return "data: " + json{{"choices", json::array({choice})}}.dump() + "\n\n";
+  };
+  const auto part = [&event](json of_call) {
+    of_call["index"] = 0;
+    return event({{"tool_calls", json::array({of_call})}}, nullptr);
+  };
+  json head = call;
+  head["function"]["arguments"] = "";
+  return event({{"role", "assistant"}, {"content", nullptr}}, nullptr) + part(head) +
+         part({{"function", {{"arguments", arguments.substr(0, 1)}}}}) +
+         part({{"function", {{"arguments", arguments.substr(1)}}}}) +
+         event(json::object(), "tool_calls") +
+         "data: {\"choices\":[],\"usage\":{\"prompt_tokens\":10,\"completion_tokens\":5}}\n\n"
+         "data: [DONE]\n\n";
+}
+
 /// A server by a function of the request and the number of accepted calls.
 class Server : public Endpoint {
  public:
@@ -107,8 +130,10 @@ class OddServers : public ::testing::Test {
   AskReport run(Endpoint* endpoint, const std::string& name = "run",
                 const std::string& cache = "cache", const std::string& prompt = "text") {
     AnswerCache answers(folder_.path() / cache);
-    return ask(GraphWorld(episodes_), {}, which_, Prompt::named(prompt), config_, endpoint, answers,
-               folder_.path() / name);
+    AskReport report = ask(GraphWorld(episodes_), {}, which_, Prompt::named(prompt), config_,
+                           endpoint, answers, folder_.path() / name);
+    testing::expect_explained(folder_.path() / name, report);
+    return report;
   }
   json run_file(const std::string& name = "run") const {
     return json::parse(read_file(folder_.path() / name / "run.json"));
@@ -214,6 +239,23 @@ TEST_F(OddServers, TheFormOfAnswersIsFoundStepByStep) {
   });
   EXPECT_EQ(run(&plain, "json", "json-cache").answers, Answers::kJson);
   EXPECT_EQ(run_file("json").at("response_format"), "none");
+}
+
+TEST_F(OddServers, AServerThatInsistsOnStreamingIsStreamedFrom) {
+  Server server([](const json& request, const RequestOrigin& origin) {
+    if (!request.value("stream", false)) refuse_with(400, error_of("stream must be set to true"));
+    if (request.contains("stream_options")) refuse_with(422, error_of("unknown: stream_options"));
+    return json::parse(join_events(events_of(answer_to(request, origin.calls.size()))));
+  });
+  const AskReport report = run(&server);
+  EXPECT_EQ(report.endings.at(Ending::kStopped), which_.size());
+  EXPECT_EQ(report.mistakes, 0U);
+  EXPECT_THAT(report.adjusted, ElementsAre("responses are streamed"));
+  EXPECT_EQ(server.requests.size(), report.ledger.answers + 2) << "each is refused once";
+  EXPECT_EQ(report.ledger.answer_tokens, 5 * static_cast<int>(report.ledger.answers));
+  EXPECT_EQ(run_file().at("stream"), true);
+  EXPECT_EQ(run_file().at("stream_usage"), false);
+  expect_replay();
 }
 
 TEST_F(OddServers, AnotherRefusalIsToldInTheServersWordsAndKeepsNoRun) {

@@ -8,7 +8,6 @@
 #include <poll.h>
 
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -20,6 +19,7 @@
 
 #include "enfilade/arena/endpoint.h"
 #include "enfilade/service/client.h"
+#include "tests/arena/listener.h"
 #include "tests/support/raw_socket.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
@@ -31,52 +31,6 @@ using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-/// Keeps the requests, and answers each of them alike. Also as a proxy, whose requests have whole
-/// addresses.
-class Listener {
- public:
-  explicit Listener(std::unique_ptr<httplib::Server> server = std::make_unique<httplib::Server>())
-      : server_(std::move(server)) {
-    const auto answer = [this](const httplib::Request& request, httplib::Response& response) {
-      requests.push_back(request);
-      response.status = status;
-      if (drips) return drip(response);
-      response.set_content(body, type.c_str());
-    };
-    server_->Post(".*", answer);
-    server_->Get(".*", answer);
-    port = server_->bind_to_any_port("127.0.0.1");
-    thread_ = std::thread([this] { server_->listen_after_bind(); });
-    while (!server_->is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  ~Listener() {
-    server_->stop();
-    thread_.join();
-  }
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
-
-  std::string url() const { return "http://127.0.0.1:" + std::to_string(port) + "/v1"; }
-
-  int status = 200, port = 0;
-  bool drips = false;  // comments of a stream, for 5 seconds
-  std::string body = "{}", type = "application/json";
-  std::vector<httplib::Request> requests;
-
- private:
-  static void drip(httplib::Response& response) {
-    response.set_chunked_content_provider(
-        "text/event-stream", [k = 0](std::size_t, httplib::DataSink& sink) mutable {
-          std::this_thread::sleep_for(std::chrono::milliseconds(50));
-          if (++k == 100) sink.done();
-          return sink.write(": wait\n\n", 8);
-        });
-  }
-
-  std::unique_ptr<httplib::Server> server_;
-  std::thread thread_;
-};
 
 /// A proxy that leads every CONNECT to a port of this machine, one connection after another.
 class Tunnel {
@@ -190,22 +144,22 @@ TEST(HttpEndpoint, SendsKeyHeadersAndQuery) {
   Listener listener;
   const auto plain = arena::make_http_endpoint({.url = listener.url() + "/", .key = "sk-secret1"});
   EXPECT_EQ(plain->post("{}", {"r2r/made/1_0", {{"go_to", "B"}, {"stop", ""}}}), "{}");
-  EXPECT_EQ(listener.requests[0].target, "/v1/chat/completions");
-  EXPECT_EQ(listener.requests[0].get_header_value("Authorization"), "Bearer sk-secret1");
-  EXPECT_EQ(listener.requests[0].get_header_value("X-Enfilade-Calls"), "go_to B;stop");
+  EXPECT_EQ(listener.requests()[0].target, "/v1/chat/completions");
+  EXPECT_EQ(listener.requests()[0].get_header_value("Authorization"), "Bearer sk-secret1");
+  EXPECT_EQ(listener.requests()[0].get_header_value("X-Enfilade-Calls"), "go_to B;stop");
   const std::string deployment = listener.url() + "/deployments/gpt";
   const auto azure = arena::make_http_endpoint({.url = deployment + "?api-version=2024-10-21",
                                                 .key = "sk-secret1",
                                                 .key_header = "api-key",
                                                 .headers = {{"X-Team", "vln lab"}}});
   azure->post("{}", {});
-  const httplib::Request& asked = listener.requests[1];
+  const httplib::Request asked = listener.requests()[1];
   EXPECT_EQ(asked.target, "/v1/deployments/gpt/chat/completions?api-version=2024-10-21");
   EXPECT_EQ(asked.get_header_value("api-key"), "sk-secret1");
   EXPECT_EQ(asked.get_header_value("X-Team"), "vln lab");
   EXPECT_FALSE(asked.has_header("Authorization"));
   arena::make_http_endpoint({.url = deployment + "/chat/completions"})->post("{}", {});
-  EXPECT_EQ(listener.requests[2].target, "/v1/deployments/gpt/chat/completions");
+  EXPECT_EQ(listener.requests()[2].target, "/v1/deployments/gpt/chat/completions");
 }
 
 TEST(HttpEndpoint, ShowsNoSecretThatTheServerRepeats) {
@@ -230,8 +184,8 @@ TEST(HttpEndpoint, SendsOneHeaderOfTheKeysName) {
                              .key = "sk-secret1",
                              .headers = {{"authorization", "Basic b3RoZXI="}}})
       ->post("{}", {});
-  EXPECT_EQ(listener.requests[0].get_header_value_count("Authorization"), 1U);
-  EXPECT_EQ(listener.requests[0].get_header_value("Authorization"), "Basic b3RoZXI=");
+  EXPECT_EQ(listener.requests()[0].get_header_value_count("Authorization"), 1U);
+  EXPECT_EQ(listener.requests()[0].get_header_value("Authorization"), "Basic b3RoZXI=");
 }
 
 TEST(HttpEndpoint, HidesSecretsInWhatIsNoAnswer) {
@@ -300,16 +254,16 @@ TEST(HttpEndpoint, GoesThroughTheProxyOfTheEnvironment) {
   EXPECT_EQ(endpoint->post("{}", {}), "{}");
   proxy.body = R"({"id": 7})";
   EXPECT_EQ(service::Client("http://model.invalid", "t").submit("test", "mine", "[]").id, 7);
-  ASSERT_EQ(proxy.requests.size(), 2U);
-  for (const httplib::Request& one : proxy.requests) {
+  ASSERT_EQ(proxy.requests().size(), 2U);
+  for (const httplib::Request& one : proxy.requests()) {
     EXPECT_THAT(one.target, HasSubstr("http://model.invalid"));
     EXPECT_EQ(one.get_header_value("Proxy-Authorization"), "Basic bWU6cEBzcw==");
   }
   // This machine is reached without it.
   Listener near;
   arena::make_http_endpoint({.url = near.url()})->post("{}", {});
-  EXPECT_EQ(near.requests.size(), 1U);
-  EXPECT_EQ(proxy.requests.size(), 2U);
+  EXPECT_EQ(near.requests().size(), 1U);
+  EXPECT_EQ(proxy.requests().size(), 2U);
   const Variable other("http_proxy", "socks5://me:secret@p:1");
   const std::string fault =
       refusal<ArgumentError>([] { arena::make_http_endpoint({.url = "http://model.invalid/v1"}); });
@@ -334,8 +288,8 @@ TEST(HttpEndpoint, TheServerDoesNotGetTheProxysLogin) {
   ASSERT_EQ(tunnel.heads.size(), 2U);
   EXPECT_THAT(tunnel.heads, Each(AllOf(HasSubstr("CONNECT model.invalid:443 "),
                                        HasSubstr("Proxy-Authorization: Basic bWU6cEBzcw=="))));
-  ASSERT_EQ(server.requests.size(), 2U);
-  for (const httplib::Request& one : server.requests) {
+  ASSERT_EQ(server.requests().size(), 2U);
+  for (const httplib::Request& one : server.requests()) {
     EXPECT_EQ(one.get_header_value("Proxy-Authorization"), "");
   }
 }

@@ -6,7 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <strings.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -16,6 +18,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -25,7 +28,9 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
+#include "tests/arena/listener.h"
 #include "tests/support/grid_world.h"
+#include "tests/support/run_ends.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::tests {
@@ -73,7 +78,8 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  std::string url() const { return "http://127.0.0.1:" + std::to_string(port_) + "/v1"; }
+  std::string host() const { return "http://127.0.0.1:" + std::to_string(port_); }
+  std::string url() const { return host() + "/v1"; }
   const Json& recording() const { return recording_; }
 
  private:
@@ -88,10 +94,7 @@ class Server {
     const Json one = left.front();
     left.erase(left.begin());
     EXPECT_EQ(form_of(Json::parse(request.body)), form_of(one["request"]));
-    response.status = one["status"].get<int>();
-    const Json& body = one["body"];
-    response.set_content(body.is_string() ? body.get<std::string>() : body.dump(),
-                         one["content_type"].get<std::string>().c_str());
+    reply(one, response);
   }
 
   void record(const httplib::Request& request, httplib::Response& response) {
@@ -107,14 +110,45 @@ class Server {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     const std::string type = result->get_header_value("Content-Type");
     const Json body = Json::parse(result->body, nullptr, false);
-    recording_["exchanges"].push_back({{"episode", request.get_header_value("X-Enfilade-Episode")},
-                                       {"request", Json::parse(request.body)},
-                                       {"status", result->status},
-                                       {"content_type", type},
-                                       {"seconds", std::round(seconds.count() * 100) / 100},
-                                       {"body", body.is_discarded() ? Json(result->body) : body}});
-    response.status = result->status;
-    response.set_content(result->body, type.c_str());
+    const Json one{{"episode", request.get_header_value("X-Enfilade-Episode")},
+                   {"request", Json::parse(request.body)},
+                   {"status", result->status},
+                   {"content_type", type},
+                   {"headers", kept(result->headers)},
+                   {"seconds", std::round(seconds.count() * 100) / 100},
+                   {"body", body.is_discarded() ? Json(result->body) : body}};
+    recording_["exchanges"].push_back(one);
+    reply(one, response);
+  }
+
+  /// The headers of a response, but for those that differ each time.
+  static Json kept(const httplib::Headers& headers) {
+    Json all = Json::object();
+    for (const auto& [name, value] : headers) {
+      if (!is_one_of(name, {"Date", "Set-Cookie"})) all[name] = value;
+    }
+    return all;
+  }
+
+  static void reply(const Json& one, httplib::Response& response) {
+    response.status = one["status"].get<int>();
+    const Json& body = one["body"];
+    response.set_content(body.is_string() ? body.get<std::string>() : body.dump(),
+                         one["content_type"].get<std::string>().c_str());
+    // Those of a connection and of its bytes are made anew. Older recordings have none.
+    const Json headers = one.value("headers", Json::object());
+    for (const auto& [name, value] : headers.items()) {
+      if (!is_one_of(name, {"Content-Type", "Content-Length", "Content-Encoding",
+                            "Transfer-Encoding", "Connection", "Keep-Alive"})) {
+        response.set_header(name, value.get<std::string>());
+      }
+    }
+  }
+
+  static bool is_one_of(const std::string& name, const std::set<std::string>& names) {
+    return std::ranges::any_of(names, [&name](const std::string& one) {
+      return ::strcasecmp(one.c_str(), name.c_str()) == 0;
+    });
   }
 
   Json recording_;
@@ -144,8 +178,11 @@ arena::AskReport run(const Server& server) {
   arena::AnswerCache cache(folder.path() / "cache");
   std::vector<std::size_t> which(episodes->episodes.size());
   std::iota(which.begin(), which.end(), 0U);
-  return arena::ask(arena::GraphWorld(episodes), {}, which, arena::Prompt::named("text"), config,
-                    endpoint.get(), cache, folder.path() / "run");
+  const auto report =
+      arena::ask(arena::GraphWorld(episodes), {}, which, arena::Prompt::named("text"), config,
+                 endpoint.get(), cache, folder.path() / "run");
+  arena::testing::expect_explained(folder.path() / "run", report);
+  return report;
 }
 
 /// What became of a run: the same each time.
@@ -177,6 +214,27 @@ TEST(RecordedServers, ArePlayedAgain) {
     ++played;
   }
   EXPECT_GT(played, 0U) << recordings();
+}
+
+TEST(RecordedServers, KeepHeadersThatStayTheSame) {
+  Listener real;
+  real.status = 429;
+  real.headers = {{"Retry-After", "0"}, {"Set-Cookie", "a=1"}, {"Date", "today"}};
+  const std::string body = R"({"model": "m", "messages": []})";
+  const auto ask = [&body](const Server& server) {
+    return httplib::Client(server.host()).Post("/v1/chat/completions", body, "application/json");
+  };
+  const Server recorder({{"exchanges", Json::array()}}, real.host());
+  EXPECT_EQ(ask(recorder)->get_header_value("Retry-After"), "0");
+  const Json headers = recorder.recording()["exchanges"][0]["headers"];
+  EXPECT_EQ(headers["Retry-After"], "0");
+  EXPECT_FALSE(headers.contains("Set-Cookie") || headers.contains("Date")) << headers;
+  const Server player(recorder.recording());
+  const auto played = ask(player);
+  EXPECT_EQ(played->status, 429);
+  EXPECT_EQ(played->body, "{}");
+  EXPECT_EQ(played->get_header_value("Retry-After"), "0");
+  EXPECT_EQ(played->get_header_value_count("Content-Type"), 1U);
 }
 
 TEST(RecordedServers, AreRecorded) {
