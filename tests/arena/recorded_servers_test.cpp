@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
-#include <strings.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -146,8 +146,9 @@ class Server {
   }
 
   static bool is_one_of(const std::string& name, const std::set<std::string>& names) {
-    return std::ranges::any_of(names, [&name](const std::string& one) {
-      return ::strcasecmp(one.c_str(), name.c_str()) == 0;
+    const auto lower = [](unsigned char c) { return std::tolower(c); };
+    return std::ranges::any_of(names, [&](const std::string& one) {
+      return std::ranges::equal(one, name, {}, lower, lower);
     });
   }
 
