@@ -44,7 +44,7 @@ inline void expect_explained(const std::filesystem::path& run, const AskReport& 
       ASSERT_TRUE(last.is_object()) << id;
       EXPECT_EQ(last.at("tool"), "stop") << id;
     } else {
-      EXPECT_TRUE(named || ending == Ending::kMistakes || end.at("steps") > 0) << id;
+      EXPECT_TRUE(named || ending == Ending::kMistakes || end.at("steps").get<int>() > 0) << id;
     }
   }
   EXPECT_EQ(endings, report.endings) << run;
