@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 // Those of HM3D; the folders below have the buildings.
 constexpr std::array<const char*, 4> kSplits{"train", "val", "minival", "test"};
-// Of its meshes. Where a building has both, the first counts: its textures are plain pictures.
+// Endings of its meshes. The first counts where a building has both: its textures are plain.
 constexpr std::array<const char*, 2> kHm3dEndings{".glb", ".basis.glb"};
 
 std::optional<MeshFile> in_folder(const fs::path& folder, const std::string& scan,

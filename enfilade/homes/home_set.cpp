@@ -144,7 +144,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     const auto scan = name_before(entry.path(), kSuffix);
-    // Of a plain and a packed file the one that readers take.
+    // A plain and a packed file: the one that readers take.
     if (scan && find_text_file(folder / fmt::format("{}{}", *scan, kSuffix)) == entry.path()) {
       files.push_back(entry.path());
     }

@@ -302,7 +302,7 @@ def _write_video(pictures: Iterable[bytes], parts: _Parts, file: Path) -> None:
         for number, content in enumerate(pictures):
             (decoded,) = decoder.decode(av.Packet(content))
             # By way of RGB values: JPEG's brightness has all 256 values, a video's has 220. PyAV 18.1's
-            # reformat() would keep JPEG's range in the frame's notes, and the encoder believes them.
+            # reformat() keeps JPEG's range as the frame's own, which the encoder then assumes.
             frame = av.VideoFrame.from_ndarray(decoded.to_ndarray(format="rgb24"), format="rgb24")
             frame.pts, frame.time_base = number, Fraction(1, _STEPS_PER_SECOND)
             container.mux(stream.encode(frame))
