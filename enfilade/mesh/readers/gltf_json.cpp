@@ -198,8 +198,10 @@ bool check_gltf_json(std::string_view text, const std::string& file, ReadResult&
   json::fields(*found[0], kVersion, version, asset, faults);
   faults.throw_if_errors();
   const json::Path version_path(asset, "version");
-  const auto value = json::string(*version[0], version_path, faults);
-  if (value && !value->starts_with("2.")) {
+  if (version[0]->is_number()) {  // of glTF 1.0, where some writers forget the quotes
+    faults.error(version_path, "bad-version", "a number, as in files of glTF 1.0, not \"2.x\"");
+  } else if (const auto value = json::string(*version[0], version_path, faults);
+             value && !value->starts_with("2.")) {
     faults.error(version_path, "bad-version", fmt::format("{}, not 2.x", in_quotes(*value)));
   }
   if (found[1]) check_extensions(*found[1], required, faults, file, result);

@@ -435,6 +435,7 @@ TEST(ReadGltf, NamesEachFault) {
   };
   const auto says = [](const char* text) { return ThrowsMessage<InvalidInput>(HasSubstr(text)); };
   EXPECT_THAT(edit("\"2.0\"", "\"1.0\""), says("$.asset.version: \"1.0\", not 2.x"));
+  EXPECT_THAT(edit("\"2.0\"", "1.0"), says("$.asset.version: a number, as in files of glTF 1.0"));
   EXPECT_THAT(edit("\"scene\":0", R"("extensionsRequired":["EXT_own_geometry"])"),
               says("\"EXT_own_geometry\" is required, but not known here"));
   EXPECT_THAT(edit("{\"asset\"", "{,\"asset\""), says("a.glb"));
