@@ -63,7 +63,11 @@ scan::Connectivity graph_of(const Arguments& a, const mesh::RayTracer& tracer,
     }
     return graph;
   }
-  const mesh::WalkableFloor floor = find_floor(tracer.mesh(), a.mesh);
+  const mesh::WalkableFloor floor = find_floor(tracer.mesh(), a.mesh, {.growing_cell = true});
+  if (const double cell = floor.options().cell; cell > mesh::WalkableOptions{}.cell) {
+    fmt::print(stderr, "note: the mesh is large: its floor is searched in steps of {:.2f} m\n",
+               cell);
+  }
   std::vector<graph::PlacedViewpoint> viewpoints = graph::place_viewpoints(tracer, floor);
   if (a.limit != 0 && viewpoints.size() > a.limit) viewpoints.resize(a.limit);
   return graph::connect_viewpoints(tracer, floor, viewpoints, scan, {}, a.files.threads,

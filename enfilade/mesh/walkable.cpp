@@ -142,10 +142,14 @@ void set_exact_heights(const Mesh& mesh, const FloorLattice& lattice, double ste
 WalkableFloor::WalkableFloor(const Mesh& mesh, const WalkableOptions& options) : options_(options) {
   check_walkable_input(mesh, options);
   lattice_ = make_lattice(mesh, options);
-  FloorField field = make_field(mesh, options, lattice_);
-  field.erode(options);
+  if (options.growing_cell) {
+    options_.cell = fitting_cell(mesh, options);
+    lattice_ = make_lattice(mesh, options_);
+  }
+  FloorField field = make_field(mesh, options_, lattice_);
+  field.erode(options_);
   field.measure_distances();
-  floor_ = gather(field, lattice_, options);
+  floor_ = gather(field, lattice_, options_);
   set_exact_heights(mesh, lattice_, options.body.step, floor_);
   for (const FloorCell& cell : floor_.cells) areas_ = std::max<std::size_t>(areas_, cell.area + 1);
 }

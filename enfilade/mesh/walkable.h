@@ -20,8 +20,11 @@ struct Body {
 
 /// Body size and grid resolution.
 struct WalkableOptions {
-  Body body;
-  double cell = 0.07;       ///< grid spacing, metres
+  Body body = {};
+  double cell = 0.07;  ///< grid spacing, metres
+  /// `cell` grows on large meshes (over 128 m at 0.07 m) until 3.3 million columns are left. Meshes
+  /// that are too large for `cell` as given are refused all the same.
+  bool growing_cell = false;
   double least_area = 1.0;  ///< m2; smaller islands of floor (table tops) are dropped
   /// Anything outside is ignored: a landscape around a building. No value: everything counts.
   std::optional<Box> within = {};
@@ -60,6 +63,7 @@ class WalkableFloor {
   /// none, with the reason: no surface flat enough, no head-room, all islands too small
   WalkableFloor(const Mesh& mesh, const WalkableOptions& options = {});
 
+  /// As given, except a `cell` that has grown.
   const WalkableOptions& options() const noexcept { return options_; }
   std::span<const FloorCell> cells() const noexcept { return floor_.cells; }
   /// Indices of the cells that can be reached from a cell by one step: up to 8.

@@ -224,6 +224,17 @@ TEST(WalkableFloor, AbsurdSizesNameCellAndExtent) {
   EXPECT_THROW(WalkableFloor(Maker().room(0, 0, 5, 5).mesh, bad), ArgumentError);
 }
 
+TEST(WalkableFloor, CellsGrowOnLargeMeshesIfAskedFor) {
+  const Mesh small = Maker().room(0, 0, 5, 4).mesh, large = Maker().room(0, 0, 180, 180).mesh;
+  const WalkableOptions growing{.growing_cell = true};
+  EXPECT_EQ(WalkableFloor(small, growing).options().cell, kCell);
+  const WalkableFloor floor(large, growing);
+  EXPECT_DOUBLE_EQ(floor.options().cell, kCell * 1.25 * 1.25);
+  EXPECT_EQ(floor.areas(), 1U);
+  EXPECT_NEAR(floor.area_m2(), 179.5 * 179.5, 4 * 180 * floor.options().cell);
+  EXPECT_THROW(WalkableFloor(Maker().room(0, 0, 300, 300).mesh, growing), ArgumentError);
+}
+
 TEST(WalkableFloor, BelowOutsideIsNothing) {
   const WalkableFloor floor(Maker().room(0, 0, 5, 4).mesh);
   EXPECT_FALSE(floor.below({-50, 2, 1}));
