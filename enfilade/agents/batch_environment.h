@@ -55,7 +55,7 @@ struct EnvironmentConfig {
   std::uint32_t max_steps = 40;  ///< actions after which an episode is cut off, >= 1
   /// Metres, for goals that use it. R2R-Back: an agent this near to the turning point has turned
   /// there, as actions have no answer.
-  double success_distance = 3;
+  double success_distance = tasks::MetricOptions{}.success_distance;
   /// An agent whose episode has ended begins a new one at its next step, with any action
   /// (Gymnasium's NEXT_STEP). Otherwise reset() is required.
   bool reset_at_next_step = false;

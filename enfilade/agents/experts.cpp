@@ -9,17 +9,12 @@
 namespace enfilade::agents {
 namespace {
 
-// Metres that nDTW is scaled by.
-constexpr double kNear = 3;
-
 double ndtw_by(const ExpertView& view, ViewpointIndex node) {
   std::vector<ViewpointIndex> walk(view.walked.begin(), view.walked.end());
   const auto way = view.graph.path(view.walked.back(), node);
   if (!way) return -std::numeric_limits<double>::infinity();
   walk.insert(walk.end(), way->begin() + 1, way->end());
-  tasks::MetricOptions options;
-  options.success_distance = kNear;
-  return tasks::compute_metrics(view.graph, walk, view.reference, options).ndtw;
+  return tasks::compute_metrics(view.graph, walk, view.reference).ndtw;
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "enfilade/neural/trained_agent.h"
 #include "enfilade/sim/candidates.h"
 #include "enfilade/tasks/annotations.h"
+#include "enfilade/tasks/metrics.h"
 #include "enfilade/tasks/results.h"
 
 namespace enfilade::neural::panoramic {
@@ -108,7 +109,8 @@ struct PanoramicRolloutOptions {
   std::uint64_t seed = 1, stream = 0;  ///< of the draws
   double discount = 0.9;               ///< of a reward per step
   double entropy = 0.01;               ///< weight of the entropy
-  double success_distance = 3;         ///< metres, strictly below: a stop is rewarded with 2
+  /// Metres, strictly below: a stop is rewarded with 2.
+  double success_distance = tasks::MetricOptions{}.success_distance;
   /// Whether `images` have columns dropped already: drop_environment().
   FeaturesDropped dropped = FeaturesDropped::kByNetwork;
   /// The pictures in place of `images`, on the network's device; null: `images`, sent there at each

@@ -11,6 +11,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/geometry/habitat_frame.h"
 #include "enfilade/tasks/continuous_results.h"
+#include "enfilade/tasks/metrics.h"
 
 namespace enfilade::tasks {
 namespace {
@@ -174,7 +175,7 @@ double fast_dtw(std::span<const Point3> a, std::span<const Point3> b, FastDtw fo
 
 namespace {
 
-constexpr double kSuccessDistance = 3.0;  // metres
+constexpr double kSuccessDistance = MetricOptions{}.success_distance;  // metres
 using Position = std::array<float, 3>;
 
 // Whether a distance is asked anew: positions that are close, in the sense of NumPy's allclose()
