@@ -40,9 +40,8 @@ std::optional<std::vector<Json>> recorded(const char* name) {
   return episodes;
 }
 
-#define RECORDED(episodes, name)        \
-  const auto episodes = recorded(name); \
-  if (!episodes) GTEST_SKIP() << "ENFILADE_DATA is not set, or no recorded agents lie beside it"
+constexpr const char* kNoRecordedAgents =
+    "ENFILADE_DATA is not set, or no recorded agents lie beside it";
 
 std::shared_ptr<const graph::GraphSet> graphs() {
   return graph::GraphSet::open(fs::path(scan::DataRoot::from_environment()->folder()) /
@@ -209,7 +208,8 @@ class DuetWalk {
 class RecordedDuet : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RecordedDuet, MapsFeaturesAndExpertsAreTheRecordedOnes) {
-  RECORDED(episodes, GetParam());
+  const auto episodes = recorded(GetParam());
+  if (!episodes) GTEST_SKIP() << kNoRecordedAgents;
   const auto set = graphs();
   PanoramaCache cache(set);
   std::size_t steps = 0;
@@ -226,7 +226,8 @@ INSTANTIATE_TEST_SUITE_P(All, RecordedDuet,
                                            "duet_reverie_episodes.jsonl.gz"));
 
 TEST(RecordedEnvDrop, CandidatesMovesAndTeacherAreTheRecordedOnes) {
-  RECORDED(episodes, "envdrop_episodes.jsonl.gz");
+  const auto episodes = recorded("envdrop_episodes.jsonl.gz");
+  if (!episodes) GTEST_SKIP() << kNoRecordedAgents;
   const auto set = graphs();
   PanoramaCache cache(set);
   for (const Json& episode : *episodes) {

@@ -77,7 +77,7 @@ Place parse_place(const std::vector<std::string>& words, const std::string& file
 
 // The id that a name in a list stands for: without folder and a picture's suffix.
 std::string id_of(const std::string& name) {
-  const std::string last = name.substr(name.find_last_of("/\\") + 1);  // npos + 1 is 0
+  std::string last = name.substr(name.find_last_of("/\\") + 1);  // npos + 1 is 0
   const std::size_t dot = last.rfind('.');
   if (dot == std::string::npos || dot == 0) return last;
   std::string suffix = last.substr(dot + 1);

@@ -159,7 +159,8 @@ class Looker {
     for (int turn = nearest - 2; turn <= nearest + 2; ++turn) {
       const int column = (turn + kHeadings) % kHeadings;
       for (int row = 0; row < 3; ++row) {
-        const auto index = static_cast<std::size_t>(row * kHeadings + column);
+        const std::size_t index =
+            static_cast<std::size_t>(row) * kHeadings + static_cast<std::size_t>(column);
         const View& view = views()[index];
         const double ahead = dot(middle, view.forward);
         if (ahead < 0.5) continue;  // the corners of a picture are at 50 degrees

@@ -33,7 +33,7 @@ TEST(Gzip, WhatIsLongerThanAllowedOrDamagedIsRefused) {
   const std::string text = text_of(100'000);
   const std::string packed = gzip(text, 6);
   EXPECT_THROW(gunzip(packed, text.size() - 1), Error);
-  EXPECT_THROW(gunzip(gzip(std::string(10'000'000, ' '), 9), 1'000'000), Error);
+  EXPECT_THROW(gunzip(gzip(std::string(8'000'000, ' '), 9), 1'000'000), Error);
   EXPECT_THROW(gunzip("", 10), Error);
   EXPECT_THROW(gunzip(text, text.size()), Error);
   EXPECT_THROW(gunzip(packed.substr(0, packed.size() - 1), text.size()), Error);

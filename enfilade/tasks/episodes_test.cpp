@@ -96,7 +96,7 @@ TEST(Episodes, AnObjectIsSeenFromWhereOneCanStandAndItHasAView) {
 
 TEST(Episodes, AnObjectThatNobodySeesIsAFault) {
   const ObjectBoxes boxes = objects();
-  const auto look_up = [&boxes](std::int64_t id, const ObjectBoxes* known) {
+  const auto look_up = [](std::int64_t id, const ObjectBoxes* known) {
     return make_episodes(of(Task::kReverie, entry({"v0", "v1"}, NamedObject{id})), graphs(),
                          Instructions::kScored, known);
   };

@@ -17,8 +17,6 @@ namespace enfilade::continuous::pixels {
 namespace HWY_NAMESPACE {
 #include "enfilade/continuous/pixels/simd_vector.inc"
 
-constexpr std::size_t kLanes = 16;
-
 HWY_INLINE Vector times(Vector a, Vector b) {
   return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
 }

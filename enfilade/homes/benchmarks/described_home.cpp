@@ -57,7 +57,7 @@ DescribedHome::DescribedHome(const BuiltHome& built, const graph::NavGraph& grap
   });
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const auto room = sights.room(ViewpointIndex(i));
-    if (room) in_room_[*room].push_back(ViewpointIndex(i));
+    if (room) in_room_[*room].emplace_back(i);
   }
   for (std::size_t i = 0; i < home().things.size(); ++i) {
     const std::uint32_t object = home().things[i].object;

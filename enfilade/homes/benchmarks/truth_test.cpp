@@ -86,7 +86,7 @@ struct Place {
 const std::vector<std::unique_ptr<Place>>& places() {
   static const auto kPlaces = [] {
     std::vector<std::unique_ptr<Place>> all;
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
       all.push_back(std::make_unique<Place>(seed, std::nullopt));
     }
     all.push_back(std::make_unique<Place>(4, 2));

@@ -53,7 +53,7 @@ void read_exif(Bytes bytes, PhotoNotes& notes) {
 }
 
 PhotoNotes jpeg_notes(Bytes jpeg) {
-  constexpr std::uint8_t kApp1 = 0xE1, kScan = 0xDA, kFill = 0xFF;
+  constexpr std::uint8_t kApp1 = 0xE1, kStartOfScan = 0xDA, kFill = 0xFF;
   PhotoNotes notes;
   std::size_t at = 2;
   while (at + 4 <= jpeg.size() && jpeg[at] == 0xFF) {
@@ -63,7 +63,7 @@ PhotoNotes jpeg_notes(Bytes jpeg) {
       continue;
     }
     const std::size_t size = std::size_t{jpeg[at + 2]} << 8U | jpeg[at + 3];
-    if (marker == kScan || size < 2 || at + 2 + size > jpeg.size()) break;
+    if (marker == kStartOfScan || size < 2 || at + 2 + size > jpeg.size()) break;
     const std::string_view body = text_of(jpeg.subspan(at + 4, size - 2));
     if (marker == kApp1 && body.starts_with(kExif)) {
       read_exif(bytes_of(body), notes);

@@ -216,9 +216,9 @@ class SceneReader {
     return out;
   }
   /// Keeps the first warning of a code about `what`; the others are counted.
-  void leave_out(Diagnostic found, const std::string& what) {
+  void leave_out(const Diagnostic& found, const std::string& what) {
     std::string kind = what + " " + found.code;
-    ++left_out_.try_emplace(std::move(kind), std::move(found), 0).first->second.second;
+    ++left_out_.try_emplace(std::move(kind), found, 0).first->second.second;
   }
   /// The same for what a mesh can do without: a fault is a warning, and nothing is given.
   std::optional<GltfNumbers> optional_attribute(const tinygltf::Primitive& primitive,

@@ -147,7 +147,7 @@ TEST(ReadPly, NumbersThatAreNotFiniteAreWarnings) {
 }
 
 TEST(ReadPly, FloatColoursOfBytesAreDivided) {
-  const auto parse = [](std::string first) {
+  const auto parse = [](const std::string& first) {
     std::string text = ascii(first, "3 0 1 2");
     for (int k = 0; k < 3; ++k) text.replace(text.find("ushort"), 6, "float");
     return parse_mesh(text, "a.ply");

@@ -265,8 +265,8 @@ const KernelVariant& chosen() {
 }  // namespace
 
 const std::vector<KernelVariant>& kernel_variants() {
-  static const std::vector<KernelVariant> variants = find_variants();
-  return variants;
+  static const std::vector<KernelVariant> kVariants = find_variants();
+  return kVariants;
 }
 
 const PixelKernels& simd_kernels() noexcept { return *chosen().kernels; }

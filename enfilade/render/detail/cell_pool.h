@@ -29,7 +29,7 @@ class CellPool {
   using Piece = std::unique_ptr<std::uint8_t, Return>;
 
   CellPool();
-  ~CellPool();
+  ~CellPool();  // NOLINT(performance-trivially-destructible): Block is incomplete here
   CellPool(const CellPool&) = delete;
   CellPool& operator=(const CellPool&) = delete;
 

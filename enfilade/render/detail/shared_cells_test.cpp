@@ -132,7 +132,7 @@ TEST(SharedCells, AProcessMayBeKilledAtAnyStep) {
       return use_everything(name.path());
     });
     const int status = wait_for(child);
-    for (const std::uint64_t number : {0, 1, 1000, 1001, 1002}) {
+    for (const std::uint64_t number : {0U, 1U, 1000U, 1001U, 1002U}) {
       const auto claim = get(cells, number);
       ASSERT_TRUE(claim.found == ClaimResult::kReady || claim.found == ClaimResult::kMine)
           << "killed at step " << step << ", face " << number;

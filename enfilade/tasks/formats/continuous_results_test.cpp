@@ -146,7 +146,7 @@ TEST(ContinuousResults, AreNotWrittenWhereTheirFormCannotSayThem) {
     damage(walks[0], episodes);
     return tests::refusal<ArgumentError>([&] { to_json(walks, episodes, form); });
   };
-  const auto kR2rForm = ContinuousForm::kR2r, kRxrForm = ContinuousForm::kRxr;
+  constexpr auto kR2rForm = ContinuousForm::kR2r, kRxrForm = ContinuousForm::kRxr;
   EXPECT_THAT(refusal([](auto& walk, auto&) { walk.episode = 2; }, kR2rForm),
               HasSubstr("a walk of episode 2; there are 2"));
   EXPECT_THAT(refusal([](auto& walk, auto&) { walk.actions.pop_back(); }, kR2rForm),

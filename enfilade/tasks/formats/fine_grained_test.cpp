@@ -91,7 +91,7 @@ TEST(FineGrained, NamesFieldPlaceAndWhatIsAllowed) {
     const char* name;
     std::string text;
     std::string fault;
-  } kRows[]{
+  } rows[]{
       {"empty file", "", "f.json: $: the file is empty"},
       {"no entry", "[7]", "f.json: $[0]: number 7, not an object"},
       {"NaN", edited("0.053", "NaN"), "NaN and Infinity are not JSON"},
@@ -135,7 +135,7 @@ TEST(FineGrained, NamesFieldPlaceAndWhatIsAllowed) {
        edited("\"heading\"", "\"instr_encodings\": [[1]], \"heading\""),
        "$[0].instr_encodings: 1 lists of tokens; 3 are expected"},
   };
-  for (const auto& row : kRows) EXPECT_THAT(faults_of(row.text), HasSubstr(row.fault)) << row.name;
+  for (const auto& row : rows) EXPECT_THAT(faults_of(row.text), HasSubstr(row.fault)) << row.name;
 }
 
 TEST(FineGrained, ListsAllFaultsAtOnce) {
@@ -175,9 +175,9 @@ TEST(FineGrained, OfRealSplits) {
   const struct {
     const char* split;
     Counts counts;
-  } kSplits[]{{"val_seen", {340, 1021, 3775, 27083, 607}},
-              {"val_unseen", {783, 2349, 8481, 61501, 1188}}};
-  for (const auto& [split, counts] : kSplits) {
+  } splits[]{{"val_seen", {340, 1021, 3775, 27083, 607}},
+             {"val_unseen", {783, 2349, 8481, 61501, 1188}}};
+  for (const auto& [split, counts] : splits) {
     const auto file = data->folder() / "fgr2r" / ("FGR2R_" + std::string(split) + ".json");
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
     const Annotations read = parse_fine_grained(read_text_file(file), file.string(), split);

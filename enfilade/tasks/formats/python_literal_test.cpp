@@ -51,7 +51,7 @@ TEST(PythonLiteral, IsRefusedWithThePlaceAndWhatIsExpected) {
     const char* name;
     std::string text;
     std::string fault;
-  } kRows[]{
+  } rows[]{
       {"empty", "", "0: the text ends; a list, which begins with ["},
       {"no list", "'walk'", "0: \"'walk'\"; a list, which begins with ["},
       {"a tuple", "(['a'],)", "0: \"(['a'],)\"; a list"},
@@ -80,7 +80,7 @@ TEST(PythonLiteral, IsRefusedWithThePlaceAndWhatIsExpected) {
       {"something after", "[[]] x", "5: \"x\"; the end of the text"},
       {"two lists", "[][]", "2: \"[]\"; the end of the text"},
   };
-  for (const auto& row : kRows) EXPECT_THAT(fault_of(row.text), HasSubstr(row.fault)) << row.name;
+  for (const auto& row : rows) EXPECT_THAT(fault_of(row.text), HasSubstr(row.fault)) << row.name;
 }
 
 TEST(PythonLiteral, TakesNoStackForDeepNesting) {

@@ -169,7 +169,7 @@ TEST(R2rFamily, NamesFieldPlaceAndWhatIsAllowedOfEntries) {
     const char* name;
     std::string text;
     std::string fault;
-  } kRows[]{
+  } rows[]{
       {"empty", "", "r.json: $: the file is empty"},
       {"blank", "\n \n", "r.json: $: the file is empty"},
       {"cut", std::string(kEncoded).substr(0, 100), "the file ends too early"},
@@ -219,7 +219,7 @@ TEST(R2rFamily, NamesFieldPlaceAndWhatIsAllowedOfEntries) {
       {"something after", std::string(kEncoded) + "]", "r.json: $"},
       {"a turning point", kBack, "$[0].midstop: a turning point, as R2R-Back has them"},
   };
-  for (const auto& row : kRows) EXPECT_THAT(faults_of(row.text), HasSubstr(row.fault)) << row.name;
+  for (const auto& row : rows) EXPECT_THAT(faults_of(row.text), HasSubstr(row.fault)) << row.name;
 }
 
 TEST(R2rFamily, NamesFieldPlaceAndWhatIsAllowedOfInstructions) {
@@ -228,7 +228,7 @@ TEST(R2rFamily, NamesFieldPlaceAndWhatIsAllowedOfInstructions) {
     const char* name;
     std::string text;
     std::string fault;
-  } kRows[]{
+  } rows[]{
       {"an id that is a number", with_id("4332"), "$[1].instr_id: number 4332, not a string"},
       {"an id without a line", with_id("\"4332\""),
        "$[1].instr_id: string \"4332\", not <path_id>_<k>, such as \"4332_0\""},
@@ -253,7 +253,7 @@ TEST(R2rFamily, NamesFieldPlaceAndWhatIsAllowedOfInstructions) {
       {"a cut line", edited(kLines, "[101, 102]}", "[101,"), "r.json:1: $"},
       {"a list over lines", "{\n}", "r.json:1: $"},
   };
-  for (const auto& row : kRows) EXPECT_THAT(faults_of(row.text), HasSubstr(row.fault)) << row.name;
+  for (const auto& row : rows) EXPECT_THAT(faults_of(row.text), HasSubstr(row.fault)) << row.name;
 }
 
 TEST(R2rFamily, NamesWhatIsWrongWithTurningPoints) {
@@ -261,7 +261,7 @@ TEST(R2rFamily, NamesWhatIsWrongWithTurningPoints) {
     const char* name;
     std::string text;
     std::string fault;
-  } kRows[]{
+  } rows[]{
       {"none", edited(kBack, ", \"midstop\": \"v1\"", ""),
        "$[0]: has no field \"midstop\", which paths of R2R-Back have"},
       {"a number", edited(kBack, "\"midstop\": \"v1\"", "\"midstop\": 1"),
@@ -272,7 +272,7 @@ TEST(R2rFamily, NamesWhatIsWrongWithTurningPoints) {
        "$[0].midstop: given twice"},
       {"none in lines", kLines, "$[0]: has no field \"midstop\""},
   };
-  for (const auto& row : kRows) {
+  for (const auto& row : rows) {
     EXPECT_THAT(faults_of(row.text, Task::kR2rBack), HasSubstr(row.fault)) << row.name;
   }
 }
@@ -344,11 +344,11 @@ TEST(R2rFamily, OfRealSplits) {
   const struct {
     const char* split;
     Counts counts;
-  } kSplits[]{{"train", {4675, 14039, 61, 5626, 28066, 1923985}},
-              {"val_seen", {340, 1021, 56, 1560, 2065, 140981}},
-              {"val_unseen", {783, 2349, 11, 749, 4671, 319808}},
-              {"test", {1391, 4173, 18, 908, 1391, 575208}}};
-  for (const auto& [split, counts] : kSplits) {
+  } splits[]{{"train", {4675, 14039, 61, 5626, 28066, 1923985}},
+             {"val_seen", {340, 1021, 56, 1560, 2065, 140981}},
+             {"val_unseen", {783, 2349, 11, 749, 4671, 319808}},
+             {"test", {1391, 4173, 18, 908, 1391, 575208}}};
+  for (const auto& [split, counts] : splits) {
     const std::string text = read_text_file(data->annotations(split));
     const Annotations read = parse_r2r_family(text, "", split, Task::kR2r);
     EXPECT_EQ(counts_of(read), counts) << split;
@@ -363,13 +363,13 @@ TEST(R2rFamily, OfRecordedFiles) {
     const char* name;
     Task task;
     std::size_t items, instructions, nodes;
-  } kFiles[]{{"r2r_back_val_seen_synthetic", Task::kR2rBack, 60, 180, 662},
-             {"r2r_back_val_unseen_synthetic", Task::kR2rBack, 60, 180, 636},
-             {"r2r_last_val_seen_synthetic", Task::kR2rLast, 60, 180, 370},
-             {"r2r_last_val_unseen_synthetic", Task::kR2rLast, 60, 180, 366},
-             {"r4r_val_seen_subset", Task::kR4r, 59, 531, 726},
-             {"r4r_val_unseen_subset", Task::kR4r, 80, 720, 995}};
-  for (const auto& one : kFiles) {
+  } files[]{{"r2r_back_val_seen_synthetic", Task::kR2rBack, 60, 180, 662},
+            {"r2r_back_val_unseen_synthetic", Task::kR2rBack, 60, 180, 636},
+            {"r2r_last_val_seen_synthetic", Task::kR2rLast, 60, 180, 370},
+            {"r2r_last_val_unseen_synthetic", Task::kR2rLast, 60, 180, 366},
+            {"r4r_val_seen_subset", Task::kR4r, 59, 531, 726},
+            {"r4r_val_unseen_subset", Task::kR4r, 80, 720, 995}};
+  for (const auto& one : files) {
     const auto text = tests::recorded_annotations(std::string(one.name) + ".json.gz");
     if (!text) GTEST_SKIP() << tests::kNoRecordedAnnotations;
     const Annotations read = parse_r2r_family(*text, one.name, "val", one.task);

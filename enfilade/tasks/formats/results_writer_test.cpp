@@ -41,7 +41,7 @@ std::vector<Trajectory> round_trip(const std::vector<Trajectory>& written, const
                                    const std::string& expected) {
   const std::string text = to_json(written, set);
   EXPECT_THAT(text, HasSubstr(expected));
-  const auto read = parse_results(text, "r.json", set).trajectories;
+  auto read = parse_results(text, "r.json", set).trajectories;
   EXPECT_EQ(to_json(read, set), text);
   return read;
 }

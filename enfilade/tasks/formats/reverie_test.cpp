@@ -243,6 +243,7 @@ struct Sizes {
   friend bool operator==(const Sizes&, const Sizes&) = default;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest looks for this name.
 void PrintTo(const Sizes& s, std::ostream* out) {
   *out << fmt::format(
       "{} items, {} instructions, {} scans, {} viewpoints, {} nodes, {} characters, "

@@ -353,8 +353,7 @@ TEST(SoonRecorded, BothFormsHoldTheSamePaths) {
     const Annotations lines = parse_soon_lines(*other, name, expected.split);
     std::set<std::int64_t> entries;
     std::size_t nodes = 0, boxes = 0, tied = 0, instructions = 0;
-    for (std::size_t k = 0; k < read.paths.size(); ++k) {
-      PathAnnotation& entry = read.paths[k];
+    for (PathAnnotation& entry : read.paths) {
       auto& goal = std::get<NamedBoxes>(entry.goal);
       entries.insert(std::exchange(entry.group, std::nullopt).value());
       nodes += entry.path.size();

@@ -114,7 +114,7 @@ StartRotation StartRotation::of(Radians heading) {
 }
 
 std::string_view scan_of_scene(std::string_view scene) noexcept {
-  constexpr std::string_view kSeparators = "/\\";
+  static constexpr std::string_view kSeparators = "/\\";
   const auto last_of = [](std::string_view path) {
     return path.substr(path.find_last_of(kSeparators) + 1);  // npos + 1 is 0: no folder
   };

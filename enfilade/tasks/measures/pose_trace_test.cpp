@@ -120,7 +120,7 @@ struct Refusal {
 };
 
 TEST(PoseTrace, RefusesWhatIsDamaged) {
-  const auto floats = [](std::vector<float> values, std::vector<std::size_t> shape) {
+  const auto floats = [](const std::vector<float>& values, const std::vector<std::size_t>& shape) {
     return scan::write_npy(values, shape);
   };
   const std::vector<Refusal> refusals{
