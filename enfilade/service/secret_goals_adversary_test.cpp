@@ -158,7 +158,8 @@ class Adversary {
       if (seen.contains("means")) conclude_from_means(sent.question, seen.at("means"));
     }
     // A team's other files are no better than the one that stands for it.
-    for (const json& row : target_.served().json("/api/v1/leaderboards/test").at("rows")) {
+    const json board = target_.served().json("/api/v1/leaderboards/test");
+    for (const json& row : board.at("rows")) {
       const double spl = row.at("means").at("spl").at("mean").get<double>();
       for (const Sent& sent : all) conclude_no_better(sent.question, spl, row, sent.team);
     }
