@@ -23,6 +23,13 @@
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SANITIZED 1
 #endif
+#ifdef __SANITIZE_ADDRESS__
+// ASan asks for this name. The freed blocks that it keeps count as memory: 2.1 GB with its default.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
+extern "C" const char* __asan_default_options() {
+  return "quarantine_size_mb=16:thread_local_quarantine_size_kb=64";
+}
+#endif
 
 namespace enfilade::service {
 namespace EN_UNIT {
@@ -487,9 +494,8 @@ class Watch {
 TEST(MemoryAttacks, TwoHundredFilesOfFaultsTakeLittleAndOthersAreServed) {
   if (tests::is_emulated()) GTEST_SKIP() << "memory would be the emulator's (qemu-user)";
 #ifdef SANITIZED
-  // Its allocator keeps what was freed: 2.1 GB here, 0.2 GB with
-  // ASAN_OPTIONS=quarantine_size_mb=16.
-  constexpr std::size_t kMostGrowth = 3000 * kMega;
+  constexpr std::size_t kMostGrowth =
+      900 * kMega;  // its allocator keeps what was freed for a while
   constexpr std::size_t kMostKept = kMostGrowth;
   constexpr double kSlowest = 20;
 #else
