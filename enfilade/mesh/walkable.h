@@ -22,8 +22,8 @@ struct Body {
 struct WalkableOptions {
   Body body = {};
   double cell = 0.07;  ///< grid spacing, metres
-  /// `cell` grows on large meshes (over 128 m at 0.07 m) until 3.3 million columns are left. Meshes
-  /// that are too large for `cell` as given are refused all the same.
+  /// `cell` grows on large meshes (over 128 m by 128 m at 0.07 m) until 3.3 million columns are
+  /// left. Meshes that are too large for `cell` as given are refused all the same.
   bool growing_cell = false;
   double least_area = 1.0;  ///< m2; smaller islands of floor (table tops) are dropped
   /// Anything outside is ignored: a landscape around a building. No value: everything counts.

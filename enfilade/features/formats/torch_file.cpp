@@ -443,10 +443,10 @@ bool looks_like_pickle(Bytes file) noexcept {
 
 // POSIX's header of a file: its name, and the magic word at byte 257.
 bool looks_like_tar(Bytes file) noexcept {
-  constexpr std::string_view kWord = "ustar";
+  constexpr std::string_view kUstar = "ustar";
   constexpr std::size_t kAt = 257;
-  return file.size() >= kAt + kWord.size() &&
-         std::ranges::equal(file.subspan(kAt, kWord.size()), bytes_of(kWord));
+  return file.size() >= kAt + kUstar.size() &&
+         std::ranges::equal(file.subspan(kAt, kUstar.size()), bytes_of(kUstar));
 }
 
 void refuse_tar(Bytes file, const std::string& name) {
