@@ -20,7 +20,7 @@ struct VerbGroup {
 // As `enfilade --help` lists the verbs.
 const std::vector<VerbGroup>& verb_groups() {
   using namespace enfilade::apps;
-  static const std::vector<VerbGroup> all{
+  static const std::vector<VerbGroup> kAll{
       {"Look",
        {render_verb::add, panorama_verb::add, contact_sheet_verb::add, filmstrip_verb::add,
         top_down_verb::add}},
@@ -38,7 +38,7 @@ const std::vector<VerbGroup>& verb_groups() {
       {"Models", {ask_verb::add, mcp_verb::add}},
       {"Machines", {doctor_verb::add, slurm_verb::add, ray_verb::add}},
   };
-  return all;
+  return kAll;
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ void play(Options& options) {
   options.config.folder = options.output;
   options.config.version = version_with_commit();
   if (options.pictures) options.config.pictures = arena::PictureKind::kStrip;
-  arena::McpServer server(std::move(opened.world), std::move(opened.sights), options.config);
+  arena::McpServer server(std::move(opened.world), opened.sights, options.config);
   const std::string done =
       fmt::format("{} of {} are done", server.done(), counted(server.size(), "episode"));
   if (options.port >= 0) {

@@ -53,7 +53,7 @@ std::string scan_of(const MeshOptions& options, const std::string& graph) {
   if (const auto scan = scan::scan_of_file(graph)) return *scan;
   // HM3D's 00800-NAME/NAME.basis.glb: the folder's name.
   const fs::path file = fs::absolute(dataset::mesh_at(options.file).file);
-  const std::string folder = file.parent_path().filename().string();
+  std::string folder = file.parent_path().filename().string();
   if (tasks::scan_of_scene(file.string()) == folder && scan::is_scan_id(folder)) return folder;
   std::string name = file.stem().string();
   std::ranges::replace_if(name, std::not_fn(is_plain), '_');

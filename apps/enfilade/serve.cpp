@@ -158,7 +158,7 @@ void wait_until_scored(service::Client& client, std::int64_t submission) {
 // Synthetic homes below the current folder. Those of `enfilade demo` if they are there, else two
 // that are made now, with pictures of 512 texels and instructions. Files of a killed run are kept.
 fs::path make_first_homes() {
-  const fs::path of_demo = "enfilade-demo/homes", own = "enfilade-demo/two-homes";
+  fs::path of_demo = "enfilade-demo/homes", own = "enfilade-demo/two-homes";
   if (is_complete(of_demo)) return of_demo;
   if (is_complete(own)) return own;
   fmt::print(

@@ -44,7 +44,7 @@ class ChatTest : public ::testing::Test {
     const auto pictures = order_pictures(*session_, prompt_.pictures(), 64);
     std::vector<std::string> keys;
     for (const auto& one : pictures) keys.push_back(one.key());
-    const json request = json::parse(chat.ask(session_->observation(), pictures, keys));
+    json request = json::parse(chat.ask(session_->observation(), pictures, keys));
     const std::string body = completion(message);
     const ChatAnswer answer = chat.read(body);
     if (answer.reading.call) {

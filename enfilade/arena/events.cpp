@@ -64,7 +64,7 @@ std::string join_events(std::string_view events) {
   Json message = Json::object(), reason, usage;
   bool whole = false;
   while (!events.empty()) {
-    const std::string data = next_event(events);
+    std::string data = next_event(events);
     if (data == "[DONE]") {
       whole = true;
       break;

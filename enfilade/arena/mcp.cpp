@@ -108,8 +108,8 @@ struct McpServer::Impl {
   bool listed_before = false;  // whether the tools were listed after it
   bool begun = false;          // whether an episode was begun in this process
 
-  Impl(std::unique_ptr<World> world, ViewSources sights, McpConfig config)
-      : play(std::move(world), std::move(sights),
+  Impl(std::unique_ptr<World> world, const ViewSources& sights, McpConfig config)
+      : play(std::move(world), sights,
              Prompt::named(config.pictures == PictureKind::kNone ? "text" : "marks"),
              {.episodes = std::move(config.episodes),
               .limits = config.limits,
@@ -296,8 +296,8 @@ struct McpServer::Impl {
   }
 };
 
-McpServer::McpServer(std::unique_ptr<World> world, ViewSources sights, McpConfig config)
-    : impl_(std::make_unique<Impl>(std::move(world), std::move(sights), std::move(config))) {}
+McpServer::McpServer(std::unique_ptr<World> world, const ViewSources& sights, McpConfig config)
+    : impl_(std::make_unique<Impl>(std::move(world), sights, std::move(config))) {}
 McpServer::~McpServer() = default;
 
 std::vector<std::string> McpServer::handle(std::string_view message) {

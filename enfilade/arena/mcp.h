@@ -39,7 +39,7 @@ class McpServer {
  public:
   /// \param sights for pictures; may be empty if there are none
   /// \throws as Play
-  McpServer(std::unique_ptr<World> world, ViewSources sights, McpConfig config);
+  McpServer(std::unique_ptr<World> world, const ViewSources& sights, McpConfig config);
   ~McpServer();
   McpServer(const McpServer&) = delete;
   McpServer& operator=(const McpServer&) = delete;

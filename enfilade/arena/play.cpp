@@ -40,7 +40,8 @@ Reading read_tool_call(std::string_view text) {
 
 }  // namespace
 
-Play::Play(std::unique_ptr<World> world, ViewSources sights, Prompt prompt, PlayConfig config)
+Play::Play(std::unique_ptr<World> world, const ViewSources& sights, Prompt prompt,
+           PlayConfig config)
     : config_(std::move(config)),
       prompt_(std::move(prompt)),
       answers_(config_.answers.value_or(prompt_.answers())),
@@ -50,7 +51,7 @@ Play::Play(std::unique_ptr<World> world, ViewSources sights, Prompt prompt, Play
     if (!sights.data && !sights.scene_of) {
       throw ArgumentError("pictures: there is no data set for them");
     }
-    painter_ = std::make_unique<PictureMaker>(std::move(sights));
+    painter_ = std::make_unique<PictureMaker>(sights);
   }
   if (config_.folder.empty()) return;
   make_folder(config_.folder / "transcripts");

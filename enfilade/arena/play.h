@@ -52,7 +52,7 @@ class Play {
   /// \throws ArgumentError for null, no episode, an index, limits or sizes out of range, or
   /// pictures without sights
   /// \throws FileError, also if another process works in the folder
-  Play(std::unique_ptr<World> world, ViewSources sights, Prompt prompt, PlayConfig config);
+  Play(std::unique_ptr<World> world, const ViewSources& sights, Prompt prompt, PlayConfig config);
 
   /// Begins the next unfinished episode; false: all are finished. An episode in progress is dropped
   /// and begins again.

@@ -166,7 +166,7 @@ data places_data(const SessionObservation& seen) {
     place["visited"] = one.visited;
     place["seen_before"] = one.seen_before;
     place["what"] = one.what.empty() ? data(false) : data(one.what);
-    places.push_back(std::move(place));
+    places.push_back(place);
   }
   return places;
 }
@@ -178,7 +178,7 @@ data things_data(const SessionObservation& seen) {
     thing["name"] = one.name;
     thing["category"] = one.category;
     thing["turn_words"] = turn_words(one.turn);
-    things.push_back(std::move(thing));
+    things.push_back(thing);
   }
   return things;
 }
@@ -193,7 +193,7 @@ void add_map(const SessionObservation& seen, data& all) {
     place["name"] = one.name;
     place["leads_to"] = text_of_list(one.leads_to);
     place["is_here"] = one.name == seen.here;
-    map.push_back(std::move(place));
+    map.push_back(place);
     for (const std::string& next : one.leads_to) {
       if (!visited.contains(next) && std::ranges::find(open, next) == open.end()) {
         open.push_back(next);
@@ -228,7 +228,7 @@ data step_data(const SessionObservation& seen, Answers answers, const SessionLim
     one["thought"] = past[k].thought.empty() ? data(false) : data(past[k].thought);
     one["call"] = past[k].call.empty() ? "none" : past[k].call;
     one["told"] = past[k].told;
-    history.push_back(std::move(one));
+    history.push_back(one);
   }
   all["history"] = std::move(history);
   return all;

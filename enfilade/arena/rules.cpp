@@ -59,13 +59,13 @@ class RandomRule {
 
  private:
   const Neighbour* nearest_ahead() const {
-    static const double half_width = horizontal_field_of_view(Camera{}).value / 2;
+    static const double kHalfWidth = horizontal_field_of_view(Camera{}).value / 2;
     const SessionObservation& seen = session_.observation();
     const Neighbour* nearest = nullptr;
     double least = 0;
     for (const Neighbour& place : seen.places) {
       const double aside = wrap_difference(seen.heading + place.turn - heading_).value;
-      if (std::abs(aside) > half_width) continue;
+      if (std::abs(aside) > kHalfWidth) continue;
       const double away = std::hypot(aside, place.elevation.value);
       if (nearest != nullptr && away >= least) continue;
       nearest = &place;

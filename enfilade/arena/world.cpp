@@ -96,7 +96,8 @@ FloorWorld::FloorWorld(tasks::Split split, std::shared_ptr<const continuous::Bui
   if (!buildings_) throw ArgumentError("world: no buildings");
 }
 
-FloorWorld::FloorWorld(tasks::Split split, const std::filesystem::path& data, WordsSource words)
+FloorWorld::FloorWorld(const tasks::Split& split, const std::filesystem::path& data,
+                       WordsSource words)
     : FloorWorld(split, agents::open_buildings(split.benchmark(), data), std::move(words)) {}
 
 std::unique_ptr<World> FloorWorld::another() const {

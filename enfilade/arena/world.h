@@ -132,7 +132,7 @@ class FloorWorld : public World {
   FloorWorld(tasks::Split split, std::shared_ptr<const continuous::Buildings> buildings,
              WordsSource words = {});
   /// In the buildings of a folder of data. \throws as above; Buildings
-  FloorWorld(tasks::Split split, const std::filesystem::path& data, WordsSource words = {});
+  FloorWorld(const tasks::Split& split, const std::filesystem::path& data, WordsSource words = {});
   const std::shared_ptr<const continuous::Buildings>& buildings() const noexcept {
     return buildings_;
   }

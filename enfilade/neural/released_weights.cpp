@@ -163,7 +163,7 @@ auto briefly(const fs::path& file, std::string_view family, const Read& read) {
 // Checkpoints of DUET's pretraining name the network "bert" and have the heads beside it; their
 // cross layers read in the other direction too, for masked words alone.
 std::string name_after_pretraining(std::string_view given) {
-  const std::string name = bare_name(given);
+  std::string name = bare_name(given);
   constexpr std::string_view kNetwork = "bert.";
   for (const std::string_view part : {".lang_self_att.", ".lang_inter.", ".lang_output."}) {
     if (name.find(part) != std::string::npos) return name;

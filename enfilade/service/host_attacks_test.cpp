@@ -87,7 +87,8 @@ TEST(HostAttacks, APageOfAnotherSiteChangesNothing) {
 }
 
 /// Logs in as a new team. \returns "NAME=SECRET"
-std::string cookie_of_team(Served& served, const std::string& team, httplib::Headers headers = {}) {
+std::string cookie_of_team(Served& served, const std::string& team,
+                           const httplib::Headers& headers = {}) {
   const std::string token = served.team(team).find("Authorization")->second.substr(7);
   const auto logged_in = served.client().Post(
       "/api/v1/session", headers, nlohmann::json{{"token", token}}.dump(), "application/json");
@@ -143,7 +144,8 @@ std::string refusal_of_goals(const fs::path& data, const fs::path& goals) {
 
 TEST(HostAttacks, SecretGoalsInTheDataSetAreRefusedAtTheStart) {
   const tests::TemporaryFolder folder("goals");
-  const fs::path root = folder.path(), data = root / "data", goals = root / "secret.json";
+  const fs::path& root = folder.path();
+  const fs::path data = root / "data", goals = root / "secret.json";
   testing::write_served_data(root);
   EXPECT_EQ(refusal_of_goals(data, goals), "accepted");
   fs::copy_file(goals, data / "r2r/secret.json");
@@ -162,7 +164,8 @@ TEST(HostAttacks, SecretGoalsInTheDataSetAreRefusedAtTheStart) {
 
 TEST(HostAttacks, SoAreThoseThatASplitOfTheDataSetIsALinkTo) {
   const tests::TemporaryFolder folder("goals");
-  const fs::path root = folder.path(), data = root / "data";
+  const fs::path& root = folder.path();
+  const fs::path data = root / "data";
   testing::write_served_data(root);
   fs::remove(data / "r2r/R2R_test.json");
   fs::create_symlink(root / "secret.json", data / "r2r/R2R_test.json");
@@ -171,7 +174,8 @@ TEST(HostAttacks, SoAreThoseThatASplitOfTheDataSetIsALinkTo) {
 
 TEST(HostAttacks, SoAreThoseInAFolderThatThePicturesAreLinkedTo) {
   const tests::TemporaryFolder folder("goals");
-  const fs::path root = folder.path(), data = root / "data", pictures = root / "pictures";
+  const fs::path& root = folder.path();
+  const fs::path data = root / "data", pictures = root / "pictures";
   testing::write_served_data(root);
   fs::rename(data / "store", pictures);
   fs::create_directory_symlink(pictures, data / "store");

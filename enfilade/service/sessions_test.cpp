@@ -198,7 +198,7 @@ TEST_F(PlayingTest, PicturesAreOfWhatIsSeenNow) {
 }
 
 TEST_F(PlayingTest, BadRequestsAreToldWhatIsAllowed) {
-  const std::pair<json, std::string> kWrong[]{
+  const std::pair<json, std::string> wrong[]{
       {{{"split", "val_seen"}}, "episode"},
       {{{"split", "nowhere"}, {"episode", "1_0"}}, "no split nowhere"},
       {{{"split", "val_seen"}, {"episode", "7_0"}}, "no episode"},
@@ -206,7 +206,7 @@ TEST_F(PlayingTest, BadRequestsAreToldWhatIsAllowed) {
       {{{"split", "val_seen"}, {"episode", "1_0"}, {"steps", 0}}, "steps: not a whole number"},
       {{{"split", "val_seen"}, {"episode", "1_0"}, {"mistakes", "9"}}, "mistakes"},
       {{{"split", 3}, {"episode", "1_0"}}, "split"}};
-  for (const auto& [body, said] : kWrong) {
+  for (const auto& [body, said] : wrong) {
     const auto [status, answer] = post("/api/v1/sessions", body.dump());
     EXPECT_THAT(status, ::testing::AnyOf(400, 404, 422)) << body.dump();
     EXPECT_THAT(answer.dump(), HasSubstr(said)) << body.dump();

@@ -179,9 +179,8 @@ arena::AskReport run(const Server& server) {
   arena::AnswerCache cache(folder.path() / "cache");
   std::vector<std::size_t> which(episodes->episodes.size());
   std::iota(which.begin(), which.end(), 0U);
-  const auto report =
-      arena::ask(arena::GraphWorld(episodes), {}, which, arena::Prompt::named("text"), config,
-                 endpoint.get(), cache, folder.path() / "run");
+  auto report = arena::ask(arena::GraphWorld(episodes), {}, which, arena::Prompt::named("text"),
+                           config, endpoint.get(), cache, folder.path() / "run");
   arena::testing::expect_explained(folder.path() / "run", report);
   return report;
 }

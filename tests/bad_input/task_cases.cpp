@@ -93,13 +93,13 @@ void lay_out(Files& files, const Good& good, const std::string& text) {
   files.write(good.file, text);
 }
 
-Case whole(const Good& good, std::string input, std::string says, std::string text) {
+Case whole(const Good& good, std::string input, std::string says, const std::string& text) {
   return {good.group, std::move(input), score_of(good),
           3,          std::move(says),  [good, text](Files& files) { lay_out(files, good, text); }};
 }
 
-Case edited(const Good& good, std::string input, std::string says, std::string from,
-            std::string to) {
+Case edited(const Good& good, std::string input, std::string says, const std::string& from,
+            const std::string& to) {
   return {good.group,
           std::move(input),
           score_of(good),
@@ -314,7 +314,7 @@ std::vector<Case> family() {
 }
 
 // What was handed in for a good file.
-Case handed_in(const Good& good, std::string input, std::string says, std::string results) {
+Case handed_in(const Good& good, std::string input, std::string says, const std::string& results) {
   return {"Results of other benchmarks",
           std::move(input),
           score_of(good),

@@ -50,6 +50,7 @@ AnyFunction get_proc_address(const char*) { return reinterpret_cast<AnyFunction>
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-reserved-identifier, readability-identifier-naming): GLVND calls it.
 extern "C" unsigned __egl_Main(std::uint32_t, const void*, void*, Imports* imports) {
   if (told_to("crash-at-load")) crash();
   imports->get_platform_display = get_platform_display;

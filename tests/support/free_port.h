@@ -4,10 +4,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 #include <cstdint>
+#include <stdexcept>
 
 namespace enfilade::tests {
 
-/// One that nobody listens on now, at 127.0.0.1.
+/// One that nobody listens on now, at 127.0.0.1. \throws std::runtime_error
 inline std::uint16_t free_port() {
   const int descriptor = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -15,9 +16,10 @@ inline std::uint16_t free_port() {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   socklen_t length = sizeof address;
   auto* const name = reinterpret_cast<sockaddr*>(&address);
-  bind(descriptor, name, length);
-  getsockname(descriptor, name, &length);
+  const bool is_bound =
+      bind(descriptor, name, length) == 0 && getsockname(descriptor, name, &length) == 0;
   close(descriptor);
+  if (!is_bound) throw std::runtime_error("no free port");
   return ntohs(address.sin_port);
 }
 

@@ -175,7 +175,7 @@ SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousS
   if (options.headings == "random") derive.start_headings = tasks::StartHeadings::kRandom;
   const tasks::DerivedEpisodes derived =
       tasks::derive_continuous(annotations, *data.graphs(), agents::MeshFloor(buildings), derive);
-  const fs::path folder = data.folder();
+  const fs::path& folder = data.folder();
   if (!goals_hidden(derived.episodes)) {
     const agents::ContinuousRunOptions run{
         .batch_size = 64, .seed = 1, .simulator = setup.simulator};

@@ -70,7 +70,7 @@ void speak(const Options& options) {
   std::optional<features::FeatureSet> features;
   if (!options.features.empty()) features = features::FeatureSet::open(options.features);
   tasks::Annotations drawn = drawn_paths(options, data);
-  const auto graphs = data.graphs();
+  const auto& graphs = data.graphs();
   const tasks::EpisodeSet paths{drawn.split, graphs, look_up_paths(drawn, *graphs), {}};
   neural::SpeakOptions speaking = options.speaking;
   if (options.draw_words) speaking.drawn = options.sampling.seed;

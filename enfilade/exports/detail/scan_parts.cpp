@@ -31,7 +31,7 @@ std::string state_of_graphs(const graph::GraphSet& graphs) {
 
 /// The folder of a job's parts, emptied if it holds another job's.
 fs::path open_parts(const fs::path& file, const std::string& job) {
-  const fs::path folder = file.string() + ".parts";
+  fs::path folder = file.string() + ".parts";
   const fs::path note = folder / "job.txt";
   if (!file_exists(note) || read_file(note) != job) {
     std::error_code error;

@@ -114,7 +114,7 @@ class SeesTwoBuildings : public ::testing::Test {
   static void TearDownTestSuite() { world_.reset(); }
 
   TrainingData data(const models::TrainConfig& config,
-                    ContinuousSight sight = world_->sight()) const {
+                    const ContinuousSight& sight = world_->sight()) const {
     auto own = std::make_shared<ContinuousData>();
     own->setup = agents::continuous_setup("r2r-ce");
     own->training = episodes();

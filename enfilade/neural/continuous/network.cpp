@@ -39,7 +39,7 @@ class Gru : public torch::autograd::Function<Gru> {
                             const std::vector<std::int64_t>& counts) {
     const std::vector<std::int64_t> first = beginnings(counts);
     const at::Tensor gates = at::addmm(input_bias, x, input.t());
-    const at::Tensor states = at::empty({x.size(0), hidden.size(1)}, gates.options());
+    at::Tensor states = at::empty({x.size(0), hidden.size(1)}, gates.options());
     const at::Tensor own_new = at::empty_like(states);  // the state's part of the new gate
     for (std::size_t t = 0; t < counts.size(); ++t) {
       const std::int64_t rows = counts[t];

@@ -63,8 +63,8 @@ class Plain {
   Row step(const Row& sentence, const Row& picture, const Row& depth, std::int64_t previous,
            const Row& before) const {
     Row x = sentence;
-    for (Row part : {linear("picture.weight", "picture.bias", picture),
-                     linear("depth.weight", "depth.bias", depth)}) {
+    for (const Row& part : {linear("picture.weight", "picture.bias", picture),
+                            linear("depth.weight", "depth.bias", depth)}) {
       for (const double value : part) x.push_back(std::max(value, 0.0));
     }
     for (const double value : row("action_embedding.weight", previous)) x.push_back(value);

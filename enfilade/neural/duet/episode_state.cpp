@@ -15,7 +15,7 @@ constexpr double kPictureWidth = 640, kPictureHeight = 480;
 template <class T>
 class Filled {
  public:
-  Filled(std::vector<std::int64_t> shape, at::ScalarType type)
+  Filled(const std::vector<std::int64_t>& shape, at::ScalarType type)
       : tensor_(at::zeros(shape, type)),
         data_(tensor_.data_ptr<T>()),
         strides_(tensor_.strides().vec()) {}

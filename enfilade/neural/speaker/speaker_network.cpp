@@ -119,7 +119,7 @@ class WordChooser {
   }
 
   // \param logits (n, vocabulary)
-  std::vector<std::int64_t> choose(at::Tensor logits) {
+  std::vector<std::int64_t> choose(const at::Tensor& logits) {
     constexpr double kNever = -std::numeric_limits<double>::infinity();
     for (const std::int64_t id :
          {std::int64_t{Vocabulary::kPad}, std::int64_t{Vocabulary::kUnknown}, options_.begin}) {

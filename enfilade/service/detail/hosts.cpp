@@ -149,7 +149,7 @@ std::optional<std::string> parse_address(std::string_view entry) {
 }
 
 std::string address_group(std::string_view address) {
-  const std::string text = parse_address(address).value_or(std::string(address));
+  std::string text = parse_address(address).value_or(std::string(address));
   in6_addr bytes{};
   if (inet_pton(AF_INET6, text.c_str(), &bytes) != 1) return text;
   std::array<char, INET6_ADDRSTRLEN> written{};

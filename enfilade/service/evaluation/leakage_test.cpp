@@ -38,7 +38,8 @@ std::vector<tasks::Measure> measures_of_grids() {
 /// sequences of scores.
 std::size_t count_transcripts(int submissions, int levels) {
   std::set<std::vector<int>> transcripts;
-  const std::function<void(std::vector<int>, int)> go_on = [&](std::vector<int> shown, int best) {
+  const std::function<void(const std::vector<int>&, int)> go_on = [&](const std::vector<int>& shown,
+                                                                      int best) {
     if (static_cast<int>(shown.size()) == submissions) {
       transcripts.insert(shown);
       return;

@@ -81,7 +81,7 @@ std::vector<std::string> rows_of(Connection& connection, const std::string& tabl
 class TransferTest : public ::testing::Test {
  protected:
   TransferTest() {
-    Database{file_};
+    static_cast<void>(Database{file_});
     SQLite::Database(file_, SQLite::OPEN_READWRITE).exec(kRows);
   }
 
