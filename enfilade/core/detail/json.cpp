@@ -10,7 +10,6 @@
 namespace enfilade::json {
 namespace {
 
-constexpr std::size_t kShown = 40;  // characters of a string that a message repeats
 constexpr std::size_t kDeepest = simdjson::DEFAULT_MAX_DEPTH;
 
 std::string key_text(std::string_view key) {
@@ -253,8 +252,7 @@ std::string describe(Element element) {
       return fmt::format("number {}", element.get_double().value_unsafe());
     case simdjson::dom::element_type::STRING: {
       const std::string_view text = element.get_string().value_unsafe();
-      return fmt::format("string {:?}{}", text.substr(0, kShown),
-                         text.size() > kShown ? "..." : "");
+      return "string " + quote(text);
     }
     case simdjson::dom::element_type::BOOL:
       return element.get_bool().value_unsafe() ? "true" : "false";
@@ -278,6 +276,14 @@ std::optional<bool> boolean(Element element, const Path& path, Faults& faults) {
 
 std::optional<std::string_view> string(Element element, const Path& path, Faults& faults) {
   return read<std::string_view>(element, path, faults, "not-a-string", "a string");
+}
+
+std::optional<std::string_view> id(Element element, const Path& path, Faults& faults,
+                                   std::size_t most) {
+  const auto text = string(element, path, faults);
+  if (!text || is_id(*text, most)) return text;
+  faults.error(path, "bad-id", fault_of_id(*text, most));
+  return std::nullopt;
 }
 
 std::optional<simdjson::dom::array> array(Element element, const Path& path, Faults& faults) {

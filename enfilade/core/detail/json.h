@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 
 namespace enfilade::json {
 
@@ -113,6 +114,10 @@ std::optional<double> number(Element element, const Path& path, Faults& faults);
 std::optional<std::int64_t> integer(Element element, const Path& path, Faults& faults);
 std::optional<bool> boolean(Element element, const Path& path, Faults& faults);
 std::optional<std::string_view> string(Element element, const Path& path, Faults& faults);
+/// A string that is an id (core/names.h), else the fault `bad-id`. The one way in which readers of
+/// JSON read ids of scans, viewpoints, instructions, objects and phases.
+std::optional<std::string_view> id(Element element, const Path& path, Faults& faults,
+                                   std::size_t most = kLongestId);
 std::optional<simdjson::dom::array> array(Element element, const Path& path, Faults& faults);
 std::optional<simdjson::dom::object> object(Element element, const Path& path, Faults& faults);
 /// An array of strings; an element that is not a string is reported, and becomes "".

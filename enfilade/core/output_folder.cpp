@@ -1,0 +1,161 @@
+#include "enfilade/core/output_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cerrno>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/names.h"
+
+namespace enfilade {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void stop(const fs::path& path, const char* doing, int reason) {
+  // What open() says of a link where it must not follow one is no help to a reader.
+  const std::string why = reason == ELOOP || reason == ENOTDIR
+                              ? "a link or a file stands in the place of a folder"
+                              : std::generic_category().message(reason);
+  throw FileError(fmt::format("{}: cannot {}: {}", path.string(), doing, why));
+}
+
+// The parts of a name, each checked.
+std::vector<std::string> parts_of(const fs::path& folder, std::string_view name) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= name.size();) {
+    const std::size_t end = std::min(name.find('/', at), name.size());
+    const std::string_view part = name.substr(at, end - at);
+    if (!is_file_name(part)) {
+      throw ArgumentError(fmt::format("{}: {} is not a name of a file in this folder",
+                                      folder.string(), quote(name)));
+    }
+    parts.emplace_back(part);
+    at = end + 1;
+  }
+  return parts;
+}
+
+constexpr int kFolder = O_RDONLY | O_DIRECTORY | O_CLOEXEC;
+
+Descriptor open_root(const fs::path& folder) {
+  const int root = ::open(folder.empty() ? "." : folder.c_str(), kFolder);
+  if (root < 0) stop(folder, "open", errno);
+  return Descriptor(root);
+}
+
+// Opens the folder of the first `count` parts, makes it if it is not there, follows no link.
+int open_below(const fs::path& folder, const std::vector<std::string>& parts, std::size_t count) {
+  const Descriptor root = open_root(folder);
+  int at = ::fcntl(root.number(), F_DUPFD_CLOEXEC, 0);
+  if (at < 0) stop(folder, "open", errno);
+  fs::path path = folder;
+  for (std::size_t i = 0; i < count; ++i) {
+    path /= parts[i];
+    const Descriptor parent(at);
+    if (::mkdirat(at, parts[i].c_str(), 0777) != 0 && errno != EEXIST) {
+      stop(path, "make the folder", errno);
+    }
+    at = ::openat(parent.number(), parts[i].c_str(), kFolder | O_NOFOLLOW);
+    if (at < 0) stop(path, "open", errno);
+  }
+  return at;
+}
+
+void write_all(int file, std::string_view content, const fs::path& path) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(file, content.data(), content.size());
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      stop(path, "write", errno);
+    }
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+// A temporary file in a folder; removed unless it was renamed.
+class Part {
+ public:
+  Part(int folder, std::string name, const fs::path& path)
+      : folder_(folder), name_(std::move(name)), path_(path) {
+    ::unlinkat(folder_, name_.c_str(), 0);  // of a process that was killed, or planted
+    file_.emplace(::openat(folder_, name_.c_str(),
+                           O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+    if (file_->number() < 0) stop(path_, "write", errno);
+  }
+  ~Part() {
+    if (!name_.empty() && file_->number() >= 0) ::unlinkat(folder_, name_.c_str(), 0);
+  }
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+
+  void write(std::string_view content) const { write_all(file_->number(), content, path_); }
+  void rename_to(const std::string& name) {
+    struct stat status {};
+    // Renaming over a folder would fail with a reason that does not name it.
+    if (::fstatat(folder_, name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+        S_ISDIR(status.st_mode)) {
+      stop(path_, "write", EISDIR);
+    }
+    if (::renameat(folder_, name_.c_str(), folder_, name.c_str()) != 0) {
+      stop(path_, "write", errno);
+    }
+    name_.clear();
+  }
+
+ private:
+  int folder_;
+  std::string name_;
+  const fs::path& path_;
+  std::optional<Descriptor> file_;
+};
+
+}  // namespace
+
+OutputFolder::OutputFolder(fs::path folder) : path_(std::move(folder)) {
+  if (!path_.empty()) make_folder(path_);
+}
+
+void OutputFolder::write(std::string_view name, std::string_view content) const {
+  const std::vector<std::string> parts = parts_of(path_, name);
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1));
+  const fs::path path = path_ / name;
+  // The same ending as write_file_atomically(), so that remove_unfinished() finds it.
+  Part part(folder.number(), fmt::format("{}.part{}", parts.back(), ::getpid()), path);
+  part.write(content);
+  part.rename_to(parts.back());
+}
+
+fs::path OutputFolder::file(std::string_view name) const {
+  const std::vector<std::string> parts = parts_of(path_, name);
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1));
+  struct stat status {};
+  if (::fstatat(folder.number(), parts.back().c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+      S_ISLNK(status.st_mode) && ::unlinkat(folder.number(), parts.back().c_str(), 0) != 0) {
+    stop(path_ / name, "remove the link", errno);
+  }
+  return path_ / name;
+}
+
+OutputFolder OutputFolder::folder(std::string_view name) const {
+  const std::vector<std::string> parts = parts_of(path_, name);
+  const Descriptor made(open_below(path_, parts, parts.size()));
+  return OutputFolder(path_ / name);
+}
+
+void OutputFolder::remove(std::string_view name) const {
+  const std::vector<std::string> parts = parts_of(path_, name);
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1));
+  if (::unlinkat(folder.number(), parts.back().c_str(), 0) != 0 && errno != ENOENT) {
+    stop(path_ / name, "remove", errno);
+  }
+}
+
+}  // namespace enfilade

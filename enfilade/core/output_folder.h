@@ -1,0 +1,44 @@
+/// \file  The one way in which files with computed names are written: below a folder, never
+/// outside.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "enfilade/core/mapped_file.h"
+
+namespace enfilade {
+
+/// A folder that a program fills. All names are relative to it, with `/` between folders. Each part
+/// of a name is a name of a file (is_file_name()). No link below the folder is followed, so that a
+/// link which somebody else put there leads nowhere; the folder itself may be a link. Any thread
+/// may call the const functions at once, for different names.
+class OutputFolder {
+ public:
+  /// Makes the folder and its parents if they do not exist.
+  /// \throws FileError naming the path and the system's reason
+  explicit OutputFolder(std::filesystem::path folder);
+
+  const std::filesystem::path& path() const noexcept { return path_; }
+
+  /// Writes a whole file, and the folders of its name. It replaces an older file of that name, and
+  /// a link instead of the link's target. Readers see the old content or the new.
+  /// \throws ArgumentError for a name that leads elsewhere; FileError naming the path and the
+  /// system's reason, also for a link among the folders
+  void write(std::string_view name, std::string_view content) const;
+
+  /// The path of a file for a writer that opens it by itself (HDF5, databases, PartFile). Makes the
+  /// folders of the name. A link in place of the file is removed. \throws as write()
+  std::filesystem::path file(std::string_view name) const;
+
+  /// Makes a folder and its parents within this one. \throws as write()
+  OutputFolder folder(std::string_view name) const;
+
+  /// Removes a file or a link, not its target. Does nothing if there is none. \throws as write()
+  void remove(std::string_view name) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace enfilade
