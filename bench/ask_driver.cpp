@@ -57,7 +57,7 @@ struct Server {
     process = fork();
     if (process == 0) {
       const dataset::Dataset data(folder);
-      StandInConfig config{.faults = {Fault::kSilence}, .one_in = 1, .silence = seconds};
+      StandInConfig config{.faults = {StandInFault::kSilence}, .one_in = 1, .silence = seconds};
       const StandIn model(open(data, split), config);
       const std::string line = model.url() + "\n";
       if (write(ends[1], line.data(), line.size()) < 0) _exit(1);
