@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::json {
@@ -12,11 +14,13 @@ namespace {
 
 constexpr std::size_t kDeepest = simdjson::DEFAULT_MAX_DEPTH;
 
+// Keys are foreign texts: a long one would stand in each fault below it.
 std::string key_text(std::string_view key) {
-  const bool plain = !key.empty() && std::ranges::all_of(key, [](char c) {
+  constexpr std::size_t kMost = kLongestInstructionId;
+  const bool plain = !key.empty() && key.size() <= kMost && std::ranges::all_of(key, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   });
-  return plain ? fmt::format(".{}", key) : fmt::format("[\"{}\"]", key);
+  return plain ? fmt::format(".{}", key) : fmt::format("[{}]", quote(key, kMost));
 }
 
 // Second reading of a document that simdjson refused. simdjson says what is wrong but not where;
@@ -117,6 +121,20 @@ std::optional<T> read(Element element, const Path& path, Faults& faults, const c
   if (element.get(value) == simdjson::SUCCESS) return value;
   faults.error(path, code, fmt::format("{}, not {}", describe(element), allowed));
   return std::nullopt;
+}
+
+// What `read` gives for each element of an array; "" where it reports a fault.
+template <class Read>
+std::vector<std::string> list_of(Element element, const Path& path, Faults& faults,
+                                 const Read& read) {
+  std::vector<std::string> texts;
+  const auto elements = array(element, path, faults);
+  if (!elements) return texts;
+  for (const Element one : *elements) {
+    if (faults.full()) break;
+    texts.emplace_back(read(one, Path(path, texts.size()), faults).value_or(""));
+  }
+  return texts;
 }
 
 }  // namespace
@@ -266,6 +284,14 @@ std::optional<double> number(Element element, const Path& path, Faults& faults) 
   return read<double>(element, path, faults, "not-a-number", "a number");
 }
 
+std::optional<double> angle(Element element, const Path& path, Faults& faults) {
+  const auto radians = number(element, path, faults);
+  if (!radians || std::abs(*radians) <= kMostRadians) return radians;
+  faults.error(path, "bad-angle",
+               fmt::format("{} radians, not from {} to {}", *radians, -kMostRadians, kMostRadians));
+  return std::nullopt;
+}
+
 std::optional<std::int64_t> integer(Element element, const Path& path, Faults& faults) {
   return read<std::int64_t>(element, path, faults, "not-an-integer", "a whole number");
 }
@@ -324,14 +350,13 @@ std::optional<Element> field(Element element, Field wanted, const Path& path, Fa
 }
 
 std::vector<std::string> strings(Element element, const Path& path, Faults& faults) {
-  std::vector<std::string> texts;
-  const auto elements = array(element, path, faults);
-  if (!elements) return texts;
-  for (const Element one : *elements) {
-    if (faults.full()) break;
-    texts.emplace_back(string(one, Path(path, texts.size()), faults).value_or(""));
-  }
-  return texts;
+  return list_of(element, path, faults, string);
+}
+
+std::vector<std::string> ids(Element element, const Path& path, Faults& faults) {
+  return list_of(element, path, faults, [](Element one, const Path& place, Faults& found) {
+    return id(one, place, found);
+  });
 }
 
 }  // namespace enfilade::json

@@ -111,6 +111,8 @@ std::string describe(Element element);
 
 // Each gives the value, or reports "<what was found>, not <what was allowed>" and gives nothing.
 std::optional<double> number(Element element, const Path& path, Faults& faults);
+/// Radians, at most kMostRadians either way, else the fault `bad-angle`.
+std::optional<double> angle(Element element, const Path& path, Faults& faults);
 std::optional<std::int64_t> integer(Element element, const Path& path, Faults& faults);
 std::optional<bool> boolean(Element element, const Path& path, Faults& faults);
 std::optional<std::string_view> string(Element element, const Path& path, Faults& faults);
@@ -122,6 +124,8 @@ std::optional<simdjson::dom::array> array(Element element, const Path& path, Fau
 std::optional<simdjson::dom::object> object(Element element, const Path& path, Faults& faults);
 /// An array of strings; an element that is not a string is reported, and becomes "".
 std::vector<std::string> strings(Element element, const Path& path, Faults& faults);
+/// The same for ids.
+std::vector<std::string> ids(Element element, const Path& path, Faults& faults);
 
 /// A field that fields() looks for.
 struct Field {
