@@ -71,7 +71,7 @@ TEST(Corrections, RefusesWhatIsBroken) {
   EXPECT_THAT(fault("7"), HasSubstr("$.corrections[0]"));
   EXPECT_THAT(fault("{}"), HasSubstr("missing-field"));
   EXPECT_THAT(fault(whole, "5"), HasSubstr("$.scan"));
-  EXPECT_THAT(fault(whole, "\"\""), HasSubstr("$.scan empty-field"));
+  EXPECT_THAT(fault(whole, "\"\""), HasSubstr("$.scan bad-id"));
   EXPECT_THAT(fault(R"({"action":"move","from":"a","who":"me","why":"x"})"),
               HasSubstr("$.corrections[0].action bad-action: string \"move\", not add-edge"));
   EXPECT_THAT(fault(R"({"action":"add-edge","from":"a","to":"b","who":"","why":"x"})"),

@@ -37,7 +37,7 @@ const Format& format_of(const std::string& name) {
   const auto at = std::ranges::find(kFormats, ending, &Format::ending);
   if (at == kFormats.end()) {
     throw ArgumentError(
-        fmt::format("{}: ending {:?}, not .glb, .gltf, .obj or .ply", name, ending));
+        fmt::format("{}: ending {}, not .glb, .gltf, .obj or .ply", name, quote(ending)));
   }
   return *at;
 }

@@ -19,12 +19,14 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/names.h"
 
 namespace enfilade::scan {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kShownPath = 255;  // in messages, bytes
 constexpr std::size_t kWhole = std::numeric_limits<std::size_t>::max();
 constexpr std::uint64_t kLargestEntry = std::uint64_t{1} << 30;
 
@@ -155,7 +157,8 @@ class Zip final : public FileTree {
     if (entry.twice) {
       refuse(path_of(name), "", "repeated-name",
              names_ == ZipNames::kBare
-                 ? fmt::format("lies in two folders of the zip, one of them {:?}", entry.path)
+                 ? fmt::format("lies in two folders of the zip, one of them {}",
+                               quote(entry.path, kShownPath))
                  : std::string("comes twice in the zip"));
     }
     Handle handle = take();
@@ -230,7 +233,7 @@ class Zip final : public FileTree {
       if (bare(stat.name).empty()) continue;  // a folder
       if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE) {
         refuse(name_, "", "encrypted",
-               fmt::format("{:?} is encrypted, which is not read", stat.name));
+               fmt::format("{} is encrypted, which is not read", quote(stat.name, kShownPath)));
       }
       entries_.push_back({stat.name, i, (stat.valid & ZIP_STAT_SIZE) != 0 ? stat.size : 0});
     }
@@ -364,7 +367,7 @@ void check(std::span<const ZipEntry> entries) {
                                       entry.name.size(), kMost16));
     }
     if (!names.insert(entry.name).second) {
-      throw ArgumentError(fmt::format("{:?} is twice in a zip", entry.name));
+      throw ArgumentError(fmt::format("{} is twice in a zip", quote(entry.name, kShownPath)));
     }
   }
 }

@@ -95,7 +95,7 @@ std::string_view without_plus(std::string_view word) {
 }  // namespace
 
 Source::Part Source::find(std::string_view named, const std::filesystem::path& other) const {
-  if (!on_disk) throw FileError(fmt::format("{}: {} is not inside it", name, in_quotes(named)));
+  if (!on_disk) throw FileError(fmt::format("{}: {} is not inside it", name, quote(named)));
   std::string text(named);
   std::ranges::replace(text, '\\', '/');  // as programs for Windows write it
   const std::filesystem::path path(text);
@@ -140,7 +140,7 @@ void note_moved(ReadResult& result, const std::string& file, const std::string& 
   if (part.as_named) return;
   constexpr std::size_t kMost = 200;
   note(result, file, where, "moved-file",
-       fmt::format("{:?} is read from {}", named.substr(0, kMost), part.path.string()));
+       fmt::format("{} is read from {}", quote(named, kMost), part.path.string()));
 }
 
 void warn(ReadResult& result, const std::string& file, const OddValues& odd, std::string code,
@@ -288,13 +288,6 @@ float to_float_or_nan(double value) {
 
 std::optional<std::int64_t> to_integer(std::string_view word) {
   return parse_number<std::int64_t>(without_plus(word));
-}
-
-std::string in_quotes(std::string_view word) {
-  constexpr std::size_t kMost = 40;
-  std::string out = fmt::format("{:?}", word.substr(0, kMost));
-  if (word.size() > kMost) out += "...";
-  return out;
 }
 
 void FaultList::error(std::string where, std::string code, std::string message) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/mesh/read_mesh.h"
 
 namespace enfilade::mesh::readers {
@@ -152,9 +153,6 @@ inline bool is_finite(Vec3f v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 std::optional<std::int64_t> to_integer(std::string_view word);
-
-/// The start of a word, quoted and escaped, for messages.
-std::string in_quotes(std::string_view word);
 
 /// Faults of one file, at most 100: broken files have millions.
 class FaultList {
