@@ -8,6 +8,7 @@
 #include <string>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/continuous_results.h"
@@ -194,7 +195,7 @@ const FilePlaces& files_of(const Benchmark& benchmark, std::string_view kind) {
   if (kind.empty()) return benchmark.files.front();
   const auto found = std::ranges::find(benchmark.files, kind, &FilePlaces::kind);
   if (found != benchmark.files.end()) return *found;
-  throw LookupError(fmt::format("{} has no files of kind {:?}", benchmark.title, kind));
+  throw LookupError(fmt::format("{} has no files of kind {}", benchmark.title, quote(kind)));
 }
 
 // Continuous: Enfilade's folder, those of the public code, the same where that has them, none.
@@ -236,7 +237,7 @@ const Scorer& Benchmark::scorer(std::string_view scorer_name) const {
   if (found != scorers.end()) return *found;
   std::vector<std::string_view> names;
   for (const Scorer& one : scorers) names.push_back(one.name);
-  throw LookupError(fmt::format("no scorer {:?} for {}; there are {}", scorer_name, title,
+  throw LookupError(fmt::format("no scorer {} for {}; there are {}", quote(scorer_name), title,
                                 fmt::join(names, ", ")));
 }
 
@@ -249,8 +250,8 @@ const Benchmark* find_benchmark(std::string_view name) noexcept {
 
 const Benchmark& benchmark(std::string_view name) {
   if (const Benchmark* found = find_benchmark(name)) return *found;
-  throw LookupError(
-      fmt::format("no task {:?}; there are {}", name, fmt::join(names_of(std::nullopt), ", ")));
+  throw LookupError(fmt::format("no task {}; there are {}", quote(name),
+                                fmt::join(names_of(std::nullopt), ", ")));
 }
 
 const Benchmark& benchmark(std::string_view name, WorldKind world) {
@@ -258,7 +259,7 @@ const Benchmark& benchmark(std::string_view name, WorldKind world) {
   if (found != nullptr && found->world == world) return *found;
   const std::string_view what = world == WorldKind::kGraph ? "task" : "continuous benchmark";
   throw LookupError(
-      fmt::format("no {} {:?}; there are {}", what, name, fmt::join(names_of(world), ", ")));
+      fmt::format("no {} {}; there are {}", what, quote(name), fmt::join(names_of(world), ", ")));
 }
 
 const Benchmark& benchmark(Task task) noexcept {
