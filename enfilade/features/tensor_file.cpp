@@ -8,6 +8,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/mapped_file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/stored_arrays.h"
 #include "enfilade/scan/file_tree.h"
@@ -44,7 +45,7 @@ void read_array(const scan::FileTree& zip, const std::string& entry, formats::St
   const auto type = type_of(array);
   if (!type) {
     throw UnsupportedType(fmt::format(
-        "elements of type {:?}; f2, f4, f8, i4, i8, u1, u8 and b1 are read", array.type()));
+        "elements of type {}; f2, f4, f8, i4, i8, u1, u8 and b1 are read", quote(array.type())));
   }
   const auto to = into.allocate(array.size() * array.item_bytes());
   array.copy_elements(to);
@@ -196,8 +197,8 @@ void write_safetensors(const std::filesystem::path& file, std::span<const NamedA
   for (const NamedArray& array : arrays) {
     const std::size_t bytes = *formats::bytes_of_shape(array.shape, array.type);
     if (array.bytes.size() != bytes) {
-      throw ArgumentError(fmt::format("array {:?}: {} bytes, not the {} of its shape", array.name,
-                                      array.bytes.size(), bytes));
+      throw ArgumentError(fmt::format("array {}: {} bytes, not the {} of its shape",
+                                      quote(array.name, 100), array.bytes.size(), bytes));
     }
   }
   PartFile part(file);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 
 namespace enfilade::models {
@@ -189,7 +190,8 @@ StateFile open_state(const fs::path& path) {
   const std::string& digits = iteration->second;
   const auto number = parse_number<std::uint64_t>(digits);
   if (!number) {
-    refuse(path, "", "bad-iteration", fmt::format("iteration {:?}, not a whole number", digits));
+    refuse(path, "", "bad-iteration",
+           fmt::format("iteration {}, not a whole number", quote(digits)));
   }
   state.iteration = *number;
   if (hash->second != hash_of_arrays(state.file.arrays())) {
