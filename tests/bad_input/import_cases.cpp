@@ -110,7 +110,7 @@ std::vector<Case> import_cases() {
       import("a name that cannot be an id", "--scan home -o new 'my hall.jpg'", 2,
              "viewpoint \"my hall\": letters, digits, _ and - are allowed"),
       import("a scan that cannot be a file name", "--scan ../home -o new hall.jpg", 2,
-             "scan \"../home\": not a scan id (letters, digits, _ and -)"),
+             "scan: \"../home\" is not an id: 1 to 100 of the characters"),
       import("a viewpoint that is there already", "--scan one --name v0 -o {} hall.jpg", 2,
              "viewpoint \"v0\" is in scan one already"),
       import("five faces",

@@ -76,7 +76,7 @@ std::vector<Case> cases_of_names() {
        {}},
       on_pictures("a scan that is none", "render three v0 --data {}", 2, "scan \"three\""),
       on_pictures("a scan id that is a path", "render ../one v0 --data {}", 2,
-                  "scan \"../one\": not a scan id"),
+                  "scan: \"../one\" is not an id"),
       on_pictures("a viewpoint that is none", "render one v9 --data {}", 2,
                   "viewpoint \"v9\": scan one has none whose id begins so"),
       on_pictures("an index past the last", "render one 6 --data {}", 2, "an index below 6"),
