@@ -1,13 +1,16 @@
 #include "enfilade/core/file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <system_error>
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/numbers.h"
 
 namespace enfilade {
 namespace fs = std::filesystem;
@@ -26,15 +29,33 @@ constexpr std::string_view kPart = ".part";
                   std::generic_category().message(reason));
 }
 
-void write_whole(const fs::path& path, std::string_view content, const fs::path& named) {
-  File file(std::fopen(path.c_str(), "wb"));
-  if (!file) fail(named, "write", errno);
+// A temporary file is new: nothing that stands there is written to, and no link followed.
+constexpr int kNewFile = O_CREAT | O_EXCL | O_NOFOLLOW;
+
+void write_whole(const fs::path& path, int how, std::string_view content, const fs::path& named) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | how, 0666);
+  if (descriptor < 0) fail(named, "write", errno);
+  File file(::fdopen(descriptor, "wb"));
+  if (!file) {
+    const int reason = errno;
+    ::close(descriptor);
+    fail(named, "write", reason);
+  }
   if (std::fwrite(content.data(), 1, content.size(), file.get()) != content.size()) {
     fail(named, "write", errno);
   }
   // A full disk may be reported only when buffers are flushed, so closing is part of writing.
   if (std::fflush(file.get()) != 0) fail(named, "write", errno);
   if (std::fclose(file.release()) != 0) fail(named, "write", errno);
+}
+
+// Whether a temporary file's process still runs on this machine.
+bool is_being_written(const fs::path& part) {
+  const std::string ending = part.extension().string();
+  const auto process = parse_number<pid_t>(std::string_view(ending).substr(kPart.size()));
+  // One of our own number was left by a process before: containers give the same number again.
+  return process && *process > 0 && *process != ::getpid() &&
+         (::kill(*process, 0) == 0 || errno == EPERM);
 }
 
 }  // namespace
@@ -72,14 +93,15 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
   const fs::file_status status = fs::status(path, code);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     if (fs::is_directory(status)) fail(path, "write", EISDIR);
-    write_whole(path, content, path);
+    write_whole(path, O_TRUNC, content, path);
     return;
   }
   const fs::path target = fs::is_symlink(path, code) ? fs::weakly_canonical(path, code) : path;
   fs::path part = target;
   part += std::string(kPart) + std::to_string(::getpid());
+  fs::remove(part, code);  // of a killed process that had this number, or planted
   try {
-    write_whole(part, content, path);
+    write_whole(part, kNewFile, content, path);
   } catch (const FileError&) {
     fs::remove(part, code);
     throw;
@@ -104,11 +126,15 @@ bool is_unfinished(const fs::path& path) {
          ending.find_first_not_of("0123456789", kPart.size()) == std::string::npos;
 }
 
-void remove_unfinished(const fs::path& folder) {
+void remove_unfinished(const fs::path& folder, std::string_view ending) {
   std::error_code code;
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (is_unfinished(entry.path()) && entry.is_regular_file(code)) found.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, code)) {
+    const fs::path& path = entry.path();
+    if (is_unfinished(path) && path.stem().string().ends_with(ending) &&
+        entry.is_regular_file(code) && !is_being_written(path)) {
+      found.push_back(path);
+    }
   }
   for (const fs::path& file : found) {
     if (!fs::remove(file, code) && code) fail(file, "remove", code.value());

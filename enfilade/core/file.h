@@ -14,9 +14,10 @@ std::string read_file(const std::filesystem::path& path);
 /// \throws FileError naming the path and the system's reason if that cannot be found out
 bool file_exists(const std::filesystem::path& path);
 
-/// Replaces a file's content: writes a temporary file beside it and renames that. Readers see the
-/// old content or the new, never a part, even if the process is killed. Links are followed. Pipes
-/// and devices such as /dev/stdout are written directly.
+/// Replaces the content of a file that a user named; OutputFolder is for computed names. Writes a
+/// new temporary file beside it and renames that. Readers see the old content or the new, never a
+/// part, even if the process is killed. If `path` is a link, its target is written. Pipes and
+/// devices such as /dev/stdout are written directly.
 /// \throws FileError naming the path and the system's reason (no such folder, disk full, ...).
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 
@@ -27,9 +28,11 @@ void make_folder(const std::filesystem::path& path);
 /// Whether the name is one of write_file_atomically()'s temporary files: "homes.json.part4711".
 bool is_unfinished(const std::filesystem::path& path);
 
-/// Removes the temporary files that write_file_atomically() leaves in a folder (not in its
-/// subfolders) if its process is killed. The folder need not exist. \pre no other process is
-/// writing there
-void remove_unfinished(const std::filesystem::path& folder);
+/// Removes the temporary files that write_file_atomically() and OutputFolder leave in a folder (not
+/// in its subfolders) if their process is killed. Those of a process that runs stay. The folder
+/// need not exist. \pre no process of another machine, nor another thread, is writing there \param
+/// ending  only of files whose names end with it; empty: of all files \throws FileError naming a
+/// file that cannot be removed
+void remove_unfinished(const std::filesystem::path& folder, std::string_view ending = {});
 
 }  // namespace enfilade

@@ -80,17 +80,50 @@ TEST_F(FileTest, SaysWhyAFolderCannotBeMade) {
   }
 }
 
+TEST_F(FileTest, WritesToNoLinkThatStandsWhereThePartIsMade) {
+  write_file_atomically(folder_ / "others", "old");
+  fs::create_symlink("others", folder_ / ("a.part" + std::to_string(::getpid())));
+  write_file_atomically(folder_ / "a", "new");
+  EXPECT_EQ(read_file(folder_ / "others"), "old");
+  EXPECT_EQ(read_file(folder_ / "a"), "new");
+  EXPECT_FALSE(fs::is_symlink(folder_ / "a"));
+}
+
+// No process has so high a number.
+constexpr const char* kNobody = ".part999999999";
+
 TEST_F(FileTest, RemovesWhatKilledProcessesLeft) {
   fs::create_directories(folder_ / "below" / "b.part1");
-  for (const char* name : {"a.json.part4711", "a.json", "a.part", "a.part12b", "part12", "a.12",
-                           "below/a.json.part4711"}) {
+  const std::string left = std::string("a.json") + kNobody;
+  for (const std::string& name :
+       {left, std::string("a.json"), std::string("a.part"), std::string("a.part12b"),
+        std::string("part12"), std::string("a.12"), "below/" + left}) {
     write_file_atomically(folder_ / name, "");
   }
   remove_unfinished(folder_);
-  EXPECT_FALSE(fs::exists(folder_ / "a.json.part4711"));
+  EXPECT_FALSE(fs::exists(folder_ / left));
   EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder_), {}), 8) << "all the others";
   remove_unfinished(folder_ / "none");
   remove_unfinished(folder_ / "a.json");
+}
+
+TEST_F(FileTest, KeepsWhatAnotherProcessIsWriting) {
+  const fs::path running = folder_ / "a.json.part1";  // there is always a process 1
+  const fs::path own = folder_ / ("a.json.part" + std::to_string(::getpid()));
+  write_file_atomically(running, "half");
+  write_file_atomically(own, "half");
+  remove_unfinished(folder_);
+  EXPECT_TRUE(fs::exists(running));
+  EXPECT_FALSE(fs::exists(own)) << "left by an earlier process that had the same number";
+}
+
+TEST_F(FileTest, RemovesUnfinishedFilesOfChosenNamesOnly) {
+  for (const char* name : {"a.json", "b.tar"}) {
+    write_file_atomically(folder_ / (std::string(name) + kNobody), "half");
+  }
+  remove_unfinished(folder_, ".json");
+  EXPECT_FALSE(fs::exists(folder_ / (std::string("a.json") + kNobody)));
+  EXPECT_TRUE(fs::exists(folder_ / (std::string("b.tar") + kNobody)));
 }
 
 // As `-o /dev/stdout | less` has it: a link whose target has no name.
