@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -38,7 +39,7 @@ constexpr const char* kWhereTheDataIs =
 
 class Bar {
  public:
-  explicit Bar(std::string what) : what_(std::move(what)) {}
+  explicit Bar(const std::string& what) : what_(printable(what)) {}
   ~Bar() { wipe(); }
   Bar(const Bar&) = delete;
   Bar& operator=(const Bar&) = delete;
@@ -98,7 +99,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 }
 
 int fail(int code, const CLI::App& app, const char* what) {
-  fmt::print(stderr, "{}: {}\n", app.get_name(), what);
+  say(stderr, "{}: {}\n", app.get_name(), what);
   return code;
 }
 
@@ -116,16 +117,35 @@ void refuse_unknown_verb(const CLI::App& app, int argc, char** argv) {
       fmt::format("unknown verb {:?}; the verbs are {}", verb, fmt::join(names, ", ")));
 }
 
+// Of all verbs at once. An empty name would be taken for a missing option.
+void refuse_empty_names(CLI::App& app) {
+  const CLI::Validator named(
+      [](const std::string& text) {
+        return text.empty() ? std::string("the name of a file or folder is empty") : std::string();
+      },
+      "");
+  for (CLI::Option* option : app.get_options()) {
+    const std::string type = option->get_type_name();
+    if (type.find("FILE") != std::string::npos || type.find("DIR") != std::string::npos) {
+      option->check(named);
+    }
+  }
+  for (CLI::App* verb : app.get_subcommands({})) refuse_empty_names(*verb);
+}
+
 // Callbacks run inside parse(): this is the whole program.
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& status) {
   try {
     refuse_unknown_verb(app, argc, argv);
+    refuse_empty_names(app);
     app.parse(argc, argv);
     return status;
   } catch (const CLI::Success& help) {
     return app.exit(help);  // prints what --help or --version asked for
   } catch (const CLI::ParseError& error) {
-    app.exit(error);
+    std::ostringstream text;
+    app.exit(error, text, text);
+    say(stderr, "{}", text.str());
     return kUsage;
   } catch (const InvalidInput& error) {
     print_diagnostics(error.diagnostics());
@@ -284,11 +304,11 @@ void write_output(const std::string& path, const std::string& content) {
 
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
   for (const Diagnostic& diagnostic : diagnostics) {
-    fmt::print(stderr, "{}\n", to_string(diagnostic));
+    say(stderr, "{}\n", to_string(diagnostic));
   }
-  fmt::print(stderr, "{}, {}, {}\n", counted(count(diagnostics, Severity::kError), "error"),
-             counted(count(diagnostics, Severity::kWarning), "warning"),
-             counted(count(diagnostics, Severity::kNote), "note"));
+  say(stderr, "{}, {}, {}\n", counted(count(diagnostics, Severity::kError), "error"),
+      counted(count(diagnostics, Severity::kWarning), "warning"),
+      counted(count(diagnostics, Severity::kNote), "note"));
 }
 
 int run_program(CLI::App& app, int argc, char** argv, const int& status) {

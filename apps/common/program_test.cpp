@@ -1,6 +1,11 @@
 #include "apps/common/program.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include "enfilade/core/file.h"
 #include "tests/support/temporary_folder.h"
@@ -39,6 +44,66 @@ TEST(ReadSecret, TakesAFileAsEditorsSaveIt) {
   }
   write_file_atomically(file, std::string_view("\xff\xfes\0k\0\r\0\n\0", 10));
   EXPECT_EQ(read_secret(file, {}), "sk") << "UTF-16";
+}
+
+// A program of one verb, run with these words behind it.
+int run(const std::function<void(CLI::App&)>& add, std::vector<std::string> words) {
+  CLI::App app("", "made");
+  CLI::App& verb = *app.add_subcommand("verb");
+  add(verb);
+  app.require_subcommand(1);
+  words.insert(words.begin(), {"made", "verb"});
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  const int status = kSuccess;
+  return run_program(app, static_cast<int>(pointers.size()), pointers.data(), status);
+}
+
+TEST(RunProgram, RefusesEmptyNamesOfFilesAndFolders) {
+  std::string value, text;
+  std::vector<std::string> list;
+  const auto add = [&](CLI::App& verb) {
+    add_value(verb, "-o,--output", value, "FILE", "");
+    add_data_option(verb, value);
+    add_value(verb, "--either", value, "DIR|FILE", "");
+    add_value(verb, "files", list, "FILE...", "");
+    add_value(verb, "--title", text, "TEXT", "");
+  };
+  EXPECT_EQ(run(add, {"-o", "x", "--title", ""}), kSuccess);
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"-o", ""},
+                                                {"--output="},
+                                                {"--data", ""},
+                                                {"--either", ""},
+                                                {"x", ""},
+                                                {""}}) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(run(add, words), kUsage) << words[0];
+    EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+                ::testing::HasSubstr("the name of a file or folder is empty"));
+  }
+}
+
+TEST(RunProgram, PrintsNothingThatControlsATerminal) {
+  const std::string name = "a\x1b]0;x\x07\u202e", shown = "a\\x1b]0;x\\x07\\u{202e}";
+  const std::array<std::function<void()>, 3> ends{
+      [&] { throw FileError(name); }, [&] { throw UsageError(name); },
+      [&] {
+        throw InvalidInput({{Severity::kError, name, "$", "code", name}});
+      }};
+  for (const auto& end : ends) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_NE(run([&](CLI::App& verb) { verb.callback(end); }, {}), kSuccess);
+    const std::string printed = ::testing::internal::GetCapturedStderr();
+    EXPECT_THAT(printed, ::testing::HasSubstr(shown));
+    EXPECT_EQ(printed, printable(printed));
+  }
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run([](CLI::App&) {}, {name}), kUsage);
+  const std::string refused = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(refused, printable(refused));
+  ::testing::internal::CaptureStdout();
+  say("{}\n", name);
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), shown + "\n");
 }
 
 }  // namespace EN_UNIT

@@ -76,8 +76,8 @@ void print_score(const Options& options, const tasks::ScoreTable& score) {
   if (!options.json.empty()) write_output(options.json, to_json(score, options.per_episode));
   if (options.json == "-") return;
   const bool reference = options.spl == "reference";
-  fmt::print("{}", to_table(score, reference ? tasks::SplLength::kReference
-                                             : tasks::SplLength::kShortest));
+  say("{}",
+      to_table(score, reference ? tasks::SplLength::kReference : tasks::SplLength::kShortest));
 }
 
 void refuse_hidden(const Options& options, const tasks::Split& split) {
@@ -135,8 +135,8 @@ ExitCode score(const Options& options) {
   }
   if (!warnings.empty()) print_diagnostics(warnings);
   if (options.part) {
-    fmt::print(stderr, "note: a part of split {}: {} of its {} instructions\n", split.name(),
-               size(trajectories), split.size());
+    say(stderr, "note: a part of split {}: {} of its {} instructions\n", split.name(),
+        size(trajectories), split.size());
     split = part_of(split, trajectories);
   }
   refuse_hidden(options, split);

@@ -220,7 +220,8 @@ class Run {
       for (std::size_t k = next_++; k < open_.size() && !stop_.stop_requested(); k = next_++) {
         const std::string id = world_.episodes().id(open_[k]);
         try {
-          write_file_atomically(file_of(open_[k]), walk_episode(*world, open_[k], painter));
+          detail::write_transcript(folder_, world_, open_[k],
+                                   walk_episode(*world, open_[k], painter));
           const std::scoped_lock lock(mutex_);
           ++done_;
           if (left_.erase(id) > 0) write_left();

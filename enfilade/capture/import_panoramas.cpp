@@ -11,8 +11,8 @@
 #include <string_view>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/written_lists.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/image/codecs.h"
@@ -402,15 +402,15 @@ void connect_all(const ImportOptions& o, const std::vector<ViewpointIndex>& fres
 // Pictures first, so that a graph never names a panorama that is missing.
 void write(const fs::path& folder, std::span<const PanoramaFiles> panoramas,
            const std::vector<Strip>& strips, const Connectivity& graph) {
-  const fs::path images = folder / graph.scan / "matterport_skybox_images";
-  make_folder(images);
+  const OutputFolder out(folder);
+  const std::string images = graph.scan + "/matterport_skybox_images/";
+  out.remove_unfinished(graph.scan + "/matterport_skybox_images");
   for (std::size_t k = 0; k < strips.size(); ++k) {
     const std::vector<std::uint8_t>& jpeg = strips[k].jpeg;
-    write_file_atomically(
-        images / scan::skybox_strip_name(panoramas[k].viewpoint, scan::Layer::kColour),
-        {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+    out.write(images + scan::skybox_strip_name(panoramas[k].viewpoint, scan::Layer::kColour),
+              {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
-  save_connectivity(folder / "connectivity", graph);
+  save_connectivity(out.folder("connectivity").path(), graph);
 }
 
 void check(std::span<const PanoramaFiles> panoramas, const ImportOptions& o,

@@ -106,6 +106,18 @@ TEST_F(ImportPanoramas, WriteNothingIfTheListOfScansIsBroken) {
   EXPECT_FALSE(fs::exists(scan::connectivity_file(folder_.path() / "connectivity", "home")));
 }
 
+TEST_F(ImportPanoramas, FollowNoLinkThatSomebodyPutIntoTheFolder) {
+  const fs::path outside = folder_.path() / "outside";
+  fs::create_directory(outside);
+  for (const char* link : {"home", "connectivity"}) {
+    fs::create_directory_symlink(outside, folder_.path() / link);
+    EXPECT_THROW(import("home", {{"hall", {file("hall.jpg")}}}), FileError) << link;
+    EXPECT_TRUE(fs::is_empty(outside)) << link;
+    fs::remove(folder_.path() / link);
+    fs::remove_all(folder_.path() / "home");
+  }
+}
+
 TEST_F(ImportPanoramas, RefuseIdsAndCountsThatCannotBe) {
   EXPECT_THROW(import("../home", {{"hall", {file("hall.jpg")}}}), LookupError);
   EXPECT_THROW(import("home", {{"my hall", {file("hall.jpg")}}}), ArgumentError);

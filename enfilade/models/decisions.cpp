@@ -15,7 +15,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/detail/json.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/tasks/score_table.h"
 
 namespace enfilade::models {
@@ -427,8 +427,7 @@ void DecisionRecorder::write(const std::filesystem::path& file, const tasks::Epi
   for (const std::size_t i : shown_episodes(trajectories, episodes, count)) {
     shown.emplace_back(episodes.episodes[i].instruction_id, episode(i, episodes));
   }
-  make_folder(file.parent_path());
-  write_file_atomically(file, decisions_json(shown));
+  OutputFolder(file.parent_path()).write(file.filename().string(), decisions_json(shown));
 }
 
 std::set<std::size_t> shown_episodes(const std::vector<tasks::Trajectory>& trajectories,

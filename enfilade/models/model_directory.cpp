@@ -11,6 +11,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/output_folder.h"
 
 namespace enfilade::models {
 
@@ -173,10 +174,15 @@ const features::FeatureSet* usable_features(const ModelConfig& config,
   return features;
 }
 
+void write_file(const ModelFiles& files, const fs::path& file, std::string_view content) {
+  OutputFolder(files.folder).write(file.lexically_relative(files.folder).string(), content);
+}
+
 void write_state(const fs::path& file, std::span<const features::NamedArray> arrays,
                  std::uint64_t iteration) {
   features::write_safetensors(
-      file, arrays, {{"iteration", std::to_string(iteration)}, {"hash", hash_of_arrays(arrays)}});
+      OutputFolder(file.parent_path()).file(file.filename().string()), arrays,
+      {{"iteration", std::to_string(iteration)}, {"hash", hash_of_arrays(arrays)}});
 }
 
 StateFile open_state(const fs::path& path) {

@@ -252,16 +252,16 @@ class Training {
     }
     // After the vocabulary, so that there is no config.json without one. Always written, as the
     // iterations may have changed.
-    write_file_atomically(files_.config(), to_json(model_));
+    write_file(files_, files_.config(), to_json(model_));
   }
 
   void save_words() const {
     if (words_.vocabulary() != nullptr) return words_.vocabulary()->save(files_.vocabulary());
-    write_file_atomically(files_.text(config().text), read_file(origin_->text()));
+    write_file(files_, files_.text(config().text), read_file(origin_->text()));
   }
   void save_encoder() const {
     const fs::path& weights = data_.continuous()->sight.encoder.weights;
-    if (!weights.empty()) write_file_atomically(files_.encoder(), read_file(weights));
+    if (!weights.empty()) write_file(files_, files_.encoder(), read_file(weights));
   }
   bool is_last() const { return iteration_ == config().iterations; }
   bool is_due(std::size_t every) const {

@@ -14,6 +14,7 @@
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/written_lists.h"
 
 namespace enfilade::scan {
@@ -226,11 +227,11 @@ std::string to_json(const Connectivity& connectivity) {
 void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity) {
   const std::filesystem::path file = scan_list_file(directory);
   auto [scans, text] = read_scan_list(file);
-  make_folder(directory);
-  write_file_atomically(connectivity_file(directory, connectivity.scan), to_json(connectivity));
+  const OutputFolder out(directory);
+  out.write(connectivity_file({}, connectivity.scan).string(), to_json(connectivity));
   if (std::ranges::find(scans, connectivity.scan) != scans.end()) return;
   if (!text.empty() && !text.ends_with('\n')) text += '\n';
-  write_file_atomically(file, text + connectivity.scan + "\n");
+  out.write(file.filename().string(), text + connectivity.scan + "\n");
 }
 
 void check_scan_list(const std::filesystem::path& directory) {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/image/jpeg_rows.h"
@@ -333,7 +333,7 @@ PackReport pack(const PanoramaSource& source, const std::filesystem::path& direc
   if (const auto store = complete_store(report.file, fingerprint)) return report_of(*store);
 
   const std::vector<PlannedPanorama> plan = make_plan(source, options);
-  make_folder(directory);
+  static_cast<void>(OutputFolder(directory).file(report.file.filename().string()));
   detail::StoreWriter writer(report.file, fingerprint, plan);
   report.resumed = writer.panoramas();
   write_panoramas(source, options, plan, writer, progress);
