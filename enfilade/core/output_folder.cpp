@@ -50,7 +50,7 @@ Descriptor open_root(const fs::path& folder) {
   return Descriptor(root);
 }
 
-enum class Missing { kMake, kNone };
+enum class Missing { kMake, kSkip };
 
 // Opens the folder of the first `count` parts, follows no link. A missing one is made, or gives -1.
 int open_below(const fs::path& folder, const std::vector<std::string>& parts, std::size_t count,
@@ -67,7 +67,7 @@ int open_below(const fs::path& folder, const std::vector<std::string>& parts, st
       stop(path, "make the folder", errno);
     }
     at = ::openat(parent.number(), parts[i].c_str(), kFolder | O_NOFOLLOW);
-    if (at < 0 && errno == ENOENT && missing == Missing::kNone) return at;
+    if (at < 0 && errno == ENOENT && missing == Missing::kSkip) return at;
     if (at < 0) stop(path, "open", errno);
   }
   return at;
@@ -156,7 +156,7 @@ OutputFolder OutputFolder::folder(std::string_view name) const {
 
 void OutputFolder::remove(std::string_view name) const {
   const std::vector<std::string> parts = parts_of(path_, name);
-  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kNone));
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kSkip));
   if (folder.number() >= 0 && ::unlinkat(folder.number(), parts.back().c_str(), 0) != 0 &&
       errno != ENOENT) {
     stop(path_ / name, "remove", errno);
@@ -165,14 +165,14 @@ void OutputFolder::remove(std::string_view name) const {
 
 bool OutputFolder::remove_empty(std::string_view name) const {
   const std::vector<std::string> parts = parts_of(path_, name);
-  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kNone));
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kSkip));
   return folder.number() >= 0 &&
          ::unlinkat(folder.number(), parts.back().c_str(), AT_REMOVEDIR) == 0;
 }
 
 void OutputFolder::remove_all(std::string_view name) const {
   const std::vector<std::string> parts = parts_of(path_, name);
-  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kNone));
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kSkip));
   std::error_code code;
   if (folder.number() >= 0) fs::remove_all(path_ / name, code);
   if (code) stop(path_ / name, "remove", code.value());
@@ -190,7 +190,7 @@ void OutputFolder::rename(std::string_view from, std::string_view to) const {
 void OutputFolder::remove_unfinished(std::string_view folder, std::string_view ending) const {
   if (folder.empty()) return enfilade::remove_unfinished(path_, ending);
   const std::vector<std::string> parts = parts_of(path_, folder);
-  const Descriptor there(open_below(path_, parts, parts.size(), Missing::kNone));
+  const Descriptor there(open_below(path_, parts, parts.size(), Missing::kSkip));
   if (there.number() >= 0) enfilade::remove_unfinished(path_ / folder, ending);
 }
 
