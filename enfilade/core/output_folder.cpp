@@ -190,8 +190,13 @@ void OutputFolder::rename(std::string_view from, std::string_view to) const {
 void OutputFolder::remove_unfinished(std::string_view folder, std::string_view ending) const {
   if (folder.empty()) return enfilade::remove_unfinished(path_, ending);
   const std::vector<std::string> parts = parts_of(path_, folder);
-  const Descriptor there(open_below(path_, parts, parts.size(), Missing::kSkip));
-  if (there.number() >= 0) enfilade::remove_unfinished(path_ / folder, ending);
+  try {
+    const Descriptor there(open_below(path_, parts, parts.size(), Missing::kSkip));
+    if (there.number() < 0) return;
+  } catch (const FileError&) {
+    return;  // a link: what is behind it is not ours
+  }
+  enfilade::remove_unfinished(path_ / folder, ending);
 }
 
 bool OutputFolder::is_name(std::string_view name) noexcept {

@@ -44,8 +44,8 @@ class OutputFolder {
   /// Renames a file or a folder. It replaces a file, a link or an empty folder. \throws as write()
   void rename(std::string_view from, std::string_view to) const;
 
-  /// remove_unfinished() of core/file.h in a folder, which need not exist; empty: in this one.
-  /// \throws as write()
+  /// remove_unfinished() of core/file.h in a folder, which need not exist; empty: in this one. Does
+  /// nothing behind a link. \throws as write()
   void remove_unfinished(std::string_view folder = {}, std::string_view ending = {}) const;
 
   /// Whether a text is a name that write() takes.
