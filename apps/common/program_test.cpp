@@ -70,12 +70,8 @@ TEST(RunProgram, RefusesEmptyNamesOfFilesAndFolders) {
     add_value(verb, "--title", text, "TEXT", "");
   };
   EXPECT_EQ(run(add, {"-o", "x", "--title", ""}), kSuccess);
-  for (const std::vector<std::string>& words : {std::vector<std::string>{"-o", ""},
-                                                {"--output="},
-                                                {"--data", ""},
-                                                {"--either", ""},
-                                                {"x", ""},
-                                                {""}}) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"-o", ""}, {"--data", ""}, {"--either", ""}, {"x", ""}, {""}}) {
     ::testing::internal::CaptureStderr();
     EXPECT_EQ(run(add, words), kUsage) << words[0];
     EXPECT_THAT(::testing::internal::GetCapturedStderr(),
