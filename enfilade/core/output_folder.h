@@ -11,7 +11,7 @@ namespace enfilade {
 
 /// A folder that a program fills. All names are relative to it, with `/` between folders. Each part
 /// of a name is a name of a file (is_file_name()). No link below the folder is followed, so that a
-/// link which somebody else put there leads nowhere; the folder itself may be a link. Any thread
+/// link which another user put there leads nowhere; the folder itself may be a link. Any thread
 /// may call the const functions at once, for different names.
 class OutputFolder {
  public:

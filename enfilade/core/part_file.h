@@ -17,8 +17,8 @@ class PartFile {
  public:
   /// Opens the part that exists, or makes an empty one. If `file` is a link, the part lies beside
   /// its target.
-  /// \throws FileError naming the path and the system's reason; also if another object has the part
-  /// open, if the part is a link, or if `file` exists and is not a plain file
+  /// \throws FileError naming the path and the system's reason. Also if another object has the part
+  /// open, the part is a link, or `file` exists and is not a plain file
   explicit PartFile(const std::filesystem::path& file);
   ~PartFile();
   PartFile(const PartFile&) = delete;

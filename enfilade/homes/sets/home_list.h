@@ -54,8 +54,9 @@ class WrittenFiles {
   /// OutputFolder::write() of `file`. \throws FileError
   void write(const std::filesystem::path& file, std::string_view text);
 
-  /// Removes old files and writes the list. \throws FileError, also for a link among the folders of
-  /// an old file; InvalidInput for a list that names anything that is not below the folder
+  /// Removes old files and writes the list.
+  /// \throws FileError, also for a link among the folders of an old file
+  /// \throws InvalidInput for a list that names anything that is not below the folder
   void finish();
 
  private:
