@@ -30,9 +30,10 @@ bool is_unfinished(const std::filesystem::path& path);
 
 /// Removes the temporary files that write_file_atomically() and OutputFolder leave in a folder (not
 /// in its subfolders) if their process is killed. Those of a process that runs stay. The folder
-/// need not exist. \pre no process of another machine, nor another thread, is writing there \param
-/// ending  only of files whose names end with it; empty: of all files \throws FileError naming a
-/// file that cannot be removed
+/// need not exist.
+/// \pre no process of another machine, nor another thread, is writing there
+/// \param ending  only of files whose names end with it; empty: of all files
+/// \throws FileError naming a file that cannot be removed
 void remove_unfinished(const std::filesystem::path& folder, std::string_view ending = {});
 
 }  // namespace enfilade
