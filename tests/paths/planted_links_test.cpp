@@ -1,4 +1,4 @@
-// Programs write into folders where somebody else has put links, and read data whose names are
+// Programs write into folders where another user has put links, and read data whose names are
 // paths: nothing outside of the folder changes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
