@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/continuous_agent.h"
@@ -181,6 +182,7 @@ class Training {
                                files_, listener.gathering})) {}
 
   bool run() {
+    if (ranks_.is_first()) remove_left();
     if (!ranks_.alone()) ranks_.agree(facts());
     if (fs::exists(files_.config())) {
       check_same_model(files_, model_, words_);
@@ -213,6 +215,12 @@ class Training {
     if (!ranks_.is_first()) return std::nullopt;
     make_folder(files_.folder);
     return std::optional<FolderLock>(std::in_place, files_.lock());
+  }
+
+  // What killed runs left. The lock is held.
+  void remove_left() const {
+    const OutputFolder out(files_.folder);
+    for (const char* folder : {"", "results"}) out.remove_unfinished(folder);
   }
 
   // By field, so that what differs is named.

@@ -13,7 +13,6 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 #include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/models/model_directory.h"
@@ -50,7 +49,7 @@ class Study {
       : o_(options), config_(options.training.config()), folder_(options.output) {}
 
   int run() {
-    make_folder(folder_);
+    OutputFolder(folder_).remove_unfinished();  // of a killed run
     const std::size_t most = std::ranges::max(o_.homes);
     step({"homes", "-o", data(), "--preset", "training", "--homes", std::to_string(set_size(most)),
           "--tasks", "r2r"});
