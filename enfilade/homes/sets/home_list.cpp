@@ -14,6 +14,7 @@
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 #include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/written_lists.h"
@@ -372,7 +373,7 @@ constexpr const char* kList = "annotations.txt";
 // The lines of a list; none where there is no list.
 std::vector<std::string> read_list(const fs::path& list) {
   std::vector<std::string> files;
-  if (!fs::exists(list)) return files;
+  if (!file_exists(list)) return files;
   const std::string text = read_plain_text(list);
   for (const auto& [number, line] : list_lines(text, HashLines::kEntries)) {
     if (!OutputFolder::is_name(line)) {
