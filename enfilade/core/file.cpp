@@ -1,13 +1,20 @@
 #include "enfilade/core/file.h"
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <new>
 #include <system_error>
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/mapped_file.h"
 
 namespace enfilade {
 namespace fs = std::filesystem;
@@ -46,24 +53,51 @@ bool file_exists(const fs::path& path) {
   return exists;
 }
 
-std::string read_file(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) fail(path, "read", EISDIR);
-  const File file(std::fopen(path.c_str(), "rb"));
-  if (!file) fail(path, "open", errno);
+std::string read_file(const fs::path& path, std::size_t most) try {
+  // Without waiting: open() itself would wait for a pipe's writer.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  if (file.number() < 0) fail(path, "open", errno);
+  struct stat status {};
+  if (::fstat(file.number(), &status) != 0) fail(path, "read", errno);
+  if (S_ISDIR(status.st_mode)) fail(path, "read", EISDIR);
+  const bool plain = S_ISREG(status.st_mode), fifo = S_ISFIFO(status.st_mode);
+  if (!plain && !fifo) most = std::min(most, kMostDeviceBytes);
+  const auto too_large = [&] {
+    throw FileError(fmt::format("{}: cannot read: more than {} bytes", path.string(), most));
+  };
+  const std::size_t size = plain ? static_cast<std::size_t>(status.st_size) : 0;
+  if (size > most) too_large();
+  constexpr std::size_t kPiece = std::size_t{1} << 16U, kMostOfOneRead = std::size_t{1} << 30U;
+  constexpr int kPatience = 2000;  // milliseconds
   std::string content;
-  const std::uintmax_t size = fs::file_size(path, ignored);
-  // One byte over the size, so that the first read sees the end of an ordinary file.
-  std::size_t step = ignored ? std::size_t{1} << 16 : static_cast<std::size_t>(size) + 1;
+  content.reserve(size + 1);
   for (;;) {
+    pollfd one{file.number(), POLLIN, 0};
+    const bool silent = !plain && ::poll(&one, 1, kPatience) == 0;
     const std::size_t have = content.size();
+    // One byte over the size: it finds the end of an ordinary file, and room is reserved for it.
+    const std::size_t step =
+        have <= size && plain ? std::min(size + 1 - have, kMostOfOneRead) : kPiece;
     content.resize(have + step);
-    const std::size_t got = std::fread(content.data() + have, 1, step, file.get());
-    content.resize(have + got);
-    if (std::ferror(file.get()) != 0) fail(path, "read", errno);
-    if (got < step) return content;
-    step = std::size_t{1} << 16;
+    const ssize_t got = ::read(file.number(), content.data() + have, step);
+    const int reason = errno;
+    content.resize(have + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    if (content.size() > most) too_large();
+    if (got > 0 || (got < 0 && (reason == EAGAIN || reason == EINTR))) continue;
+    if (got < 0) fail(path, "read", reason);
+    if (!silent || !fifo) return content;
+    throw FileError(path.string() + ": cannot read: a pipe that no program writes to");
   }
+} catch (const std::bad_alloc&) {
+  fail(path, "read", ENOMEM);
+}
+
+void check_plain_file(const fs::path& path) {
+  std::error_code ignored;  // who opens the file says what is wrong
+  const fs::file_status status = fs::status(path, ignored);
+  if (!fs::exists(status) || fs::is_regular_file(status)) return;
+  if (fs::is_directory(status)) fail(path, "read", EISDIR);
+  throw FileError(path.string() + ": cannot read: not a plain file");
 }
 
 void write_file_atomically(const fs::path& path, std::string_view content) {

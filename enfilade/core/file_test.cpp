@@ -2,11 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <fstream>
 #include <string>
+#include <thread>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/core/mapped_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
@@ -103,6 +109,44 @@ TEST_F(FileTest, WritesIntoPipes) {
   EXPECT_EQ(::read(ends[0], bytes, sizeof bytes), 4);
   EXPECT_EQ(std::string(bytes, 4), "text");
   ::close(ends[0]);
+}
+
+TEST_F(FileTest, ReadsAPipeToItsEnd) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string text(300'000, 'x');
+  std::thread writer([&] {
+    std::ofstream out(pipe, std::ios::binary);
+    out << text << std::flush;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2200));  // longer than the patience
+    out << "end";
+  });
+  EXPECT_EQ(read_file(pipe), text + "end");
+  writer.join();
+}
+
+// Each would hang, or take all memory.
+TEST_F(FileTest, WhatHasNoEndOrNoWriterIsRefused) {
+  const fs::path pipe = folder_ / "pipe", sparse = folder_ / "sparse";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  write_file_atomically(sparse, "");
+  fs::resize_file(sparse, std::uintmax_t{1} << 40U);
+  EXPECT_THAT([&] { read_file(pipe); },
+              ThrowsMessage<FileError>(HasSubstr("a pipe that no program writes to")));
+  EXPECT_THAT([] { read_file("/dev/zero"); },
+              ThrowsMessage<FileError>("/dev/zero: cannot read: more than 67108864 bytes"));
+  EXPECT_THAT([] { read_file("/dev/zero", 10); },
+              ThrowsMessage<FileError>(HasSubstr("more than 10 bytes")));
+  EXPECT_THAT([&] { read_file(sparse); },
+              ThrowsMessage<FileError>(HasSubstr("more than 4294967296 bytes")));
+  EXPECT_EQ(read_file("/dev/null"), "");
+  for (const fs::path& odd : {pipe, fs::path("/dev/zero"), folder_}) {
+    EXPECT_THROW(check_plain_file(odd), FileError) << odd;
+    EXPECT_THROW(MappedFile{odd}, FileError) << odd;
+    EXPECT_THROW(text_beginning(odd, 10), FileError) << odd;
+  }
+  check_plain_file(sparse);
+  check_plain_file(folder_ / "none");
 }
 
 TEST_F(FileTest, AFullDiskIsAnError) {
