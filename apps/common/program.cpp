@@ -116,6 +116,10 @@ void refuse_unknown_verb(const CLI::App& app, int argc, char** argv) {
       fmt::format("unknown verb {:?}; the verbs are {}", verb, fmt::join(names, ", ")));
 }
 
+// What takes all memory is a file or a number of the command line; readers name their file.
+constexpr const char* kOutOfMemory =
+    "out of memory: an input, or a number of the command line, needs more than there is";
+
 // Callbacks run inside parse(): this is the whole program.
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& status) {
   try {
@@ -136,8 +140,12 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& status) {
     return fail(kAgain, app, error.what());
   } catch (const Error& error) {  // a name or value from the command line
     return fail(kUsage, app, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {  // names the path
+    return fail(kInput, app, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(kInternal, app, "out of memory");
+    return fail(kInput, app, kOutOfMemory);
+  } catch (const std::length_error&) {  // a list longer than any memory
+    return fail(kInput, app, kOutOfMemory);
   } catch (const std::exception& error) {
     return fail(kInternal, app, error.what());
   }
@@ -260,7 +268,8 @@ std::string processor_name_in(std::string_view cpuinfo) {
 std::string read_secret(const std::string& file, std::initializer_list<const char*> variables) {
   std::string secret;
   if (!file.empty()) {
-    secret = read_plain_text(file);
+    constexpr std::size_t kMostBytes = std::size_t{1} << 16U;
+    secret = read_plain_text(file, kMostBytes);
   } else {
     for (const char* name : variables) {
       const char* value = std::getenv(name);

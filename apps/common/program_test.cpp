@@ -30,6 +30,29 @@ TEST(ProcessorName, IsUnknownWhereTheSystemDoesNotSay) {
   EXPECT_NE(processor_name(), "");
 }
 
+// What only a file, or a number of the command line, can cause is no fault of ours.
+TEST(RunProgram, GivesInputsTheirExitCode) {
+  const auto code_of = [](const auto& fault) {
+    CLI::App app("", "test");
+    app.callback([&] { fault(); });
+    std::string name = "test";
+    char* words[] = {name.data(), nullptr};
+    return run_program(app, 1, words, 0);
+  };
+  EXPECT_EQ(code_of([] { throw FileError("a: broken"); }), kInput);
+  EXPECT_EQ(code_of([] { throw std::bad_alloc(); }), kInput);
+  EXPECT_EQ(code_of([] { std::vector<int>().reserve(~std::size_t{0}); }), kInput);
+  EXPECT_EQ(code_of([] {
+              throw std::filesystem::filesystem_error("a",
+                                                      std::make_error_code(std::errc::io_error));
+            }),
+            kInput);
+  EXPECT_EQ(code_of([] { throw std::logic_error("ours"); }), kInternal);
+  EXPECT_EQ(code_of([] {}), kSuccess);
+}
+
+TEST(ReadSecret, IsShort) { EXPECT_THROW(read_secret("/dev/zero", {}), FileError); }
+
 TEST(ReadSecret, TakesAFileAsEditorsSaveIt) {
   const tests::TemporaryFolder folder("secret");
   const auto file = folder.path() / "key.txt";

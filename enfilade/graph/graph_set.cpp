@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "enfilade/core/check.h"
@@ -46,7 +47,9 @@ std::shared_ptr<const GraphSet> GraphSet::open(const std::filesystem::path& dire
 std::shared_ptr<const GraphSet> GraphSet::open_shared(const std::filesystem::path& directory) {
   static std::mutex mutex;
   static std::map<std::filesystem::path, std::weak_ptr<const GraphSet>> opened;
-  const std::filesystem::path key = std::filesystem::weakly_canonical(directory);
+  std::error_code unknown;  // open() says what is wrong
+  std::filesystem::path key = std::filesystem::weakly_canonical(directory, unknown);
+  if (unknown) key = directory;
   const std::scoped_lock lock(mutex);
   std::shared_ptr<const GraphSet> set = opened[key].lock();
   if (!set) opened[key] = set = open(directory);

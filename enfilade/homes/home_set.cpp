@@ -229,7 +229,7 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   if (fs::exists(list_file, code)) {
     add_list(list_file, folder, options, homes);
     if (fs::is_directory(folder / kShards, code)) {
-      for (const auto& entry : fs::directory_iterator(folder / kShards)) {
+      for (const auto& entry : fs::directory_iterator(folder / kShards, code)) {
         if (entry.path().extension() == ".json") add_list(entry.path(), folder, options, homes);
       }
     }

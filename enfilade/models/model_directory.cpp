@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
 
 namespace enfilade::models {
@@ -118,7 +119,7 @@ std::vector<Diagnostic> differences(const DataFingerprint& trained, const DataFi
 ModelFiles require_model(const fs::path& folder) {
   ModelFiles files{folder};
   for (const fs::path& file : {files.config(), files.weights()}) {
-    if (fs::exists(file)) continue;
+    if (file_exists(file)) continue;
     throw FileError(fmt::format("{}: no {} in it, so it is no model; `enfilade train` makes one",
                                 folder.string(), file.filename().string()));
   }

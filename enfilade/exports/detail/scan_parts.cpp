@@ -98,8 +98,8 @@ void write_by_scan(const graph::GraphSet& graphs, const fs::path& file, const st
 std::string state_of(const fs::path& file) {
   std::error_code error;
   const auto size = fs::file_size(file, error);
+  const auto time = error ? 0 : fs::last_write_time(file, error).time_since_epoch().count();
   if (error) throw FileError(fmt::format("{}: {}", file.string(), error.message()));
-  const auto time = fs::last_write_time(file).time_since_epoch().count();
   return fmt::format("{} {} {}", fs::absolute(file).string(), size, time);
 }
 

@@ -372,7 +372,7 @@ constexpr const char* kList = "annotations.txt";
 // The lines of a list; none where there is no list.
 std::vector<fs::path> read_list(const fs::path& list) {
   std::vector<fs::path> files;
-  if (!fs::exists(list)) return files;
+  if (!file_exists(list)) return files;
   const std::string text = read_plain_text(list);
   for (const auto& [number, line] : list_lines(text, HashLines::kEntries)) {
     const fs::path file(line);
