@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/stored_arrays.h"
@@ -71,11 +72,21 @@ formats::StoredArrays read_npz(const std::filesystem::path& file) {
   const auto zip = scan::FileTree::zip(file, scan::ZipNames::kPaths);
   formats::StoredArrays read;
   std::vector<Diagnostic> faults, unsupported;
+  std::error_code ignored;  // the file was opened
+  const std::uintmax_t most = std::max<std::uintmax_t>(
+      kAlwaysUnpacked, kMostPacking * std::filesystem::file_size(file, ignored));
+  std::uintmax_t bytes = 0;
   for (const std::string& entry : zip->names()) {
     if (faults.size() >= kMostFaultsKept) break;
+    if (bytes > most) {
+      refuse(file.string(), "", "too-large",
+             fmt::format("its arrays have more than {} bytes, {} times those of the file", most,
+                         kMostPacking));
+    }
     const std::string array = entry.substr(0, entry.size() - kEnding.size());
     try {
       read_array(*zip, entry, read);
+      bytes += read.arrays.back().bytes.size();
     } catch (const InvalidInput& damaged) {
       for (Diagnostic fault : damaged.diagnostics()) {
         fault.file = file.string();

@@ -26,6 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kWhole = std::numeric_limits<std::size_t>::max();
+// Of those that are packed like gzip's bombs fewer bytes are read (core/gzip.h).
 constexpr std::uint64_t kLargestEntry = std::uint64_t{1} << 30;
 
 [[noreturn]] void fail(const std::string& path, const char* doing, int reason) {
@@ -189,7 +190,7 @@ class Zip final : public FileTree {
   struct Entry {
     std::string path;  ///< in the zip
     std::uint64_t index = 0;
-    std::uint64_t size = 0;
+    std::uint64_t size = 0, packed = 0;
     bool twice = false;
   };
 
@@ -232,7 +233,8 @@ class Zip final : public FileTree {
         refuse(name_, "", "encrypted",
                fmt::format("{:?} is encrypted, which is not read", stat.name));
       }
-      entries_.push_back({stat.name, i, (stat.valid & ZIP_STAT_SIZE) != 0 ? stat.size : 0});
+      entries_.push_back({stat.name, i, (stat.valid & ZIP_STAT_SIZE) != 0 ? stat.size : 0,
+                          (stat.valid & ZIP_STAT_COMP_SIZE) != 0 ? stat.comp_size : 0});
     }
     index_.reserve(entries_.size());
     for (std::size_t i = 0; i < entries_.size(); ++i) {
@@ -259,9 +261,12 @@ class Zip final : public FileTree {
     if (name == nullptr || name != entry.path) {
       throw FileError(fmt::format("{}: the zip file was changed while it was read", path));
     }
-    if (entry.size > kLargestEntry) {
+    const std::uint64_t most = std::min(
+        kLargestEntry, std::max<std::uint64_t>(kAlwaysUnpacked, kMostPacking * entry.packed));
+    if (entry.size > most) {
       refuse(path, "", "too-large",
-             fmt::format("{} bytes, at most {} (1 GiB) are read", entry.size, kLargestEntry));
+             fmt::format("{} bytes from {} packed ones; at most {} are read", entry.size,
+                         entry.packed, most));
     }
     const std::unique_ptr<zip_file_t, Discard> file(zip_fopen_index(zip, entry.index, 0));
     if (!file) fail_read(zip_get_error(zip), path);
@@ -321,8 +326,7 @@ std::shared_ptr<const FileTree> FileTree::folder(const fs::path& path) {
 }
 
 std::shared_ptr<const FileTree> FileTree::zip(const fs::path& path, ZipNames names) {
-  std::error_code code;
-  if (fs::is_directory(path, code)) fail(path.string(), "open", EISDIR);
+  check_plain_file(path);
   return std::make_shared<Zip>(path, std::string(), path.string(), names);
 }
 
