@@ -144,6 +144,9 @@ std::vector<Case> cases_of_files() {
                 const std::string whole = files.content(kStrip);
                 files.write(kStrip, whole.substr(0, whole.size() / 2));
               }),
+      damaged("a pipe in a store's place", "pack --check {}/one.enfilade",
+              "{}/one.enfilade: cannot be read: not a plain file",
+              [](Files& files) { files.write("one.enfilade", kPipe); }),
       damaged("text in a strip's place", "render one v0 --data {}", "v0_skybox_small.jpg",
               [](Files& files) { files.write(kStrip, "a picture"); }),
       damaged("a strip that is not six squares", "render one v0 --data {}", "v0_skybox_small.jpg",
