@@ -41,7 +41,7 @@ void play(Options& options) {
   } else {
     fmt::print(stderr, "{}; an assistant is waited for on standard input\n", done);
   }
-  for (std::string line; options.port < 0 && std::getline(std::cin, line);) {
+  for (std::string line; options.port < 0 && server.read_message(std::cin, line);) {
     if (line.empty()) continue;
     for (const std::string& answer : server.handle(line)) std::cout << answer << '\n';
     std::cout.flush();

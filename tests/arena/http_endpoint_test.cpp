@@ -65,8 +65,7 @@ class Tunnel {
     for (char c = 0; !head.ends_with("\r\n\r\n") && ::recv(client, &c, 1, 0) == 1;) head += c;
     constexpr std::string_view kOpen = "HTTP/1.1 200 OK\r\n\r\n";
     ::send(client, kOpen.data(), kOpen.size(), MSG_NOSIGNAL);
-    std::array<pollfd, 2> ends{
-        {{client, POLLIN, 0}, {service::testing::connect_to(to_), POLLIN, 0}}};
+    std::array<pollfd, 2> ends{{{client, POLLIN, 0}, {tests::connect_to(to_), POLLIN, 0}}};
     for (bool open = true; open && ::poll(ends.data(), ends.size(), -1) > 0;) {
       for (std::size_t k = 0; k < 2; ++k) {
         if (ends[k].revents == 0) continue;

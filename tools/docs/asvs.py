@@ -60,7 +60,7 @@ def rows():
 def known_tests():
     """Suite.Name of GoogleTest, and names of CTest."""
     names = set()
-    for folder in ("enfilade/service", "tests"):
+    for folder in ("enfilade/net", "enfilade/service", "tests"):
         for file in (ROOT / folder).rglob("*_test.cpp"):
             tests = re.findall(r"^TEST(?:_F)?\((\w+),\s*(\w+)\)", file.read_text(), re.MULTILINE)
             names |= {f"{suite}.{name}" for suite, name in tests}

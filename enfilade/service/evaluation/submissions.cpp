@@ -8,8 +8,8 @@
 
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/net/hosts.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/leakage.h"
@@ -111,7 +111,7 @@ std::string stored_address(store::Database& db, std::string_view address) {
     db.run("INSERT INTO secret (name, value) VALUES (?, ?)", kAddressKey, detail::new_secret(""));
     return db.get<std::string>(find, kAddressKey);
   });
-  return detail::keyed_hash(key, detail::address_group(address));
+  return detail::keyed_hash(key, net::address_group(address));
 }
 
 // \throws Refusal kRateLimited naming the limit that another submission would exceed; kForbidden

@@ -1,4 +1,4 @@
-#include "enfilade/service/detail/hosts.h"
+#include "enfilade/net/hosts.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -14,9 +14,9 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/service/detail/texts.h"
+#include "enfilade/net/texts.h"
 
-namespace enfilade::service::detail {
+namespace enfilade::net {
 namespace {
 
 constexpr std::size_t kLongestHost = 253;  // of DNS
@@ -162,4 +162,4 @@ std::string address_group(std::string_view address) {
   return std::string(written.data()) + "/64";
 }
 
-}  // namespace enfilade::service::detail
+}  // namespace enfilade::net

@@ -1,4 +1,4 @@
-#include "enfilade/service/detail/hosts.h"
+#include "enfilade/net/hosts.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include "enfilade/core/errors.h"
 #include "tests/support/refusal.h"
 
-namespace enfilade::service::detail {
+namespace enfilade::net {
 namespace EN_UNIT {
 
 using ::testing::HasSubstr;
@@ -92,4 +92,4 @@ TEST(Hosts, WhatIsNoNameIsRefused) {
 }
 
 }  // namespace EN_UNIT
-}  // namespace enfilade::service::detail
+}  // namespace enfilade::net
