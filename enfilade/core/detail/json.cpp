@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/nearest_name.h"
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::json {
@@ -321,6 +322,24 @@ std::optional<Element> field(Element element, Field wanted, const Path& path, Fa
   std::optional<Element> found;
   fields(element, {&wanted, 1}, {&found, 1}, path, faults);
   return found;
+}
+
+bool refuse_others(Element element, std::span<const Field> allowed, const Path& path,
+                   Faults& faults) {
+  simdjson::dom::object members;
+  if (element.get_object().get(members) != simdjson::SUCCESS) return true;
+  std::vector<std::string_view> names;
+  for (const Field& field : allowed) names.push_back(field.name);
+  bool good = true;
+  for (const auto member : members) {
+    if (std::ranges::find(names, member.key) != names.end()) continue;
+    good = false;
+    faults.error(
+        path, "unknown-field",
+        fmt::format("unknown field {}; {}", quote(member.key), advice_on_name(member.key, names)));
+    if (faults.full()) break;
+  }
+  return good;
 }
 
 std::vector<std::string> strings(Element element, const Path& path, Faults& faults) {

@@ -74,6 +74,20 @@ TEST(JsonFields, ReportsMissingAndRepeated) {
   EXPECT_EQ(faults.take().at(0).message, "has no field \"d\"");
 }
 
+TEST(JsonFields, OthersAreRefusedWithTheNearestName) {
+  const Document document = Document::parse(R"({"teams": 1, "taems": 2, "\n": 3})", "f");
+  constexpr std::array<Field, 2> kAllowed{{{"teams"}, {"step", false}}};
+  Faults faults("f");
+  EXPECT_FALSE(refuse_others(document.root(), kAllowed, Path(), faults));
+  const auto found = faults.take();
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(to_string(found[0]),
+            "error: f: $: unknown field \"taems\"; the nearest is \"teams\" [unknown-field]");
+  EXPECT_EQ(found[1].message, "unknown field \"\\n\"; allowed are teams, step");
+  constexpr std::array<Field, 3> kAll{{{"teams"}, {"taems"}, {"\n"}}};
+  EXPECT_TRUE(refuse_others(document.root(), kAll, Path(), faults));
+}
+
 TEST(JsonDocument, TooDeepIsNamedWithoutMuchMemory) {
   for (const std::size_t levels : {1025UL, 3'000'000UL}) {
     EXPECT_THAT(fault_of(std::string(levels, '[')), HasSubstr("too deep"));
