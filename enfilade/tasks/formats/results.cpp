@@ -279,7 +279,7 @@ class Reader {
                                 shown(*id), kScoredInstructions));
         return;
       }
-      if (id) episode = identify(*id, id_field, id_path);
+      if (id) episode = identify(*id, id_path);
       keep = episode && claim(*episode, place, id_path);
     } else if (id_field != "instr_id" && element.is_object()) {
       faults_.error(path, "missing-field", fmt::format("neither instr_id nor {}", own_id_field()));
@@ -436,11 +436,20 @@ class Reader {
     return by_id_.contains(fmt::format("{}_{}", id, kScoredInstructions - 1));
   }
 
-  std::optional<std::size_t> identify(std::string_view id, std::string_view field,
-                                      const Path& path) {
-    const auto& known = field == "instruction_id" ? by_number_ : by_id_;
-    const auto episode = known.find(id);
-    if (episode != known.end()) return episode->second;
+  // RxR: "1501", or "150_1501" where the annotations have 1501 alone. Test lines have no path_id,
+  // and the same lines with their goals have one.
+  std::optional<std::size_t> find_numbered(std::string_view id) const {
+    const auto numbered = by_number_.find(id.substr(id.rfind('_') + 1));
+    if (numbered == by_number_.end()) return std::nullopt;
+    const std::string& known = episodes_.episodes[numbered->second].instruction_id;
+    const bool one_is_number = id.find('_') == id.npos || known.find('_') == known.npos;
+    return one_is_number ? std::optional(numbered->second) : std::nullopt;
+  }
+
+  std::optional<std::size_t> identify(std::string_view id, const Path& path) {
+    const auto episode = by_id_.find(id);
+    if (episode != by_id_.end()) return episode->second;
+    if (const auto numbered = find_numbered(id)) return numbered;
     faults_.error(path, "unknown-instr-id",
                   fmt::format("{} is not one of the {} of split {}", shown(id), places_.size(),
                               episodes_.split));
