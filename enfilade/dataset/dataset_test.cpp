@@ -103,6 +103,18 @@ TEST(Dataset, HasGraphsEpisodesAndRegions) {
   EXPECT_EQ(data.panoramas()->find_source(ScanIndex(0)), nullptr);
 }
 
+TEST(Dataset, ListsASplitOnceThatHasTwoNames) {
+  const tests::TemporaryFolder made("dataset_names");
+  write_square(made.path());
+  write(made.path() / "cvdn/test_cleaned.json", "[]");
+  const Dataset data(made.path());
+  const tasks::Benchmark& cvdn = tasks::benchmark("cvdn");
+  EXPECT_THAT(data.splits(cvdn), ElementsAre("test"));
+  for (const char* name : {"test", "test_cleaned"}) {
+    EXPECT_EQ(data.episodes_file(cvdn, name), made.path() / "cvdn/test_cleaned.json");
+  }
+}
+
 // As people unpack what was packed, and pack what was not.
 TEST(Dataset, FilesMayBePackedOrPlain) {
   const tests::TemporaryFolder made("dataset_packed");

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/tasks/annotations.h"
@@ -21,8 +22,6 @@ using Texts = std::string_view;
 constexpr auto kSplits = std::to_array<Texts>({"train", "val_seen", "val_unseen", "test"});
 constexpr auto kRxrSplits = std::to_array<Texts>(
     {"train", "val_seen", "val_unseen", "test_standard_public", "test_challenge_public", "test"});
-constexpr auto kCvdnSplits =
-    std::to_array<Texts>({"train", "val_seen", "val_unseen", "test_cleaned", "test"});
 constexpr auto kSoonSplits =
     std::to_array<Texts>({"train", "val_seen_instrs", "val_unseen_instrs", "val_unseen_house",
                           "val_seen", "val_unseen", "test"});
@@ -133,7 +132,8 @@ constexpr auto kBenchmarks = std::to_array<Benchmark>({
      .task = Task::kCvdn,
      .paths = Task::kCvdn,
      .goal = GoalKind::kRegion,
-     .splits = kCvdnSplits,
+     .splits = kSplits,
+     .test_file = "test_cleaned",
      .files = kCvdnFiles,
      .scorers = scorers::kCvdn,
      .table_scorer = "hamt",
@@ -267,7 +267,12 @@ const Benchmark& benchmark(Task task) noexcept {
 
 std::vector<std::filesystem::path> episode_places(const Benchmark& benchmark,
                                                   std::string_view split, std::string_view kind) {
-  return fill(patterns_of(files_of(benchmark, kind), ""), split);
+  const std::vector<std::string> patterns = patterns_of(files_of(benchmark, kind), "");
+  std::vector<std::filesystem::path> places = fill(patterns, split);
+  if (split == "test" && !benchmark.test_file.empty()) {
+    for (auto& place : fill(patterns, benchmark.test_file)) places.push_back(std::move(place));
+  }
+  return places;
 }
 
 std::vector<std::filesystem::path> expert_places(const Benchmark& benchmark, std::string_view split,
