@@ -264,7 +264,10 @@ void Site::read_phases() {
       phase.name = phase.title = phase.split = name;
     }
   }
-  for (const Phase& phase : phases_) secret_.push_back(read_goals(phase, data_, graphs_));
+  for (const Phase& phase : phases_) {
+    secret_.push_back(read_goals(phase, data_, graphs_));
+    check_public_file(phase, secret_.back().split, data_);
+  }
 }
 
 // The annotations of a secret phase may be in the data set too, by mistake; and what R2R says of a
@@ -280,6 +283,7 @@ void Site::hide_goals() {
 }
 
 const PublicSplit* Site::find_split(std::string_view name, tasks::Task task) const noexcept {
+  name = tasks::split_name(tasks::benchmark(task), name);
   const auto found = std::ranges::find_if(splits_, [name, task](const PublicSplit& split) {
     return split.annotations.split == name && split.annotations.task == task;
   });

@@ -44,6 +44,7 @@ class Site {
   /// \throws FileError
   /// \throws InvalidInput for files that can't be used, goals off the floor, and secret goals of
   /// REVERIE whose ids name the objects
+  /// \throws InvalidInput for secret goals that check_public_file() refuses
   /// \throws InvalidInput for secret goals in a folder of the data set, links followed, as people
   /// copy data sets to others
   /// \throws LookupError for a continuous episode in a building without a graph or a navigation

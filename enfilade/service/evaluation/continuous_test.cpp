@@ -69,6 +69,7 @@ class ContinuousPhases : public ::testing::Test {
       e.reference_path.reset();
     }
     write(data() / "vlnce/test.json.gz", hidden);
+    write(data() / "vlnce/test_guide.json.gz", hidden);
   }
 
   static void write(const fs::path& file, const tasks::ContinuousEpisodes& episodes) {
