@@ -52,7 +52,10 @@ Correction read_correction(Element element, const Path& path, Faults& faults) {
       {{"action"}, {"from"}, {"who"}, {"why"}, {"to", false}, {"when", false}}};
   std::array<std::optional<Element>, 6> found;
   Correction c;
-  if (!json::fields(element, kFields, found, path, faults)) return c;
+  if (!json::refuse_others(element, kFields, path, faults) ||
+      !json::fields(element, kFields, found, path, faults)) {
+    return c;
+  }
   c.action = read_action(*found[0], Path(path, "action"), faults);
   c.from = read_needed(found[1], Path(path, "from"), faults);
   c.who = read_needed(found[2], Path(path, "who"), faults);
@@ -137,6 +140,7 @@ Corrections parse_corrections(std::string_view json, const std::string& file) {
   constexpr std::array<json::Field, 2> kFields{{{"scan"}, {"corrections"}}};
   std::array<std::optional<Element>, 2> found;
   Corrections corrections;
+  json::refuse_others(document.root(), kFields, root, faults);
   if (json::fields(document.root(), kFields, found, root, faults)) {
     corrections.scan = read_needed(found[0], Path(root, "scan"), faults);
     const Path path(root, "corrections");

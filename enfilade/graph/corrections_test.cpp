@@ -49,6 +49,11 @@ TEST(Corrections, ReadsAll) {
   EXPECT_EQ(c.list[2].to, "");
 }
 
+TEST(Corrections, AMisspelledFieldIsRefused) {
+  EXPECT_EQ(fault(R"({"action": "exclude", "from": "v0", "who": "A", "why": "B", "wen": "C"})"),
+            "$.corrections[0] unknown-field: unknown field \"wen\"; the nearest is \"when\"");
+}
+
 TEST(Corrections, WhatIsWrittenReadsBack) {
   const Corrections c = parse_corrections(kFile, "c.json");
   const std::string text = to_json(c);
