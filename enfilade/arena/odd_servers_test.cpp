@@ -357,6 +357,19 @@ TEST_F(OddServers, AConversationThatIsTooLongEndsOneEpisodeOrIsShortened) {
   EXPECT_EQ(run_file("window").at("window"), 1);
 }
 
+TEST_F(OddServers, AConversationHasALargestSize) {
+  which_ = {0};
+  config_.shorten = false;
+  Server server([](const json& request, const RequestOrigin& origin) {
+    json message = answer_to(request, 0);
+    message["content"] = std::string(1'000'000, static_cast<char>('a' + origin.calls.size()));
+    return completion_of(message);
+  });
+  EXPECT_THAT(run(&server).refused,
+              ElementsAre("1_0: context-too-long: the conversation has more than 16 MiB"));
+  EXPECT_EQ(server.requests.size(), 17U);
+}
+
 TEST_F(OddServers, AFilterEndsOneEpisodeAndOthersGoOn) {
   Server server([](const json& request, const RequestOrigin& origin) {
     if (origin.episode.ends_with("/1_0")) {

@@ -30,7 +30,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"nanoflann.hpp", {"enfilade/"}},
       {"zlib.h", {"enfilade/core/gzip", "apps/", "tests/"}},
       {"httplib.h",
-       {"enfilade/arena/http_endpoint.cpp", "enfilade/arena/mcp_http.cpp",
+       {"enfilade/arena/bounded_client.cpp", "enfilade/arena/mcp_http.cpp",
         "enfilade/arena/stand_in.cpp", "enfilade/service/client.cpp", "enfilade/service/http/",
         "tests/"}},
       {"kainjow/", {"enfilade/arena/prompt.cpp"}},

@@ -219,15 +219,23 @@ InvalidInput not_json(std::string_view text, const std::string& name, simdjson::
 
 std::string excess(std::string_view text, const Limits& limits) {
   std::size_t values = 1, depth = 0;
+  std::vector<std::size_t> keys(limits.keys == 0 ? 0 : 1);  // by level
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at++];
     if (c == '"') {
       at = skip_string(text, at);
     } else if (c == ',' || c == ':') {
       ++values;
+      if (c == ':' && limits.keys > 0 && ++keys[depth] > limits.keys) {
+        return fmt::format("an object of more than {} keys", limits.keys);
+      }
     } else if (c == '[' || c == '{') {
       ++values;
       if (++depth > limits.depth) return fmt::format("more than {} levels", limits.depth);
+      if (limits.keys > 0) {
+        keys.resize(std::max(keys.size(), depth + 1));
+        keys[depth] = 0;
+      }
     } else if ((c == ']' || c == '}') && depth > 0) {
       --depth;
     }

@@ -101,9 +101,12 @@ std::size_t skip_string(std::string_view text, std::size_t at);
 struct Limits {
   std::size_t values = 0;  ///< values and keys; an empty array or object counts as two
   std::size_t depth = 0;   ///< arrays and objects within each other
+  /// In one object; 0: any number. nlohmann's ordered objects compare a new key with all others.
+  std::size_t keys = 0;
 };
-/// "more than 1000 values and keys", "more than 16 levels"; empty for a text within its limits.
-/// Does not check that it is JSON. Takes no memory.
+/// "more than 1000 values and keys", "more than 16 levels", "an object of more than 100 keys";
+/// empty for a text within its limits. Does not check that it is JSON. Takes memory for the levels
+/// alone, and only if `keys` is a limit.
 std::string excess(std::string_view text, const Limits& limits);
 
 /// "number 4.5", "string \"abc\"", "array of 3": the value found, for messages.

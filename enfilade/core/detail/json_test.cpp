@@ -129,6 +129,9 @@ TEST(JsonLimits, CountWhatTakesMemory) {
   EXPECT_EQ(excess("]]]]}}", {1, 1}), "") << "no JSON, and within limits";
   EXPECT_EQ(excess("", {1, 1}), "");
   EXPECT_EQ(excess(R"(["\\", [ [)", {20, 2}), "more than 2 levels");
+  EXPECT_EQ(excess(R"({"a": {"b": 1, "c": 2}, "d": [{"e": 1}, {"f": 1}]})", {99, 9, 2}), "");
+  EXPECT_EQ(excess(R"({"a": {"b": 1}, "c": 2, "d": 3})", {99, 9, 2}),
+            "an object of more than 2 keys");
 }
 
 }  // namespace EN_UNIT
