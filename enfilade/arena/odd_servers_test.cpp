@@ -357,17 +357,26 @@ TEST_F(OddServers, AConversationThatIsTooLongEndsOneEpisodeOrIsShortened) {
   EXPECT_EQ(run_file("window").at("window"), 1);
 }
 
+/// Writes a novel, and looks to the right. Does not read requests, which become long.
+class Novelist : public Endpoint {
+ public:
+  std::string post(std::string_view, const RequestOrigin& origin) override {
+    ++requests;
+    return R"({"choices":[{"message":{"content":")" +
+           std::string(1'000'000, static_cast<char>('a' + origin.calls.size())) +
+           R"(","tool_calls":[{"id":"c","type":"function","function":{"name":"look",)"
+           R"("arguments":"{\"direction\":\"right\"}"}}]}}]})";
+  }
+  int requests = 0;
+};
+
 TEST_F(OddServers, AConversationHasALargestSize) {
   which_ = {0};
   config_.shorten = false;
-  Server server([](const json& request, const RequestOrigin& origin) {
-    json message = answer_to(request, 0);
-    message["content"] = std::string(1'000'000, static_cast<char>('a' + origin.calls.size()));
-    return completion_of(message);
-  });
+  Novelist server;
   EXPECT_THAT(run(&server).refused,
               ElementsAre("1_0: context-too-long: the conversation has more than 16 MiB"));
-  EXPECT_EQ(server.requests.size(), 17U);
+  EXPECT_EQ(server.requests, 17);
 }
 
 TEST_F(OddServers, AFilterEndsOneEpisodeAndOthersGoOn) {
