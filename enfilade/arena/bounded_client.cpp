@@ -263,7 +263,7 @@ Response BoundedClient::post(const std::string& target, const Headers& headers,
     return !is_too_large;
   };
   const httplib::Result result = impl_->client->send(request);
-  if (!result) {
+  if (!result || use.late()) {  // a body without a length ends with its connection
     const std::string why = use.late() ? fmt::format("no whole answer in {} s", impl_->seconds)
                             : use.has_too_many_lines()
                                 ? fmt::format("a head of more than {} KiB", kMostLines >> 10U)
