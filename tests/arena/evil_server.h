@@ -85,13 +85,16 @@ class EvilServer {
   EvilServer(const EvilServer&) = delete;
   EvilServer& operator=(const EvilServer&) = delete;
 
-  std::string url() const { return "http://127.0.0.1:" + std::to_string(port_) + "/v1"; }
-  int requests() const { return requests_; }
+  std::string url(const std::string& scheme = "http") const {
+    return scheme + "://127.0.0.1:" + std::to_string(port_) + "/v1";
+  }
+  std::atomic<bool> talks_first = false;  // answers before it reads
 
  private:
   void serve(int socket) {
     std::string head;
-    for (char c = 0; !head.ends_with("\r\n\r\n") && ::recv(socket, &c, 1, 0) == 1;) {
+    for (char c = 0;
+         !talks_first && !head.ends_with("\r\n\r\n") && ::recv(socket, &c, 1, 0) == 1;) {
       head += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     }
     constexpr std::string_view kLength = "content-length: ";
@@ -99,8 +102,7 @@ class EvilServer {
     std::string body(at == std::string::npos ? 0 : std::stoul(head.substr(at + kLength.size())),
                      '\0');
     if (!body.empty()) ::recv(socket, body.data(), body.size(), MSG_WAITALL);
-    if (!head.empty()) {
-      ++requests_;
+    if (talks_first || !head.empty()) {
       answer_(Connection(socket, std::move(head), std::move(body)));
     }
     ::shutdown(socket, SHUT_WR);
@@ -111,7 +113,6 @@ class EvilServer {
   Answer answer_;
   int listener_;
   std::uint16_t port_ = 0;
-  std::atomic<int> requests_ = 0;
   std::vector<std::thread> threads_;
   std::thread thread_;
 };
