@@ -123,7 +123,7 @@ TEST(Site, SaysWhatABuildingHas) {
   Served served;
   const auto row = served.json("/api/v1/scans").at("scans").at(0);
   EXPECT_EQ(row.at("storeys"), 1);
-  EXPECT_EQ(row.at("instructions"), 12);  // of two splits with three paths of two
+  EXPECT_EQ(row.at("instructions"), 6);  // of two splits with three paths of two
   EXPECT_FALSE(row.contains("rooms"));    // no file says which those are
 }
 

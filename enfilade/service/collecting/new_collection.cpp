@@ -275,8 +275,11 @@ class Reader {
       const tasks::Annotations annotations =
           has_target(kind_) ? kinds::parse_any(text, kCollectionFile, split)
                             : tasks::parse_annotations(text, kCollectionFile, split);
-      tasks::look_up_paths(annotations, site_.graphs());
-      add_annotations(annotations, path, false);
+      const auto found = tasks::look_up_paths(annotations, site_.graphs());
+      // How near a worker comes to a secret goal is not told, whoever brought the path.
+      const GoalKeys keys = goal_keys(found, annotations.task, site_.graphs());
+      add_annotations(annotations, path,
+                      is_followed(kind_) && site_.find_shared(keys).keys.tells());
     } catch (const InvalidInput& error) {
       for (Diagnostic fault : error.diagnostics()) {  // their JSON paths begin at the list of paths
         fault.where =

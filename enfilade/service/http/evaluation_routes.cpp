@@ -148,7 +148,8 @@ ordered_json limit_json(std::optional<int> most) {
 /// In whole bits, rounded up: a bound stays one.
 ordered_json bits_json(double bits) {
   constexpr double kTolerance = 1e-6;  // of sums of logarithms
-  return std::isfinite(bits) ? ordered_json(std::ceil(bits - kTolerance)) : ordered_json(nullptr);
+  if (!std::isfinite(bits)) return nullptr;
+  return std::ceil(bits - kTolerance) + 0.0;  // -0 becomes 0
 }
 
 ordered_json leakage_json(const evaluation::Leakage& leakage, bool organiser) {

@@ -188,6 +188,11 @@ std::uint64_t resident_bytes() {
 App::App(std::shared_ptr<const Site> site, ServerConfig config)
     : context_{std::move(site), std::move(config)},
       own_names_(context_.config.host, context_.config.public_names) {
+  if (context_.config.warn) {
+    for (const std::string& text : context_.submissions.ledger().warnings()) {
+      context_.config.warn(text);
+    }
+  }
   const std::size_t most_bytes = context_.config.most_submission_bytes;
   add_browsing_routes(router_);
   add_session_routes(router_);

@@ -90,7 +90,9 @@ struct RouteContext {
   browsing::Faces faces{site->panoramas()};
   browsing::Stills stills{site};
   store::Health health{db, config.least_free_bytes, fault_log(config, "HEALTH", 503)};
-  evaluation::Submissions submissions{site, db, fault_log(config, "SCORE", 500)};
+  evaluation::Submissions submissions{
+      site, db, fault_log(config, "SCORE", 500),
+      config.accept_leak ? evaluation::Leaks::kAccepted : evaluation::Leaks::kRefused};
   browsing::Roaming roaming{site};
   sessions::Sessions arena_sessions{site, db};
   sessions::Replays replays{site, config.runs};

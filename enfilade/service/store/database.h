@@ -232,7 +232,7 @@ class Row {
 /// Migration k takes a database of version k to version k + 1. A released migration never
 /// changes: a change of the schema is a new one at the end. Times are seconds since 1970. Written
 /// as SQLite reads it; postgres.cpp replaces the few words that PostgreSQL has otherwise.
-extern const std::array<const char*, 6> kMigrations;
+extern const std::array<const char*, 7> kMigrations;
 
 /// One connection, used by one thread at a time: changes wait for each other anyway, and reads are
 /// of a few rows. All functions may be called from any thread, and wait for the thread that holds

@@ -186,7 +186,8 @@ TEST(Database, AnOlderOneIsBroughtUpToDateWithAllThatIsInIt) {
   EXPECT_EQ(database.find_number("SELECT count(*) FROM submission WHERE shown IS NULL AND ends IS "
                                  "NULL AND near_copy_of IS NULL"),
             1);
-  for (const char* table : {"attempt", "phase_end", "secret"}) {
+  EXPECT_EQ(database.find_number("SELECT count(*) FROM submission WHERE rule IS NULL"), 1);
+  for (const char* table : {"attempt", "phase_end", "phase_rule", "secret"}) {
     EXPECT_EQ(database.find_number(std::string("SELECT count(*) FROM ") + table), 0);
   }
   EXPECT_FALSE(database.find<std::string>("PRAGMA foreign_key_check"));

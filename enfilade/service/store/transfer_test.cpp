@@ -23,9 +23,11 @@ using ::testing::HasSubstr;
 // given and are gone.
 constexpr const char* kRows = R"sql(
 INSERT INTO team (id, name, contact, created) VALUES (3, 'Ä team', 'a@b.c', 1), (7, 'b', '', 2);
-INSERT INTO submission (id, team, phase, method, created, state, digest, content, shown, near_copy_of) VALUES
-  (1, 3, 'p', 'm', 5, 'scored', 'd', x'00ff27225c0a00', 0.1, NULL),
-  (2, 7, 'p', '', 6, 'queued', '', x'', NULL, 1), (9, 7, 'p', '', 6, 'queued', '', x'', NULL, NULL);
+INSERT INTO phase_rule (id, phase, rule, digest, goals, levels, means_bits) VALUES
+  (4, 'p', 'r', 'd', x'00ff', 0, 0.5);
+INSERT INTO submission (id, team, phase, method, created, state, digest, content, shown, near_copy_of, rule) VALUES
+  (1, 3, 'p', 'm', 5, 'scored', 'd', x'00ff27225c0a00', 0.1, NULL, 4),
+  (2, 7, 'p', '', 6, 'queued', '', x'', NULL, 1, NULL), (9, 7, 'p', '', 6, 'queued', '', x'', NULL, NULL, NULL);
 DELETE FROM submission WHERE id = 9;
 INSERT INTO collection (id, name, title, kind, open, link_key, platform, origins, completion_code, consent,
   instructions, per_item, lease_seconds, tasks_per_visit, created) VALUES
