@@ -76,7 +76,7 @@ std::optional<Host> parse_host(std::string_view text) {
     if (!is_literal(AF_INET6, std::string(text.substr(1, text.size() - 2)))) return std::nullopt;
   } else {
     if (text.ends_with('.')) text.remove_suffix(1);
-    if (!is_dns_name(text)) return std::nullopt;
+    if (!is_dns_name(text) || text.ends_with('.')) return std::nullopt;
   }
   host.name = lower_case(std::string(text));
   return host;

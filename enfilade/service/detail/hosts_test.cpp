@@ -28,7 +28,7 @@ TEST(Hosts, ANameOrAnAddressAndAPort) {
 
 TEST(Hosts, AnythingElseIsNone) {
   for (const std::string text :
-       {"", ".", ":80", "a b", "a/b", "a@b", "a,b", "a:65536", "a:-1", "a:8x", "a:1:2", "::1",
+       {"", ".", "a..", ":80", "a b", "a/b", "a@b", "a,b", "a:65536", "a:-1", "a:8x", "a:1:2", "::1",
         "[::1", "[x]", "[127.0.0.1]", "a\tb", "\xc3\xa9"}) {
     EXPECT_EQ(parsed(text), "none") << text;
   }
