@@ -1,5 +1,5 @@
 // What clients say of themselves and of their requests, and what of it is believed.
-// docs/service_attacks.md has the table.
+// docs/threats.md has the table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <chrono>

@@ -1,4 +1,4 @@
-// Requests that are made to take memory, and what they get. docs/service_attacks.md has the table.
+// Requests that are made to take memory, and what they get. docs/threats.md has the table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
