@@ -1,12 +1,15 @@
 #include "apps/common/program.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -210,13 +213,28 @@ std::filesystem::path own_program() {
 }
 
 int run_command(std::vector<std::string> words) {
-  pid_t child = 0;
   const std::vector<char*> arguments = pointers_to(words);
-  const int error = posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ);
-  if (error != 0) return -error;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  std::array<int, 2> faults{};
+  if (pipe2(faults.data(), O_CLOEXEC) != 0) return -errno;
+  const pid_t self = getpid();
+  const pid_t child = fork();
+  if (child == 0) {
+    // If this program is killed, the other one must not go on in a folder that the next run uses.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() == self) execvp(arguments[0], arguments.data());
+    const int error = errno;
+    [[maybe_unused]] const auto written = write(faults[1], &error, sizeof(error));
+    _exit(kInternal);
   }
+  int error = child < 0 ? errno : 0;
+  close(faults[1]);
+  while (child > 0 && read(faults[0], &error, sizeof(error)) < 0 && errno == EINTR) {
+  }
+  close(faults[0]);
+  int status = 0;
+  while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (error != 0) return -error;
   return WIFEXITED(status) ? WEXITSTATUS(status) : kInternal;
 }
 

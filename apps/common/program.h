@@ -111,7 +111,7 @@ std::filesystem::path shard_file(const std::filesystem::path& file, const Shard&
 /// This program's own file; "enfilade" if the system does not report it.
 std::filesystem::path own_program();
 
-/// Runs a program of PATH with its arguments, to its end.
+/// Runs a program of PATH with its arguments, to its end. It ends with this one, if that is killed.
 /// \returns its exit code; kInternal: by a signal; -errno: it did not start
 int run_command(std::vector<std::string> words);
 /// Becomes a program of PATH; `words` are its name and arguments.

@@ -1,6 +1,14 @@
 #include "apps/common/program.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <thread>
 
 #include "enfilade/core/file.h"
 #include "tests/support/temporary_folder.h"
@@ -28,6 +36,43 @@ TEST(ProcessorName, IsUnknownWhereTheSystemDoesNotSay) {
   EXPECT_EQ(processor_name_in(""), "unknown processor");
   EXPECT_EQ(processor_name_in("processor\t: 0\nCPU implementer\t: 0x41\n"), "unknown processor");
   EXPECT_NE(processor_name(), "");
+}
+
+TEST(RunCommand, TellsHowItEndedOrWhyItDidNotStart) {
+  EXPECT_EQ(run_command({"sh", "-c", "exit 7"}), 7);
+  EXPECT_EQ(run_command({"sh", "-c", "kill -9 $$"}), kInternal);
+  EXPECT_EQ(run_command({"/nowhere/program"}), -ENOENT);
+}
+
+/// Whether a process runs, or did and nobody has asked how it ended.
+bool runs(const std::string& pid) {
+  const std::filesystem::path state = "/proc/" + pid + "/stat";
+  return std::filesystem::exists(state) && read_file(state).find(") Z") == std::string::npos;
+}
+
+// A step of a study that goes on alone would write where the next run does.
+TEST(RunCommand, EndsWithAProgramThatIsKilled) {
+  const tests::TemporaryFolder folder("run_command");
+  const std::string file = folder.path() / "pid";
+  const pid_t program = fork();
+  if (program == 0) {
+    run_command({"sh", "-c",
+                 "echo $$ > " + file + ".part; mv " + file + ".part " + file + "; exec sleep 60"});
+    _exit(0);
+  }
+  const auto wait_for = [](const auto& is_so) {
+    for (int k = 0; k < 1000 && !is_so(); ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return is_so();
+  };
+  ASSERT_TRUE(wait_for([&] { return std::filesystem::exists(file); }));
+  std::string pid = read_file(file);
+  pid.pop_back();
+  EXPECT_TRUE(runs(pid));
+  ::kill(program, SIGKILL);
+  ::waitpid(program, nullptr, 0);
+  EXPECT_TRUE(wait_for([&] { return !runs(pid); }));
 }
 
 TEST(ReadSecret, TakesAFileAsEditorsSaveIt) {
