@@ -4,11 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <map>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "enfilade/core/rng.h"
@@ -124,8 +122,9 @@ class KilledVerbs : public ::testing::TestWithParam<KilledVerb> {
 TEST_P(KilledVerbs, GoOnAndLeaveNothing) {
   const fs::path whole = folder_.path() / "whole", output = folder_.path() / "output";
   GetParam().begin(whole);
+  const Words uninterrupted = words(whole);
   const Clock::time_point start = Clock::now();
-  ASSERT_EQ(Process(words(whole)).wait(), 0);
+  ASSERT_EQ(Process(uninterrupted).wait(), 0);
   const auto duration = Clock::now() - start;
   const auto expected = files(whole);
 
@@ -145,14 +144,13 @@ TEST_P(KilledVerbs, GoOnAndLeaveNothing) {
   GetParam().begin(output);
   for (int killed = 0; killed < kills();) {
     Process run(words(output));
-    std::this_thread::sleep_for(
-        std::chrono::duration_cast<std::chrono::microseconds>(duration * (0.7 * rng.uniform())));
-    const int end = run.end();
-    if (end == -SIGKILL) {
+    const Clock::time_point moment = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                                        duration * (0.7 * rng.uniform()));
+    if (run.killed_when([&] { return Clock::now() >= moment; })) {
       ++killed;
       continue;
     }
-    ASSERT_EQ(end, 0);
+    ASSERT_EQ(run.wait(), 0);
     expect_same();
     fs::remove_all(output);
     GetParam().begin(output);
