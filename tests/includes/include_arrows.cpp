@@ -90,7 +90,8 @@ bool is_posix(std::string_view name) {
 /// The header of all names, for users' short programs: may include every folder, and none may it.
 constexpr std::string_view kAllNames = "enfilade/enfilade.h";
 /// Recordings are compared with the parts of a library too, and tests of a library share helpers.
-constexpr std::array<std::string_view, 2> kTestsOfParts{"tests/conformance/", "tests/support/"};
+constexpr std::array<std::string_view, 3> kTestsOfParts{"tests/conformance/", "tests/fuzz/",
+                                                        "tests/support/"};
 constexpr std::array<std::string_view, 4> kBenchesOfParts{
     "bench/bench_cuda.cpp", "bench/bench_duet.cpp", "bench/bench_neural.cpp",
     "bench/products_test.cpp"};
