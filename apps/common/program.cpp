@@ -1,12 +1,15 @@
 #include "apps/common/program.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -15,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -38,7 +42,7 @@ constexpr const char* kWhereTheDataIs =
 
 class Bar {
  public:
-  explicit Bar(std::string what) : what_(std::move(what)) {}
+  explicit Bar(const std::string& what) : what_(printable(what)) {}
   ~Bar() { wipe(); }
   Bar(const Bar&) = delete;
   Bar& operator=(const Bar&) = delete;
@@ -98,7 +102,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 }
 
 int fail(int code, const CLI::App& app, const char* what) {
-  fmt::print(stderr, "{}: {}\n", app.get_name(), what);
+  say(stderr, "{}: {}\n", app.get_name(), what);
   return code;
 }
 
@@ -116,16 +120,39 @@ void refuse_unknown_verb(const CLI::App& app, int argc, char** argv) {
       fmt::format("unknown verb {:?}; the verbs are {}", verb, fmt::join(names, ", ")));
 }
 
+// Of all verbs at once. An empty name would be taken for a missing option.
+void refuse_empty_names(CLI::App& app) {
+  const CLI::Validator named(
+      [](const std::string& text) {
+        return text.empty() ? std::string("the name of a file or folder is empty") : std::string();
+      },
+      "");
+  for (CLI::Option* option : app.get_options()) {
+    const std::string type = option->get_type_name();
+    if (type.find("FILE") != std::string::npos || type.find("DIR") != std::string::npos) {
+      option->check(named);
+    }
+  }
+  for (CLI::App* verb : app.get_subcommands({})) refuse_empty_names(*verb);
+}
+
+// What takes all memory is a file or a number of the command line; readers name their file.
+constexpr const char* kOutOfMemory =
+    "out of memory: an input, or a number of the command line, needs more than there is";
+
 // Callbacks run inside parse(): this is the whole program.
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& status) {
   try {
     refuse_unknown_verb(app, argc, argv);
+    refuse_empty_names(app);
     app.parse(argc, argv);
     return status;
   } catch (const CLI::Success& help) {
     return app.exit(help);  // prints what --help or --version asked for
   } catch (const CLI::ParseError& error) {
-    app.exit(error);
+    std::ostringstream text;
+    app.exit(error, text, text);
+    say(stderr, "{}", text.str());
     return kUsage;
   } catch (const InvalidInput& error) {
     print_diagnostics(error.diagnostics());
@@ -136,8 +163,12 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& status) {
     return fail(kAgain, app, error.what());
   } catch (const Error& error) {  // a name or value from the command line
     return fail(kUsage, app, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {  // names the path
+    return fail(kInput, app, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(kInternal, app, "out of memory");
+    return fail(kInput, app, kOutOfMemory);
+  } catch (const std::length_error&) {  // a list longer than any memory
+    return fail(kInput, app, kOutOfMemory);
   } catch (const std::exception& error) {
     return fail(kInternal, app, error.what());
   }
@@ -210,13 +241,28 @@ std::filesystem::path own_program() {
 }
 
 int run_command(std::vector<std::string> words) {
-  pid_t child = 0;
   const std::vector<char*> arguments = pointers_to(words);
-  const int error = posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ);
-  if (error != 0) return -error;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  std::array<int, 2> faults{};
+  if (pipe2(faults.data(), O_CLOEXEC) != 0) return -errno;
+  const pid_t self = getpid();
+  const pid_t child = fork();
+  if (child == 0) {
+    // If this program is killed, the other one must not go on in a folder that the next run uses.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() == self) execvp(arguments[0], arguments.data());
+    const int error = errno;
+    [[maybe_unused]] const auto written = write(faults[1], &error, sizeof(error));
+    _exit(kInternal);
   }
+  int error = child < 0 ? errno : 0;
+  close(faults[1]);
+  while (child > 0 && read(faults[0], &error, sizeof(error)) < 0 && errno == EINTR) {
+  }
+  close(faults[0]);
+  int status = 0;
+  while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (error != 0) return -error;
   return WIFEXITED(status) ? WEXITSTATUS(status) : kInternal;
 }
 
@@ -260,7 +306,8 @@ std::string processor_name_in(std::string_view cpuinfo) {
 std::string read_secret(const std::string& file, std::initializer_list<const char*> variables) {
   std::string secret;
   if (!file.empty()) {
-    secret = read_plain_text(file);
+    constexpr std::size_t kMostBytes = std::size_t{1} << 16U;
+    secret = read_plain_text(file, kMostBytes);
   } else {
     for (const char* name : variables) {
       const char* value = std::getenv(name);
@@ -284,11 +331,11 @@ void write_output(const std::string& path, const std::string& content) {
 
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics) {
   for (const Diagnostic& diagnostic : diagnostics) {
-    fmt::print(stderr, "{}\n", to_string(diagnostic));
+    say(stderr, "{}\n", to_string(diagnostic));
   }
-  fmt::print(stderr, "{}, {}, {}\n", counted(count(diagnostics, Severity::kError), "error"),
-             counted(count(diagnostics, Severity::kWarning), "warning"),
-             counted(count(diagnostics, Severity::kNote), "note"));
+  say(stderr, "{}, {}, {}\n", counted(count(diagnostics, Severity::kError), "error"),
+      counted(count(diagnostics, Severity::kWarning), "warning"),
+      counted(count(diagnostics, Severity::kNote), "note"));
 }
 
 int run_program(CLI::App& app, int argc, char** argv, const int& status) {

@@ -1,17 +1,21 @@
 /// \file  Shared by all programs of Enfilade: options, exit codes, error messages, progress.
 #pragma once
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/dataset/dataset.h"
 
@@ -85,6 +89,18 @@ inline void add_metres_option(CLI::App& verb, const std::string& name, double& v
 void set_examples(CLI::App& verb, const std::vector<std::string>& lines,
                   const std::string& note = {});
 
+/// Prints to a terminal. Names of files and texts of data in it cannot control the terminal:
+/// printable() of core/names.h.
+template <class... T>
+void say(std::FILE* stream, fmt::format_string<T...> format, T&&... values) {
+  fmt::print(stream, "{}", printable(fmt::format(format, std::forward<T>(values)...)));
+}
+/// The same, to stdout.
+template <class... T>
+void say(fmt::format_string<T...> format, T&&... values) {
+  say(stdout, format, std::forward<T>(values)...);
+}
+
 /// "1 panorama", "2 panoramas".
 std::string counted(std::size_t n, const char* what);
 
@@ -111,7 +127,7 @@ std::filesystem::path shard_file(const std::filesystem::path& file, const Shard&
 /// This program's own file; "enfilade" if the system does not report it.
 std::filesystem::path own_program();
 
-/// Runs a program of PATH with its arguments, to its end.
+/// Runs a program of PATH with its arguments, to its end. It ends with this one, if that is killed.
 /// \returns its exit code; kInternal: by a signal; -errno: it did not start
 int run_command(std::vector<std::string> words);
 /// Becomes a program of PATH; `words` are its name and arguments.
@@ -137,7 +153,8 @@ void write_output(const std::string& path, const std::string& content);
 void print_diagnostics(const std::vector<Diagnostic>& diagnostics);
 
 /// Parses the command line, runs the callbacks of the named verbs, and turns every exception into a
-/// message on stderr and an exit code. `status` is returned if nothing is thrown.
+/// message on stderr and an exit code. `status` is returned if nothing is thrown. Options whose
+/// type is a FILE or a DIR refuse an empty value.
 int run_program(CLI::App& app, int argc, char** argv, const int& status);
 
 }  // namespace enfilade::apps

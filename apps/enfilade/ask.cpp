@@ -21,6 +21,7 @@
 #include "enfilade/arena/stand_in.h"
 #include "enfilade/arena/world.h"
 #include "enfilade/core/enum_names.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/score_table.h"
@@ -67,7 +68,19 @@ void print_unanswered(const arena::AskReport& report) {
   }
 }
 
-void print_report(const arena::AskReport& report, const Options& options) {
+/// Of the model; no value: it is not asked for.
+std::optional<arena::Price> price_of(const Options& options) {
+  if (options.prices.empty()) return std::nullopt;
+  const auto prices = arena::load_prices(options.prices);
+  const auto price = prices.find(options.ask.chat.model);
+  if (price == prices.end()) {
+    throw UsageError(
+        fmt::format("--prices: {} has no {}", options.prices, quote(options.ask.chat.model)));
+  }
+  return price->second;
+}
+
+void print_report(const arena::AskReport& report, const std::optional<arena::Price>& price) {
   fmt::print("{} of {} episodes are done", report.done, report.episodes);
   for (const auto& [ending, count] : report.endings) {
     fmt::print(", {} {}", count, name_of(ending));
@@ -79,15 +92,7 @@ void print_report(const arena::AskReport& report, const Options& options) {
   fmt::print("{} answers ({} requests), {} pictures, {} tokens in, {} out, {:.0f} s of answers",
              ledger.answers, ledger.attempts, ledger.pictures, ledger.prompt_tokens,
              ledger.answer_tokens, ledger.seconds);
-  if (!options.prices.empty()) {
-    const auto prices = arena::load_prices(options.prices);
-    const auto price = prices.find(options.ask.chat.model);
-    if (price == prices.end()) {
-      throw UsageError(
-          fmt::format("--prices: {} has no {}", options.prices, options.ask.chat.model));
-    }
-    fmt::print(", {:.2f} for them", money_of(ledger, price->second));
-  }
+  if (price) fmt::print(", {:.2f} for them", money_of(ledger, *price));
   fmt::print("\n");
 }
 
@@ -109,6 +114,9 @@ void read_request_options(Options& options) {
   if (!options.limit_field.empty()) {
     options.ask.limit_field = find_enum<arena::LimitField>(options.limit_field);
   }
+  options.ask.say = [](const std::string& sentence) {
+    fmt::print(stderr, "{}\n", printable(sentence));
+  };
   options.ask.shorten = options.window == "auto";
   chat.window = parse_number<std::uint32_t>(options.window);
 }
@@ -120,7 +128,9 @@ WordsMaker words_maker(Options& options, arena::Endpoint* captioner, arena::Answ
   if (options.words == "none") return {};
   arena::CaptionConfig config{.chat = options.ask.chat,
                               .picture_size = options.ask.picture_size,
-                              .attempts = options.ask.attempts};
+                              .attempts = options.ask.attempts,
+                              .longest_wait = options.ask.longest_wait,
+                              .say = options.ask.say};
   if (!options.captioner_model.empty()) config.chat.model = options.captioner_model;
   if (options.captioner.empty()) {
     config.limit = options.ask.limit_field.value_or(config.limit);
@@ -159,6 +169,8 @@ ExitCode ask(Options& options) {
     }
     return kSuccess;
   }
+  // What is read from files is read before the first request, which may cost money.
+  const std::optional<arena::Price> price = price_of(options);
   const arena::Prompt prompt = arena::Prompt::open(options.prompt);
   if (!options.answers.empty()) {
     options.ask.answers = find_enum<arena::Answers>(options.answers);
@@ -206,10 +218,10 @@ ExitCode ask(Options& options) {
   fmt::print("{} with the prompt {}, answers as {}, on {} {}{}\n", options.ask.chat.model,
              prompt.name(), enum_name(report.answers), opened.title, options.split,
              data->synthetic() ? ", SYNTHETIC" : "");
-  print_report(report, options);
-  for (const std::string& one : report.refused) fmt::print(stderr, "{}\n", one);
+  print_report(report, price);
+  for (const std::string& one : report.refused) fmt::print(stderr, "{}\n", printable(one));
   for (const std::string& one : report.given_up) {
-    fmt::print(stderr, "{} (left for the next run)\n", one);
+    fmt::print(stderr, "{} (left for the next run)\n", printable(one));
   }
   if (report.done > 0 && !world.episodes().goals_hidden()) {
     tasks::Trajectories results =
@@ -280,8 +292,12 @@ void add(CLI::App& app, int& status) {
                    "Most tokens per response; 0: the server's limit", 0);
   add_whole_number(verb, "--most-tokens", options->most_tokens,
                    "Stop after this number of tokens, in and out; 0: no limit", 0);
-  add_setting(verb, "--timeout", options->timeout, "S", "Seconds to wait for a response",
-              finite_number(0.001, 3600));
+  add_setting(verb, "--timeout", options->timeout, "S",
+              "Seconds for a whole response, from its connection on", finite_number(0.001, 3600));
+  add_whole_number(verb, "--attempts", options->ask.attempts,
+                   "Requests for a response before its episode is left");
+  add_setting(verb, "--longest-wait", options->ask.longest_wait, "S",
+              "Most seconds between requests, whatever Retry-After says", finite_number(0, 86'400));
   add_whole_number(verb, "--picture-size", options->ask.picture_size,
                    "Size of images, pixels, 64 to 2048");
   add_value(verb, "--prices", options->prices, "FILE",

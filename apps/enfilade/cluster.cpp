@@ -16,6 +16,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/written_lists.h"
 
 namespace enfilade::apps {
@@ -169,8 +170,8 @@ ClaimedJob claim_job(const CLI::App& verb, const JobOptions& options) {
   ClaimedJob claimed{options.commands.empty() ? job_of_verb(words, options.shards)
                                               : job_of_commands(options.commands),
                      fs::absolute(options.folder).lexically_normal()};
-  make_folder(claimed.folder / "done");
-  make_folder(claimed.folder / "logs");
+  const OutputFolder out(claimed.folder);
+  for (const char* folder : {"done", "logs"}) static_cast<void>(out.folder(folder));
   const fs::path file = claimed.folder / "plan.json";
   const std::string plan = to_json(claimed.job);
   if (file_exists(file) && read_file(file) != plan) {
@@ -178,7 +179,7 @@ ClaimedJob claim_job(const CLI::App& verb, const JobOptions& options) {
         fmt::format("{}: holds another job; give another folder, or repeat that job's command",
                     claimed.folder.string()));
   }
-  write_file_atomically(file, plan);
+  out.write("plan.json", plan);
   return claimed;
 }
 
@@ -277,24 +278,25 @@ std::string submit(const std::string& words) {
 void run(const CLI::App& verb, const Options& options) {
   const auto [job, folder] = claim_job(verb, options.job);
   const fs::path shares = folder / "shares.sbatch", collect = folder / "collect.sbatch";
-  write_file_atomically(shares, share_script(options, job, folder));
-  if (!job.collect.empty()) write_file_atomically(collect, collect_script(options, job, folder));
-  fmt::print("{}: {} shares{}\n", shares.string(), job.shares.size(),
-             job.collect.empty() ? "" : ", then " + collect.string());
+  const OutputFolder out(folder);
+  out.write("shares.sbatch", share_script(options, job, folder));
+  if (!job.collect.empty()) out.write("collect.sbatch", collect_script(options, job, folder));
+  say("{}: {} shares{}\n", shares.string(), job.shares.size(),
+      job.collect.empty() ? "" : ", then " + collect.string());
   if (!options.submit) {
-    fmt::print("submit:  job=$(sbatch --parsable {})\n", quoted(shares.string()));
+    say("submit:  job=$(sbatch --parsable {})\n", quoted(shares.string()));
     if (!job.collect.empty()) {
-      fmt::print("         sbatch --dependency=afterok:$job --kill-on-invalid-dep=yes {}\n",
-                 quoted(collect.string()));
+      say("         sbatch --dependency=afterok:$job --kill-on-invalid-dep=yes {}\n",
+          quoted(collect.string()));
     }
     return;
   }
   const std::string first = submit(quoted(shares.string()));
-  fmt::print("submitted as job {}\n", first);
+  say("submitted as job {}\n", first);
   if (job.collect.empty()) return;
-  fmt::print("submitted as job {}, after it\n",
-             submit(fmt::format("--dependency=afterok:{} --kill-on-invalid-dep=yes {}", first,
-                                quoted(collect.string()))));
+  say("submitted as job {}, after it\n",
+      submit(fmt::format("--dependency=afterok:{} --kill-on-invalid-dep=yes {}", first,
+                         quoted(collect.string()))));
 }
 
 }  // namespace

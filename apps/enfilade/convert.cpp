@@ -136,7 +136,7 @@ void convert(const Options& options) {
   constexpr std::array kConverters{convert_annotations, convert_followers, convert_results,
                                    convert_boxes, convert_feature_file};  // by FileKind
   const std::string what = kConverters.at(static_cast<std::size_t>(kind))(options);
-  if (options.to != "-") fmt::print("{}: {}\n", options.to, what);
+  if (options.to != "-") say("{}: {}\n", options.to, what);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/tasks/results.h"
@@ -72,8 +73,7 @@ dataset::Dataset find_data(const Options& options) {
   if (!options.data.empty()) return dataset::Dataset(options.data);
   if (const auto named = dataset::Dataset::from_environment()) return *named;
   const fs::path folder = fs::path(options.output) / "homes";
-  fmt::print(
-      "No real data: ENFILADE_DATA is not set. The 90 Matterport3D graphs are the folder\n"
+  say("No real data: ENFILADE_DATA is not set. The 90 Matterport3D graphs are the folder\n"
       "connectivity/ of peteanderson80/Matterport3DSimulator on GitHub, and its\n"
       "tasks/R2R/data/download.sh fetches the Room-to-Room annotations. Put them into one folder\n"
       "and set ENFILADE_DATA to it.\n\n"
@@ -107,13 +107,13 @@ void print_dataset(const dataset::Dataset& data) {
        {"words an instruction", s.all.instruction_length.mean, "29", 1},
        {"vocabulary", static_cast<double>(s.all.vocabulary), "3.1k", 0},
        {"  of 5 or more uses", static_cast<double>(s.all.vocabulary_5), "1.2k", 0}}};
-  fmt::print("The data set{}\n{:<24}{:>10}{}\n", synthetic ? " (SYNTHETIC)" : "", "", "ours",
-             synthetic ? "" : fmt::format("{:>10}", "paper"));
+  say("The data set{}\n{:<24}{:>10}{}\n", synthetic ? " (SYNTHETIC)" : "", "", "ours",
+      synthetic ? "" : fmt::format("{:>10}", "paper"));
   for (const Line& line : lines) {
-    fmt::print("{:<24}{:>10.{}f}{}\n", line.what, line.ours, line.digits,
-               synthetic ? "" : fmt::format("{:>10}", line.paper));
+    say("{:<24}{:>10.{}f}{}\n", line.what, line.ours, line.digits,
+        synthetic ? "" : fmt::format("{:>10}", line.paper));
   }
-  fmt::print("\n");
+  say("\n");
 }
 
 std::optional<Row> published(const std::string& agent, const std::string& split) {
@@ -123,13 +123,13 @@ std::optional<Row> published(const std::string& agent, const std::string& split)
 }
 
 void print_row(const char* label, const std::string& who, const Row& row, const Row* deviation) {
-  fmt::print("{:<12}{:<22}", label, who);
+  say("{:<12}{:<22}", label, who);
   for (std::size_t k = 0; k < kColumns; ++k) {
     const int digits = k < 2 ? 2 : 1;
-    fmt::print("{:>8.{}f}{:<8}", row[k], digits,
-               deviation == nullptr ? "" : fmt::format(" ±{:.{}f}", (*deviation)[k], digits));
+    say("{:>8.{}f}{:<8}", row[k], digits,
+        deviation == nullptr ? "" : fmt::format(" ±{:.{}f}", (*deviation)[k], digits));
   }
-  fmt::print("\n");
+  say("\n");
 }
 
 void print_agent(const std::string& agent, const std::string& split, const Measured& ours,
@@ -140,16 +140,16 @@ void print_agent(const std::string& agent, const std::string& split, const Measu
   if (!paper) return;
   print_row("", "  paper", *paper, nullptr);
   if (!varies) return;
-  fmt::print("{:<12}{:<22}", "", "  paper is off by, sd");
+  say("{:<12}{:<22}", "", "  paper is off by, sd");
   for (std::size_t k = 0; k < kColumns; ++k) {
-    fmt::print("{:>8.1f}{:<8}", ((*paper)[k] - ours.mean[k]) / ours.deviation[k], "");
+    say("{:>8.1f}{:<8}", ((*paper)[k] - ours.mean[k]) / ours.deviation[k], "");
   }
-  fmt::print("\n");
+  say("\n");
 }
 
 // A floor plan with the reference path and where the random agent went.
 void draw_episode(const tasks::EpisodeSet& episodes, const tasks::Trajectory& trajectory,
-                  const fs::path& data, const fs::path& file) {
+                  const fs::path& data, const OutputFolder& out, const std::string& file) {
   const tasks::Episode& episode = episodes.episodes[trajectory.episode];
   draw::PlannedPath reference{draw::PathRole::kReference, episodes.path_of(episode).viewpoints,
                               "reference path"};
@@ -163,7 +163,7 @@ void draw_episode(const tasks::EpisodeSet& episodes, const tasks::Trajectory& tr
   options.note = episode.text;
   const auto underlay = home_underlay(data, graph);
   if (underlay) options.underlay = &*underlay;
-  write_file_atomically(file, draw::floor_plan_svg(graph, {reference, agent}, options));
+  out.write(file, draw::floor_plan_svg(graph, {reference, agent}, options));
 }
 
 void run_agents(const Options& options, const dataset::Dataset& data, const std::string& split) {
@@ -178,12 +178,11 @@ void run_agents(const Options& options, const dataset::Dataset& data, const std:
       rows.push_back(row_of(tasks::score_trajectories(trajectories, episodes, {}, 0)));
       if (progress) progress(seed, seeds);
       if (seed > 1) continue;
-      const fs::path folder(options.output);
-      write_output(folder / fmt::format("{}_{}.json", name, split),
-                   to_json(trajectories, episodes));
+      const OutputFolder out(options.output);
+      out.write(fmt::format("{}_{}.json", name, split), to_json(trajectories, episodes));
       if (name == "random") {
-        draw_episode(episodes, trajectories.front(), data.folder(),
-                     folder / fmt::format("plan_{}.svg", split));
+        draw_episode(episodes, trajectories.front(), data.folder(), out,
+                     fmt::format("plan_{}.svg", split));
       }
     }
     print_agent(name, split, measure(rows), seeds,
@@ -197,24 +196,23 @@ std::string own_path() { return fs::proximate(own_program()).string(); }
 void run_unlearned(const Options& options, const dataset::Dataset& data) {
   data.graphs()->load_all();
   print_dataset(data);
-  fmt::print("Agents that learn nothing{}; ± is one standard deviation over seeds\n",
-             data.synthetic() ? ", on SYNTHETIC buildings" : " (Anderson et al. 2018, table 1)");
-  fmt::print("{:<12}{:<22}{:>8}{:<8}{:>8}{:<8}{:>8}{:<8}{:>8}\n", "split", "agent", "TL (m)", "",
-             "NE (m)", "", "SR (%)", "", "OSR (%)");
+  say("Agents that learn nothing{}; ± is one standard deviation over seeds\n",
+      data.synthetic() ? ", on SYNTHETIC buildings" : " (Anderson et al. 2018, table 1)");
+  say("{:<12}{:<22}{:>8}{:<8}{:>8}{:<8}{:>8}{:<8}{:>8}\n", "split", "agent", "TL (m)", "", "NE (m)",
+      "", "SR (%)", "", "OSR (%)");
   for (const char* split : {"val_seen", "val_unseen"}) run_agents(options, data, split);
-  fmt::print(
-      "\nIn {0}: results files of both agents, to score with\n"
+  say("\nIn {0}: results files of both agents, to score with\n"
       "  {2} score {0}/random_val_unseen.json --split val_unseen --data {1}\n"
       "and two floor plans to look at: plan_val_seen.svg, plan_val_unseen.svg\n",
       options.output, data.folder().string(), own_path());
 }
 
 void draw_pictures(const Options& options, const dataset::Dataset& data) {
-  fmt::print("Pictures of the homes, to look at:");
+  say("Pictures of the homes, to look at:");
   for (const std::string& file : draw_homes(data.folder(), options.output)) {
-    fmt::print(" {}", file);
+    say(" {}", file);
   }
-  fmt::print("\n");
+  say("\n");
 }
 
 std::string variable(const char* name) {
@@ -269,14 +267,13 @@ void print_next(const Options& options, bool learned) {
   if (learned) {
     const fs::path report = fs::absolute(fs::path(options.output) / "report.html");
     const bool opened = options.open && open_page(report);
-    fmt::print("\nThe report, one page for any browser: {}\n{}", report.string(),
-               opened ? "It was given to your browser.\n"
-               : options.open
-                   ? "No browser was found here (BROWSER, or a desktop's): copy the page to one.\n"
-                   : "To see it at once: demo --open, or xdg-open and this name.\n");
+    say("\nThe report, one page for any browser: {}\n{}", report.string(),
+        opened ? "It was given to your browser.\n"
+        : options.open
+            ? "No browser was found here (BROWSER, or a desktop's): copy the page to one.\n"
+            : "To see it at once: demo --open, or xdg-open and this name.\n");
   }
-  fmt::print(
-      "\nNext, with Room-to-Room's own graphs and annotations (no licence form is needed):\n"
+  say("\nNext, with Room-to-Room's own graphs and annotations (no licence form is needed):\n"
       "  {0} train --data DIR --inputs language --feedback teacher -o models/language\n"
       "and with Matterport3D's pictures, or anybody's feature file:\n"
       "  {0} features --data DIR --weights resnet152.pth -o features.safetensors\n"
@@ -295,8 +292,7 @@ int demo(const Options& options) {
   if (homes) draw_pictures(options, data);
   const bool learns = homes && !options.skip_learning && can_learn();
   if (homes && !options.skip_learning && !can_learn()) {
-    fmt::print("\nNo agent is trained, as the program enfilade-learn is not here. {}\n",
-               kHowToLearn);
+    say("\nNo agent is trained, as the program enfilade-learn is not here. {}\n", kHowToLearn);
   }
   const int status = learns ? learn_in_homes(root, options.output) : kSuccess;
   if (status == kSuccess) print_next(options, learns);

@@ -17,6 +17,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/exports/box_files.h"
 #include "enfilade/exports/expert_walks.h"
@@ -52,12 +53,17 @@ struct Form {
 };
 
 void say_written(const fs::path& file) {
-  fmt::print("{}: {:.1f} MB\n", file.string(), static_cast<double>(fs::file_size(file)) / 1e6);
+  say("{}: {:.1f} MB\n", file.string(), static_cast<double>(fs::file_size(file)) / 1e6);
 }
 
 void write_text(const fs::path& file, const std::string& text) {
   write_file_atomically(file, text);
   say_written(file);
+}
+
+void write_text(const OutputFolder& out, const std::string& name, const std::string& text) {
+  out.write(name, text);
+  say_written(out.path() / name);
 }
 
 exports::ExportOptions told(const Options& options) {
@@ -87,12 +93,12 @@ void for_each_scan(const Options& options, const graph::GraphSet& graphs, const 
 }
 
 void write_navgpt(const Options& options, const dataset::Dataset& data, const fs::path& to) {
-  make_folder(to);
+  const OutputFolder out(to);
   const auto& graphs = data.graphs();
   for_each_scan(options, *graphs, [&](ScanIndex scan, const std::string& name) {
-    write_file_atomically(to / (name + "_navigable.json"), exports::navgpt_navigable(graphs, scan));
+    out.write(name + "_navigable.json", exports::navgpt_navigable(graphs, scan));
   });
-  fmt::print("{}: {} files\n", to.string(), graphs->size());
+  say("{}: {} files\n", to.string(), graphs->size());
 }
 
 /// A form's half in Python: modules that it imports, and pip's extra of enfilade that brings them.
@@ -143,19 +149,21 @@ void continue_in_python(const Options& options, const PythonHalf& half,
 void write_networkx(const Options& options, const dataset::Dataset& data, const fs::path& to) {
   constexpr PythonHalf kHalf{"networkx", "graphs"};
   check_python(options, kHalf);
-  const fs::path parts = to / "connectivity_graphs.parts";  // Python removes it
-  std::error_code unknown;
-  fs::remove_all(parts, unknown);  // of a run that was stopped
-  for (const fs::path& folder : {to / "distances", to / "paths", parts}) make_folder(folder);
+  const OutputFolder out(to);
+  const std::string parts = "connectivity_graphs.parts";  // Python removes it
+  out.remove_all(parts);                                  // of a run that was stopped
+  for (const std::string& folder : {std::string("distances"), std::string("paths"), parts}) {
+    static_cast<void>(out.folder(folder));
+  }
   const auto& graphs = data.graphs();
   for_each_scan(options, *graphs, [&](ScanIndex scan, const std::string& name) {
     const graph::NavGraph& graph = graphs->graph(scan);
-    write_file_atomically(to / "distances" / (name + ".json"), exports::all_distances(graph));
-    write_file_atomically(to / "paths" / (name + ".json"), exports::all_paths(graph));
-    write_file_atomically(parts / (name + ".json"), exports::all_edges(graph));
+    out.write("distances/" + name + ".json", exports::all_distances(graph));
+    out.write("paths/" + name + ".json", exports::all_paths(graph));
+    out.write(parts + "/" + name + ".json", exports::all_edges(graph));
   });
-  fmt::print("{}, {}: {} files each\n", (to / "distances").string(), (to / "paths").string(),
-             graphs->size());
+  say("{}, {}: {} files each\n", (to / "distances").string(), (to / "paths").string(),
+      graphs->size());
   continue_in_python(options, kHalf, {"networkx", to.string()});
 }
 
@@ -211,43 +219,45 @@ void write_boxes(const Options& options, const dataset::Dataset& data, const fs:
     exports::write_box_folder(boxes, to);
   }
   const tasks::ObjectBoxes::Counts counts = boxes.count();
-  fmt::print("{}: {} viewpoints, {} objects around them, {} boxes\n", to.string(),
-             counts.viewpoints, counts.objects, counts.boxes);
+  say("{}: {} viewpoints, {} objects around them, {} boxes\n", to.string(), counts.viewpoints,
+      counts.objects, counts.boxes);
 }
 
 /// The file of tokens, if --features names some.
 void write_token_file(const Options& options, const dataset::Dataset& data,
-                      const exports::TokenShape& shape, const fs::path& to) {
+                      const exports::TokenShape& shape, const OutputFolder& out,
+                      const std::string& name) {
   if (options.features.empty()) {
-    fmt::print("no {}: give --features FILE with the tokens\n", to.filename().string());
+    say("no {}: give --features FILE with the tokens\n", name);
     return;
   }
-  exports::write_tokens(data.graphs(), options.features, shape, to, told(options));
-  say_written(to);
+  const fs::path file = out.file(name);
+  exports::write_tokens(data.graphs(), options.features, shape, file, told(options));
+  say_written(file);
 }
 
 void write_gridmm(const Options& options, const dataset::Dataset& data, const fs::path& to) {
-  make_folder(to);
-  write_text(to / "viewpoint_info.json", exports::gridmm_viewpoints(data.graphs(), told(options)));
-  exports::write_gridmm_depth(data, to / "depth.hdf5", told(options));
+  const OutputFolder out(to);
+  write_text(out, "viewpoint_info.json", exports::gridmm_viewpoints(data.graphs(), told(options)));
+  exports::write_gridmm_depth(data, out.file("depth.hdf5"), told(options));
   say_written(to / "depth.hdf5");
-  write_token_file(options, data, exports::gridmm_tokens(), to / "clip_p32.hdf5");
+  write_token_file(options, data, exports::gridmm_tokens(), out, "clip_p32.hdf5");
 }
 
 void write_bevbert(const Options& options, const dataset::Dataset& data, const fs::path& to) {
-  make_folder(to);
-  exports::write_bevbert_depth(data, to / "depth_14x14.hdf5", told(options));
+  const OutputFolder out(to);
+  exports::write_bevbert_depth(data, out.file("depth_14x14.hdf5"), told(options));
   say_written(to / "depth_14x14.hdf5");
-  exports::write_bevbert_classes(data, to / "semantic41_14x14.hdf5", told(options));
+  exports::write_bevbert_classes(data, out.file("semantic41_14x14.hdf5"), told(options));
   say_written(to / "semantic41_14x14.hdf5");
-  write_token_file(options, data, exports::bevbert_tokens(), to / "vit_b16_224_clip_patch.hdf5");
+  write_token_file(options, data, exports::bevbert_tokens(), out, "vit_b16_224_clip_patch.hdf5");
 }
 
 void write_views(const Options& options, const dataset::Dataset& data, const fs::path& to) {
   const exports::ViewPicturesReport report =
       exports::write_view_pictures(data, to, {.quality = options.quality}, told(options));
-  fmt::print("{}: 36 pictures of {} viewpoints, of which {} were there\n", to.string(),
-             report.viewpoints, report.kept);
+  say("{}: 36 pictures of {} viewpoints, of which {} were there\n", to.string(), report.viewpoints,
+      report.kept);
 }
 
 using WriteWalks = exports::WalkReport (*)(const exports::ExpertWalks&, const fs::path&,
@@ -271,9 +281,9 @@ void write_walks(const Options& options, const dataset::Dataset& data, const fs:
   };
   const exports::WalkReport report =
       kWrite({episodes, buildings, setup.simulator, look_of}, to, pictures, told(options));
-  fmt::print("{}: {} walks with {} pictures, of which {} walks were there; {} are too long\n",
-             to.string(), report.episodes, report.pictures, report.kept, report.too_long);
-  if (data.synthetic()) fmt::print("SYNTHETIC: model homes made by Enfilade.\n");
+  say("{}: {} walks with {} pictures, of which {} walks were there; {} are too long\n", to.string(),
+      report.episodes, report.pictures, report.kept, report.too_long);
+  if (data.synthetic()) say("SYNTHETIC: model homes made by Enfilade.\n");
 }
 
 void write_lerobot(const Options& options, const dataset::Dataset& data, const fs::path& to) {
@@ -303,10 +313,9 @@ void write_vlnce(const Options& options, const dataset::Dataset& data, const fs:
   const tasks::Split split = data.split(*setup.benchmark, options.split);
   // The second folder of each is where the newest public code looks; a place is packed, then plain.
   const auto write = [&](const std::vector<fs::path>& places, const std::string& text) {
-    const fs::path file = to / places.at(2);
-    make_folder(file.parent_path());
-    write_file_atomically(file, gzip(text, 6));
-    say_written(file);
+    const OutputFolder out(to);
+    out.remove_unfinished(places.at(2).parent_path().string(), ".json.gz");
+    write_text(out, places.at(2).string(), gzip(text, 6));
   };
   write(tasks::episode_places(*setup.benchmark, options.split), to_json(*split.continuous()));
   if (!split.experts()->empty()) {
@@ -359,8 +368,20 @@ fs::path target(const Form& form, const fs::path& output) {
   const bool file = output.extension() == usual.extension() ||
                     (usual.extension() == ".hdf5" && output.extension() == ".h5");
   if (file && !fs::is_directory(output)) return output;
-  make_folder(output);
-  return output / usual;
+  return OutputFolder(output).file(form.file);
+}
+
+/// Removes what killed exports left. Only of files that they write: others may use the folder too.
+void remove_left(const fs::path& to) {
+  std::error_code unknown;
+  if (!fs::is_directory(to, unknown)) {
+    return remove_unfinished(to.parent_path(), to.filename().string());
+  }
+  const OutputFolder out(to);
+  for (const char* folder : {"", "distances", "paths", "enfilade_export.parts", "R2R", "RxR"}) {
+    out.remove_unfinished(folder, ".json");
+  }
+  out.remove_unfinished("", "enfilade_views.txt");
 }
 
 dataset::Dataset open_source(const Options& options) {
@@ -376,7 +397,9 @@ dataset::Dataset open_source(const Options& options) {
 void write_form(const Options& options) {
   const Form& form = *std::ranges::find(kForms, options.as, &Form::name);  // --as has one of them
   const dataset::Dataset data = open_source(options);
-  form.write(options, data, target(form, options.output));
+  const fs::path to = target(form, options.output);
+  remove_left(to);
+  form.write(options, data, to);
 }
 
 std::string list_of_forms() {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/enfilade/picture_files.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/dataset/views.h"
 #include "enfilade/draw/contact_sheet.h"
 #include "enfilade/draw/floor_plan.h"
@@ -107,10 +108,11 @@ std::optional<Look> best_look(const dataset::Dataset& data, render::Renderer& re
   return best;
 }
 
-void write_sheet(const fs::path& file, const std::vector<draw::SheetPicture>& pictures,
-                 const std::string& title, std::size_t columns = 0) {
+void write_sheet(const OutputFolder& out, const std::string& file,
+                 const std::vector<draw::SheetPicture>& pictures, const std::string& title,
+                 std::size_t columns = 0) {
   const auto sheet = draw::contact_sheet(pictures, {.columns = columns, .title = title});
-  write_output(file.string(), encode(sheet, file.string()));
+  out.write(file, encode(sheet, file));
 }
 
 // The living room or its like, else the room with most viewpoints; null if there is no room.
@@ -155,7 +157,7 @@ std::map<char, Look> best_rooms(const dataset::Dataset& data, render::Renderer& 
 // The views along the first path of val_unseen, in a pretty home if there is one. False if there is
 // no path. \param pretty scans, ascending
 bool draw_walk(const dataset::Dataset& data, const std::vector<std::string>& pretty,
-               const fs::path& file) {
+               const OutputFolder& out, const std::string& file) {
   const tasks::EpisodeSet episodes = data.episodes("val_unseen");
   if (episodes.paths.empty()) return false;
   const auto shown = std::ranges::find_if(episodes.paths, [&](const tasks::ReferencePath& path) {
@@ -181,7 +183,7 @@ bool draw_walk(const dataset::Dataset& data, const std::vector<std::string>& pre
     pictures.push_back({picture_of(data, {graph.scan(), path.viewpoints[i], heading}),
                         last ? "goal" : fmt::format("{}", i)});
   }
-  write_sheet(file, pictures, title, 4);
+  write_sheet(out, file, pictures, title, 4);
   return true;
 }
 
@@ -206,10 +208,11 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
   const dataset::Dataset data(folder);
   const auto renderer = render::make_renderer(data.faces());  // one for hundreds of small views
   std::vector<std::string> files;
+  const OutputFolder out(output);
   const auto sheet = [&](const char* name, const std::vector<draw::SheetPicture>& pictures,
                          const std::string& title) {
     if (pictures.empty()) return;
-    write_sheet(output / name, pictures, title);
+    write_sheet(out, name, pictures, title);
     files.emplace_back((output / name).string());
   };
   sheet("homes.png", views_of_homes(data, *renderer, homes),
@@ -222,7 +225,7 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
   }
   sheet("rooms.png", views, "Rooms of model homes (synthetic)");
   sheet("panoramas.png", panoramas, "A panorama of each type of room (synthetic)");
-  if (data.has_split("val_unseen") && draw_walk(data, pretty, output / "walk.png")) {
+  if (data.has_split("val_unseen") && draw_walk(data, pretty, out, "walk.png")) {
     files.emplace_back((output / "walk.png").string());
   }
   return files;

@@ -50,18 +50,18 @@ homes::HomeSetOptions set_of(const Options& o) {
 }
 
 void print_homes(const std::vector<homes::HomeEntry>& homes) {
-  fmt::print("{:<12}{:<8}{:>7}{:>12}{:>8}{:>11}\n", "SYNTHETIC", "kind", "rooms", "viewpoints",
-             "edges", "triangles");
+  say("{:<12}{:<8}{:>7}{:>12}{:>8}{:>11}\n", "SYNTHETIC", "kind", "rooms", "viewpoints", "edges",
+      "triangles");
   std::array<std::size_t, 3> sums{};
   for (const homes::HomeEntry& home : homes) {
-    fmt::print("{:<12}{:<8}{:>7}{:>12}{:>8}{:>11}\n", home.scan, home.kind, home.rooms.size(),
-               home.viewpoints, home.edges, home.triangles);
+    say("{:<12}{:<8}{:>7}{:>12}{:>8}{:>11}\n", home.scan, home.kind, home.rooms.size(),
+        home.viewpoints, home.edges, home.triangles);
     sums[0] += home.rooms.size();
     sums[1] += home.viewpoints;
     sums[2] += home.edges;
   }
-  fmt::print("{:<12}{:<8}{:>7}{:>12}{:>8}\n", fmt::format("{} homes", homes.size()), "", sums[0],
-             sums[1], sums[2]);
+  say("{:<12}{:<8}{:>7}{:>12}{:>8}\n", fmt::format("{} homes", homes.size()), "", sums[0], sums[1],
+      sums[2]);
 }
 
 void make(const Options& options) {
@@ -70,21 +70,20 @@ void make(const Options& options) {
   print_homes(homes);
   if (!notes.empty()) print_diagnostics(notes);
   if (set.shard.count > 1) {
-    fmt::print("share {} of the set; run without --shard when all shares are made\n",
-               options.shard);
+    say("share {} of the set; run without --shard when all shares are made\n", options.shard);
     return;
   }
   if (options.paths == 0) return;
   if (homes.size() < homes::kLeastHomes) {
-    fmt::print("no paths: splits by building need {} homes, these are {}\n", homes::kLeastHomes,
-               homes.size());
+    say("no paths: splits by building need {} homes, these are {}\n", homes::kLeastHomes,
+        homes.size());
     return;
   }
   homes::HomePathOptions paths{
       .per_home = options.paths, .tasks = options.tasks, .threads = options.threads};
   if (options.seed) paths.seed = *options.seed;
   const auto report = homes::write_home_paths(options.output, paths, set_bar("paths"));
-  fmt::print("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
+  say("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
 }
 
 void add_tasks_option(CLI::App& verb, std::vector<std::string>& tasks) {
@@ -103,8 +102,7 @@ struct DatasetOptions {
 
 void make_paths(const DatasetOptions& options) {
   const auto report = homes::write_home_paths(options.folder, options.paths, set_bar("paths"));
-  fmt::print(
-      "{0}/r2r: {1} paths, {2} instructions, all SYNTHETIC; whole test paths in {0}/hidden\n",
+  say("{0}/r2r: {1} paths, {2} instructions, all SYNTHETIC; whole test paths in {0}/hidden\n",
       options.folder, report.paths, report.instructions);
 }
 
@@ -181,8 +179,7 @@ void add_synth(CLI::App& app, int& /*status*/) {
                       "enfilade graph draw home0001 --data my-data -o plan.svg"});
   verb.callback([options] {
     make(*options);
-    fmt::print(
-        "Use them with --data {} or ENFILADE_DATA; numbers from them compare with no others.\n",
+    say("Use them with --data {} or ENFILADE_DATA; numbers from them compare with no others.\n",
         options->output);
   });
 }

@@ -71,15 +71,14 @@ void import_scan(const Arguments& a) {
   const capture::ImportReport report = capture::import_panoramas(
       a.output, a.scan, list_panoramas(a), options, progress_bar("importing"));
   for (const capture::ImportedPanorama& one : report.panoramas) {
-    fmt::print("{}: faces of {} pixels, at ({:.2f}, {:.2f}, {:.2f}) m\n", one.viewpoint,
-               one.face_size, one.position.x, one.position.y, one.position.z);
+    say("{}: faces of {} pixels, at ({:.2f}, {:.2f}, {:.2f}) m\n", one.viewpoint, one.face_size,
+        one.position.x, one.position.y, one.position.z);
   }
   if (!report.findings.empty()) print_diagnostics(report.findings);
-  fmt::print("{}: scan {}: {} imported; viewpoints now: {}; edges: {}\n", a.output, a.scan,
-             report.panoramas.size(), report.viewpoints, report.edges);
+  say("{}: scan {}: {} imported; viewpoints now: {}; edges: {}\n", a.output, a.scan,
+      report.panoramas.size(), report.viewpoints, report.edges);
   if (a.positions.empty() && report.added > 0) {
-    fmt::print(
-        "Where they were taken is not known (--positions): they stand in a line, {} m apart.\n",
+    say("Where they were taken is not known (--positions): they stand in a line, {} m apart.\n",
         capture::kImportSpacing);
   }
 }

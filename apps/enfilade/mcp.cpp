@@ -39,15 +39,15 @@ void play(Options& options) {
   if (options.port >= 0) {
     serve_mcp_over_http(server, options.port, done);
   } else {
-    fmt::print(stderr, "{}; an assistant is waited for on standard input\n", done);
+    say(stderr, "{}; an assistant is waited for on standard input\n", done);
   }
-  for (std::string line; options.port < 0 && std::getline(std::cin, line);) {
+  for (std::string line; options.port < 0 && server.read_message(std::cin, line);) {
     if (line.empty()) continue;
     for (const std::string& answer : server.handle(line)) std::cout << answer << '\n';
     std::cout.flush();
   }
-  fmt::print(stderr, "{} of {} are done: {}/results.json\n", server.done(),
-             counted(server.size(), "episode"), options.output);
+  say(stderr, "{} of {} are done: {}/results.json\n", server.done(),
+      counted(server.size(), "episode"), options.output);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <csignal>
 #include <cstdio>
 
+#include "apps/common/program.h"
+
 namespace enfilade::apps {
 
 void serve_mcp_over_http(arena::McpServer& server, int port, const std::string& done) {
@@ -14,7 +16,7 @@ void serve_mcp_over_http(arena::McpServer& server, int port, const std::string& 
   sigaddset(&ends, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);  // the threads of the server inherit it
   const arena::McpHttp http(server, {.port = port});
-  fmt::print("{}; an assistant is waited for at {}\n", done, http.url());
+  say("{}; an assistant is waited for at {}\n", done, http.url());
   std::fflush(stdout);
   int signal = 0;
   sigwait(&ends, &signal);

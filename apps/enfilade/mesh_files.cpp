@@ -15,6 +15,7 @@
 
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/dataset/mesh_files.h"
 #include "enfilade/graph/graph_set.h"
@@ -96,8 +97,8 @@ std::shared_ptr<const continuous::Scene> scene_of_home(const homes::PlanOptions&
 }
 
 // Where the light of a synthetic home is kept once it is made.
-std::filesystem::path home_light_file(const dataset::Dataset& data, const std::string& scan) {
-  return data.folder() / "light" / (scan + ".light");
+std::filesystem::path home_light_file(const std::filesystem::path& data, const std::string& scan) {
+  return data / "light" / (scan + ".light");
 }
 
 }  // namespace
@@ -116,12 +117,12 @@ LightsReport make_home_lights(const dataset::Dataset& data, int threads) {
   const std::vector<homes::HomeEntry> homes = homes::read_home_list(data.folder());
   const Progress progress = progress_bar("light");
   for (const homes::HomeEntry& home : homes) {
-    const std::filesystem::path file = home_light_file(data, home.scan);
+    const std::filesystem::path file = home_light_file(data.folder(), home.scan);
     if (file_exists(file)) {
       ++report.kept;
     } else {
-      make_folder(file.parent_path());
-      scene_of_home(home.plan, file, threads)->save(file);
+      scene_of_home(home.plan, file, threads)
+          ->save(OutputFolder(data.folder()).file(home_light_file({}, home.scan).string()));
       ++report.made;
     }
     if (progress) progress(report.made + report.kept, homes.size());
@@ -135,7 +136,7 @@ std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& d
   if (source.folder.empty() && file_exists(data.folder() / "homes.json")) {
     for (const homes::HomeEntry& home : homes::read_home_list(data.folder())) {
       if (home.scan == scan) {
-        return scene_of_home(home.plan, home_light_file(data, scan), threads);
+        return scene_of_home(home.plan, home_light_file(data.folder(), scan), threads);
       }
     }
   }

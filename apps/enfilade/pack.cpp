@@ -73,8 +73,8 @@ void list_without(const scan::PackReport& report) {
     ids += "\n    " + report.without[i];
   }
   if (report.without.size() > kShown) ids += "\n    ...";
-  fmt::print(stderr, "  {} without pictures:{}\n",
-             counted(report.without.size(), "included viewpoint"), ids);
+  say(stderr, "  {} without pictures:{}\n", counted(report.without.size(), "included viewpoint"),
+      ids);
 }
 
 struct Outcome {
@@ -96,17 +96,17 @@ void pack_scan(const Arguments& a, const scan::PanoramaPlaces& places, const std
     const Stopwatch watch;
     const scan::PackReport report =
         scan::pack(*source, a.output, options_of(a), progress_bar("packing " + scan));
-    fmt::print("{}: {}\n", report.file.string(), summary(report, watch.seconds()));
+    say("{}: {}\n", report.file.string(), summary(report, watch.seconds()));
     std::fflush(stdout);
     list_without(report);
     ++outcome.packed;
   } catch (const InvalidInput& error) {
     ++outcome.failed;
     print_diagnostics(error.diagnostics());
-    fmt::print(stderr, "{}: not packed\n", scan);
+    say(stderr, "{}: not packed\n", scan);
   } catch (const Error& error) {
     ++outcome.failed;
-    fmt::print(stderr, "{}: not packed: {}\n", scan, error.what());
+    say(stderr, "{}: not packed: {}\n", scan, error.what());
   }
 }
 
@@ -123,8 +123,8 @@ ExitCode pack_all(const Arguments& a) {
         fmt::format("no pictures of any of the {} scans were found in:{}", scans.size(), folders));
   }
   if (scans.size() > 1) {
-    fmt::print("{} scans packed, {} failed, {} have no pictures\n", outcome.packed, outcome.failed,
-               outcome.without);
+    say("{} scans packed, {} failed, {} have no pictures\n", outcome.packed, outcome.failed,
+        outcome.without);
   }
   return outcome.failed > 0 ? kInput : kSuccess;
 }
@@ -136,7 +136,7 @@ bool check_file(const Arguments& a, const std::string& file) {
     const auto store = scan::Store::open(file);
     faults = store->verify(a.options.threads, progress_bar("checking " + store->scan()));
     if (faults.empty()) {
-      fmt::print("{}: sound: {} viewpoints, {}\n", file, store->size(), size_text(store->bytes()));
+      say("{}: sound: {} viewpoints, {}\n", file, store->size(), size_text(store->bytes()));
     }
   } catch (const InvalidInput& error) {
     faults = error.diagnostics();

@@ -279,7 +279,7 @@ std::string encode_raw(const Drawn& drawn, Layer layer) {
 
 void write_picture(const std::string& path, const std::string& content) {
   write_output(path, content);
-  if (path != "-") fmt::print("{}\n", path);
+  if (path != "-") say("{}\n", path);
 }
 
 void write_pictures(const Drawn& drawn, const std::vector<PictureFile>& files,

@@ -88,10 +88,10 @@ void join(const Options& options) {
       paths, *graphs, options.join, [&output](std::string_view text) { output.write(text); });
   output.finish();
   if (options.output == "-") return;
-  fmt::print("{}: {} of {} {} joined, {} instructions, mean length {:.2f} m\n", options.output,
-             totals.paths, totals.pairs, options.join.paths == 2 ? "pairs" : "sequences",
-             totals.instructions,
-             totals.paths == 0 ? 0 : totals.length / static_cast<double>(totals.paths));
+  say("{}: {} of {} {} joined, {} instructions, mean length {:.2f} m\n", options.output,
+      totals.paths, totals.pairs, options.join.paths == 2 ? "pairs" : "sequences",
+      totals.instructions,
+      totals.paths == 0 ? 0 : totals.length / static_cast<double>(totals.paths));
 }
 
 }  // namespace

@@ -62,8 +62,8 @@ void make(const Options& options) {
   const std::string page = make_report(config, data, progress_bar("report"));
   write_output(options.output, page);
   if (options.output == "-") return;
-  fmt::print("{}: {:.1f} MB, one file, to be opened in any browser\n", options.output,
-             static_cast<double>(page.size()) / 1e6);
+  say("{}: {:.1f} MB, one file, to be opened in any browser\n", options.output,
+      static_cast<double>(page.size()) / 1e6);
 }
 
 }  // namespace

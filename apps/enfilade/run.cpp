@@ -64,9 +64,9 @@ std::unique_ptr<agents::ContinuousAgent> decide_in_graph(
   const tasks::Trajectories trajectories =
       agents::run(agent, on_graph, nullptr, options.run, progress_bar(options.agent + ", graph"));
   if (options.output != "-" && !on_graph.goals_hidden()) {
-    fmt::print("In the graph:\n");
+    say("In the graph:\n");
     print_score(trajectories, on_graph, nullptr);
-    fmt::print("\n");
+    say("\n");
   }
   return agents::make_graph_walker(options.agent,
                                    std::get<std::vector<tasks::Trajectory>>(trajectories), set,
@@ -143,16 +143,16 @@ void run_agent_over_split(const AgentRun& options) {
     write_output(options.output, results_text(options, trajectories, split));
   }
   if (options.output == "-") return;
-  fmt::print("{} on {}{}: {} episodes{}\n", options.agent, options.split,
-             benchmark.continuous() ? fmt::format(" of {}", benchmark.title) : "",
-             size(trajectories), options.output.empty() ? "" : " -> " + options.output);
+  say("{} on {}{}: {} episodes{}\n", options.agent, options.split,
+      benchmark.continuous() ? fmt::format(" of {}", benchmark.title) : "", size(trajectories),
+      options.output.empty() ? "" : " -> " + options.output);
   if (split.goals_hidden()) {
-    fmt::print("The goals of this split are hidden, so there is nothing to score it with.\n");
+    say("The goals of this split are hidden, so there is nothing to score it with.\n");
   } else {
     print_score(trajectories, split, buildings.get());
   }
   if (trained && benchmark.answer != tasks::AnswerKind::kNone) {
-    fmt::print("A trained agent gives no answer beside its path, so none is right.\n");
+    say("A trained agent gives no answer beside its path, so none is right.\n");
   }
 }
 

@@ -6,7 +6,7 @@
 
 #include "apps/common/program.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/tasks/path_comparison.h"
 #include "enfilade/tasks/path_sampling.h"
@@ -60,12 +60,11 @@ void write_splits(const Options& options, const std::vector<tasks::PathAnnotatio
     split_options.test_scans = options.shares[2];
   }
   const auto splits = split_by_building(paths, split_options);
-  make_folder(options.output);
+  const OutputFolder out(options.output);
   for (const auto& [name, split] : splits) {
-    const fs::path file = fs::path(options.output) / split.file;
-    write_output(file.string(), to_json(split));
-    fmt::print("{:<12} {:>5} paths in {:>2} buildings -> {}\n", name, split.paths.size(),
-               count_buildings(split.paths), file.string());
+    out.write(split.file, to_json(split));
+    say("{:<12} {:>5} paths in {:>2} buildings -> {}\n", name, split.paths.size(),
+        count_buildings(split.paths), (out.path() / split.file).string());
   }
 }
 
@@ -76,8 +75,8 @@ void write_paths(const Options& options, const tasks::Annotations& drawn) {
   }
   write_output(options.output, to_json(drawn));
   if (options.output == "-") return;
-  fmt::print("{} paths in {} buildings -> {}\n", drawn.paths.size(), count_buildings(drawn.paths),
-             options.output);
+  say("{} paths in {} buildings -> {}\n", drawn.paths.size(), count_buildings(drawn.paths),
+      options.output);
 }
 
 void sample(const Options& options) {
@@ -98,8 +97,7 @@ void sample(const Options& options) {
   }
   const tasks::Annotations drawn{"drawn", "drawn paths", draw(options, *graphs, regions)};
   if (!options.output.empty()) write_paths(options, drawn);
-  if (options.compare)
-    fmt::print("{}", to_table(compare_paths(drawn, reference, *graphs, regions)));
+  if (options.compare) say("{}", to_table(compare_paths(drawn, reference, *graphs, regions)));
 }
 
 void add_limits(CLI::App& verb, tasks::SamplingOptions& sampling) {

@@ -45,9 +45,9 @@ capture::ScanParts parts_of(const Arguments& a) {
 mesh::Mesh read(const Arguments& a) {
   mesh::Mesh mesh = read_mesh_file(a.mesh.file, a.mesh.read());
   const mesh::Box box = mesh::bounds(mesh);
-  fmt::print("{}: {} triangles, {} materials, {} objects, {:.1f} x {:.1f} x {:.1f} m\n",
-             a.mesh.file, mesh.triangles.size(), mesh.materials.size(), mesh.objects.size(),
-             box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z);
+  say("{}: {} triangles, {} materials, {} objects, {:.1f} x {:.1f} x {:.1f} m\n", a.mesh.file,
+      mesh.triangles.size(), mesh.materials.size(), mesh.objects.size(), box.high.x - box.low.x,
+      box.high.y - box.low.y, box.high.z - box.low.z);
   std::fflush(stdout);
   if (a.room) capture::add_plain_room(mesh);
   return mesh;
@@ -65,8 +65,7 @@ scan::Connectivity graph_of(const Arguments& a, const mesh::RayTracer& tracer,
   }
   const mesh::WalkableFloor floor = find_floor(tracer.mesh(), a.mesh, {.growing_cell = true});
   if (const double cell = floor.options().cell; cell > mesh::WalkableOptions{}.cell) {
-    fmt::print(stderr, "note: the mesh is large: its floor is searched in steps of {:.2f} m\n",
-               cell);
+    say(stderr, "note: the mesh is large: its floor is searched in steps of {:.2f} m\n", cell);
   }
   std::vector<graph::PlacedViewpoint> viewpoints = graph::place_viewpoints(tracer, floor);
   if (a.limit != 0 && viewpoints.size() > a.limit) viewpoints.resize(a.limit);
@@ -77,21 +76,19 @@ scan::Connectivity graph_of(const Arguments& a, const mesh::RayTracer& tracer,
 void warn_of_emptiness(const mesh::RayTracer& tracer, const scan::Connectivity& graph) {
   const double empty = capture::share_of_nothing_below(tracer, graph);
   if (empty < .5) return;
-  fmt::print(stderr,
-             "warning: looking down from the viewpoints, {:.0f} % of directions meet nothing: has "
-             "the mesh no floor, or another axis up (--up)? --room puts things into a plain room\n",
-             100 * empty);
+  say(stderr,
+      "warning: looking down from the viewpoints, {:.0f} % of directions meet nothing: has "
+      "the mesh no floor, or another axis up (--up)? --room puts things into a plain room\n",
+      100 * empty);
 }
 
 void report(const Arguments& a, const scan::Connectivity& graph,
             const capture::ScanFilesReport& report, double seconds) {
-  fmt::print("{}: {} viewpoints, {} edges; {} pictures{} in {:.1f} s, {:.1f} MB\n",
-             report.folder.string(), report.viewpoints, graph::NavGraph(graph).edge_count() / 2,
-             report.written,
-             report.kept == 0 ? "" : fmt::format(" ({} more were there)", report.kept), seconds,
-             static_cast<double>(report.bytes) / 1e6);
-  fmt::print(
-      "Next:\n"
+  say("{}: {} viewpoints, {} edges; {} pictures{} in {:.1f} s, {:.1f} MB\n", report.folder.string(),
+      report.viewpoints, graph::NavGraph(graph).edge_count() / 2, report.written,
+      report.kept == 0 ? "" : fmt::format(" ({} more were there)", report.kept), seconds,
+      static_cast<double>(report.bytes) / 1e6);
+  say("Next:\n"
       "  enfilade contact-sheet {0} --data {1} -o {0}.png\n"
       "  enfilade graph draw {0} --data {1}\n"
       "  enfilade render {0} 0 --data {1}\n"

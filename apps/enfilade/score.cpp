@@ -52,11 +52,12 @@ std::shared_ptr<const tasks::ObjectBoxes> load_objects(const Options& options,
 }
 
 // `text`: of --annotations, if that was given.
-tasks::EpisodeSet load_episodes(const Options& options, Task task, const std::string& text) {
+tasks::Split load_episodes(const Options& options, Task task, const std::string& text) {
   const auto which =
       options.all_instructions ? tasks::Instructions::kAll : tasks::Instructions::kScored;
   if (options.annotations.empty() && options.connectivity.empty() && options.objects.empty()) {
-    return open_data(options.data).episodes(task, options.split, which);
+    return open_data(options.data)
+        .split(tasks::benchmark(task), options.split, {.instructions = which});
   }
   const std::string file =
       !options.annotations.empty()
@@ -69,15 +70,17 @@ tasks::EpisodeSet load_episodes(const Options& options, Task task, const std::st
   const auto graphs = options.connectivity.empty() ? open_data(options.data).graphs()
                                                    : graph::GraphSet::open(options.connectivity);
   const auto objects = load_objects(options, annotations);
-  return tasks::make_episodes(annotations, graphs, which, objects.get());
+  tasks::Split read(tasks::make_episodes(annotations, graphs, which, objects.get()));
+  tasks::require_episodes(read, file);
+  return read;
 }
 
 void print_score(const Options& options, const tasks::ScoreTable& score) {
   if (!options.json.empty()) write_output(options.json, to_json(score, options.per_episode));
   if (options.json == "-") return;
   const bool reference = options.spl == "reference";
-  fmt::print("{}", to_table(score, reference ? tasks::SplLength::kReference
-                                             : tasks::SplLength::kShortest));
+  say("{}",
+      to_table(score, reference ? tasks::SplLength::kReference : tasks::SplLength::kShortest));
 }
 
 void refuse_hidden(const Options& options, const tasks::Split& split) {
@@ -105,8 +108,7 @@ tasks::Split load_continuous(const Options& options, const tasks::Benchmark& ben
 tasks::Split load_on_graph(const Options& options, const std::string& results) {
   const std::string annotations =
       options.annotations.empty() ? std::string() : read_text_file(options.annotations);
-  return tasks::Split(
-      load_episodes(options, find_task(options, annotations, results), annotations));
+  return load_episodes(options, find_task(options, annotations, results), annotations);
 }
 
 ExitCode score(const Options& options) {
@@ -117,12 +119,6 @@ ExitCode score(const Options& options) {
   }
   const std::string text = read_text_file(options.results);
   tasks::Split split = continuous ? load_continuous(options, *named) : load_on_graph(options, text);
-  if (split.size() == 0) {  // means over none would be nothing that a table can show
-    throw UsageError(fmt::format(
-        "split {}: the annotations have no episode, so there is nothing to score; the export of a "
-        "collection has the paths whose every instruction was walked",
-        split.name()));
-  }
   tasks::Trajectories trajectories;
   std::vector<Diagnostic> warnings;
   try {
@@ -135,8 +131,8 @@ ExitCode score(const Options& options) {
   }
   if (!warnings.empty()) print_diagnostics(warnings);
   if (options.part) {
-    fmt::print(stderr, "note: a part of split {}: {} of its {} instructions\n", split.name(),
-               size(trajectories), split.size());
+    say(stderr, "note: a part of split {}: {} of its {} instructions\n", split.name(),
+        size(trajectories), split.size());
     split = part_of(split, trajectories);
   }
   refuse_hidden(options, split);

@@ -262,6 +262,9 @@ ExitCode serve(Options options) {
   const auto site =
       service::Site::open(data, options.phases.empty() ? std::vector<service::Phase>{}
                                                        : service::load_phases(options.phases));
+  const auto warn = [](std::string_view text) { fmt::print(stderr, "warning: {}\n", text); };
+  for (const std::string& notice : site->notices()) warn(notice);
+  config.warn = warn;
   service::give_back_large_memory();
   service::Server server(site, config);
   if (first_visit) show_first_agents(data, *site, options, server.port());
@@ -435,6 +438,8 @@ void add(CLI::App& app, int& status) {
             "Print an organiser's token for NAME at start, valid for a day");
   verb.add_flag("--open-registration", options->config.open_registration,
                 "Anyone can make a team; secret goals still need an approval");
+  verb.add_flag("--accept-leak", options->config.accept_leak,
+                "Serve phases whose limits give all their goals away");
   verb.add_option(
           "--log", options->log,
           "One line per request on stderr: text, json or none (default: text; none if DIR and "

@@ -29,8 +29,8 @@ std::vector<tasks::Annotations> load_splits(const Options& options, const datase
   for (const std::string_view usual : benchmark.splits) {
     if (!options.splits.empty() || data.has_split(benchmark, usual)) continue;
     if (!benchmark.in_paper) continue;  // nobody has all splits of the others
-    fmt::print(stderr, "note: {}: has no split {} of {}\n", data.folder().string(), usual,
-               benchmark.title);
+    say(stderr, "note: {}: has no split {} of {}\n", data.folder().string(), usual,
+        benchmark.title);
   }
   std::vector<tasks::Annotations> splits;
   for (const std::string& split : names) {
@@ -47,7 +47,7 @@ const tasks::ObjectBoxes* objects_of(const dataset::Dataset& data, tasks::Task t
     return &data.objects();
   } catch (const FileError& error) {
     if (std::ranges::none_of(splits, tasks::needs_boxes)) return nullptr;
-    fmt::print(stderr, "note: who sees which object is not counted: {}\n", error.what());
+    say(stderr, "note: who sees which object is not counted: {}\n", error.what());
     return nullptr;
   }
 }
@@ -59,7 +59,7 @@ void stats(const Options& options) {
   const auto statistics =
       tasks::compute_statistics(splits, data.graphs(), options.top, objects_of(data, task, splits));
   if (!options.json.empty()) write_output(options.json, to_json(statistics));
-  if (options.json != "-") fmt::print("{}", to_table(statistics));
+  if (options.json != "-") say("{}", to_table(statistics));
 }
 
 }  // namespace

@@ -36,8 +36,8 @@ std::string explain(const std::string& withheld) {
 }
 
 void print_means(const service::SubmissionStatus& status) {
-  for (const auto& [metric, mean] : status.means) fmt::print("{:<20} {:.4f}\n", metric, mean);
-  if (status.means.empty()) fmt::print("{}\n", explain(status.withheld));
+  for (const auto& [metric, mean] : status.means) say("{:<20} {:.4f}\n", metric, mean);
+  if (status.means.empty()) say("{}\n", explain(status.withheld));
 }
 
 ExitCode submit(const Options& options) {
@@ -49,13 +49,13 @@ ExitCode submit(const Options& options) {
     print_diagnostics(refused.diagnostics());
     return kFaultsFound;
   }
-  for (const std::string& warning : status.warnings) fmt::print(stderr, "{}\n", warning);
+  for (const std::string& warning : status.warnings) say(stderr, "{}\n", warning);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(options.wait);
   while (status.state == "queued" && std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     status = client.status(status.id);
   }
-  fmt::print("submission {}: {}\n", status.id, status.state);
+  say("submission {}: {}\n", status.id, status.state);
   if (status.state == "scored" || status.state == "received") print_means(status);
   return status.state == "failed" ? kInput : kSuccess;
 }

@@ -44,9 +44,9 @@ tasks::Task task_of(const std::string& named, const dataset::Dataset& data) {
 void print_score(const tasks::Trajectories& trajectories, const tasks::Split& split,
                  const continuous::Buildings* buildings) {
   const tasks::Benchmark& benchmark = split.benchmark();
-  fmt::print("{}", to_table(agents::compute_score(trajectories, split, buildings,
-                                                  benchmark.scorer(benchmark.table_scorer),
-                                                  progress_bar("scoring"))));
+  say("{}", to_table(agents::compute_score(trajectories, split, buildings,
+                                           benchmark.scorer(benchmark.table_scorer),
+                                           progress_bar("scoring"))));
 }
 
 }  // namespace enfilade::apps

@@ -22,12 +22,14 @@ cannot count. docs/service_evaluation.md says which settings are needed. Only th
 Python 3.7 or newer: workers have what their challenge asks for.
 """
 
+import difflib
 import gzip
 import json
 import os
 import shutil
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -46,6 +48,25 @@ COLUMNS = {
 
 LOADER = "ld.so"  # of the program's libraries, as package.py names it
 DEFAULT_STEP = 0.01
+FORM = '{"test": {"splits": ["test_split"], "step": 0.01}}'
+
+
+def _is_splits(value):
+    named = isinstance(value, list) and all(isinstance(one, str) and one for one in value)
+    return named and value != []
+
+
+def _is_step(value):
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return number and 0.001 <= value <= 0.5
+
+
+# Of a phase: what is allowed, in words, and the test of it.
+FIELDS = {
+    "splits": ("a list of names", _is_splits),
+    "step": ("from 0.001 to 0.5", _is_step),
+    "result_file": ("true or false", lambda value: isinstance(value, bool)),
+}
 METRES_OF_STEP = 10  # 0.01 of shares are 0.1 m, as on an Enfilade server
 MOST_METRES = 30
 # Those that do not depend on where goals are: whoever made the trajectories knows them.
@@ -77,7 +98,7 @@ def _connectivity():
 
 
 def _without_repeats(pairs, file):
-    """Fields of an object; json.loads() would take the last of several, and tell nobody."""
+    """Fields of an object; json.loads() takes the last of several without a word."""
     names = [name for name, _ in pairs]
     for name in names:
         if names.count(name) > 1:
@@ -96,15 +117,50 @@ def _text(file):
     return "{}"
 
 
+def _check_field(where, name, value):
+    """Raises RuntimeError unless it is a field of a phase with a value that is allowed."""
+    if name not in FIELDS:
+        near = difflib.get_close_matches(name, FIELDS, 1)
+        advice = f"the nearest is {near[0]}" if near else f"allowed are {', '.join(FIELDS)}"
+        raise RuntimeError(f"{where}: unknown field {name[:40]!r}; {advice}")
+    allowed, good = FIELDS[name]
+    if not good(value):
+        raise RuntimeError(f"{where}.{name}: {str(value)[:40]!r}, not {allowed}")
+
+
+def load_phases(file):
+    """The phases of a file, by codename; none if there is no file.
+
+    Raises RuntimeError naming the first fault for a file of another form: evaluate() would score by
+    settings that nobody wrote.
+    """
+    try:
+        text = _text(file)
+        phases = json.loads(
+            text, object_pairs_hook=lambda pairs: _without_repeats(pairs, file.name)
+        )
+    except (ValueError, OSError, EOFError, RecursionError, zlib.error) as error:
+        raise RuntimeError(f"{file.name}: cannot be read: {error}") from None
+    if not isinstance(phases, dict):
+        raise RuntimeError(f"{file.name}: {FORM} is expected")
+    if isinstance(phases.get("phases"), list):
+        raise RuntimeError(
+            f"{file.name}: phases of `enfilade serve`; those of EvalAI have another form: {FORM}"
+        )
+    for codename, phase in phases.items():
+        where = f"{file.name}: {codename[:40]}"
+        if not isinstance(phase, dict):
+            raise RuntimeError(f"{where}: {str(phase)[:40]!r}, not an object; {FORM} is expected")
+        for name, value in phase.items():
+            _check_field(where, name, value)
+    return phases
+
+
 def _phase(codename):
     """Splits and step of a phase, and whether its participants' result files have the means."""
     file = Path(os.environ.get("ENFILADE_PHASES", str(HERE / "phases.json")))
-    text = _text(file)
-    phases = json.loads(text, object_pairs_hook=lambda pairs: _without_repeats(pairs, file.name))
-    phase = phases.get(codename, {})
+    phase = load_phases(file).get(codename, {})
     step = phase.get("step", DEFAULT_STEP)
-    if not 0.001 <= step <= 0.5:
-        raise RuntimeError(f"{file.name}: {codename}.step: {step}, not from 0.001 to 0.5")
     return phase.get("splits", [codename]), step, phase.get("result_file", False)
 
 

@@ -3,6 +3,7 @@
 import gzip
 import json
 import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -121,6 +122,36 @@ class Evaluate(unittest.TestCase):
         self.assertEqual(splits(), [["a"]])
         packed.rename(file)
         self.assertEqual(splits(), [["a"]])
+
+    def test_fields_of_phases_are_those_that_there_are(self):
+        for phases, said in {
+            '{"test": {"stpe": 0.1}}': "phases.json: test: unknown field 'stpe'; the nearest is step",
+            '{"test": {"split": ["a"]}}': "unknown field 'split'; the nearest is splits",
+            '{"other": {"comment": 1}}': "other: unknown field 'comment'; allowed are splits, step, result_file",
+            '{"test": {"splits": "a"}}': "test.splits: 'a', not a list of names",
+            '{"test": {"splits": []}}': r"test.splits: '\[\]', not a list of names",
+            '{"test": {"step": "0.1"}}': "test.step: '0.1', not from 0.001 to 0.5",
+            '{"test": {"result_file": "no"}}': "test.result_file: 'no', not true or false",
+            '{"test": 3}': "test: '3', not an object",
+            '[{"test": {}}]': '"splits": .* is expected',
+            '{"test": {}': "phases.json: cannot be read",
+            '{"phases": [{"name": "test", "split": "test", "annotations": "a.json"}]}':
+                'phases of `enfilade serve`; those of EvalAI have another form: {"test": ',
+        }.items():  # fmt: skip
+            file = self.write("phases.json", {})
+            file.write_text(phases)
+            os.environ["ENFILADE_PHASES"] = str(file)
+            with self.assertRaisesRegex(RuntimeError, said):
+                self.evaluate_many(0)
+            # The host learns of it before the archive is made.
+            command = [sys.executable, "-B", Path(main.__file__).with_name("package.py")]
+            command += ["--program", PROGRAM, "--connectivity", self.folder.name, "--phases", file]
+            packed = subprocess.run(
+                [*command, "-o", file.with_suffix(".zip")], capture_output=True, text=True, check=False
+            )
+            self.assertEqual(packed.returncode, 3)
+            self.assertRegex(packed.stderr, said)
+            self.assertFalse(file.with_suffix(".zip").exists())
 
     def test_a_phase_that_is_given_twice_is_refused(self):
         self.set_phases({})

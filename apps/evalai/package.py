@@ -16,6 +16,8 @@ import sys
 import zipfile
 from pathlib import Path
 
+import main
+
 HERE = Path(__file__).resolve().parent
 PROGRAM = HERE.parent.parent / "build" / "release" / "bin" / "enfilade"
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the earliest that archives know
@@ -63,19 +65,24 @@ def write(files, output):
             archive.writestr(entry, file.read_bytes())
 
 
-def main():
+def run():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--program", type=Path, default=PROGRAM, help="default: %(default)s")
     parser.add_argument("--connectivity", type=Path, required=True, help="folder of the graphs")
-    parser.add_argument("--phases", type=Path, help="phases.json: docs/service_evaluation.md")
+    parser.add_argument("--phases", type=Path, help="phases of the challenge: docs/service_evaluation.md")
     parser.add_argument("-o", "--output", type=Path, required=True, help="the archive")
     options = parser.parse_args()
     for file in filter(None, [options.program, options.phases]):
         if not file.is_file():
             parser.error(f"{file}: no such file")
+    if options.phases:
+        try:
+            main.load_phases(options.phases)
+        except RuntimeError as error:
+            parser.exit(3, f"{error}\n")
     write(contents(options), options.output)
     print(f"{options.output}: {options.output.stat().st_size / 1e6:.1f} MB", file=sys.stderr)
 
 
 if __name__ == "__main__":
-    main()
+    run()

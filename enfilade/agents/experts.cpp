@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/tasks/metrics.h"
 
 namespace enfilade::agents {
@@ -27,7 +28,7 @@ ExpertRule parse_expert_rule(std::string_view name) {
   for (const ExpertRule rule : {ExpertRule::kSpl, ExpertRule::kNdtw}) {
     if (name == to_string(rule)) return rule;
   }
-  throw ArgumentError(fmt::format("expert {:?}: spl or ndtw is allowed", name));
+  throw ArgumentError(fmt::format("expert {}: spl or ndtw is allowed", quote(name)));
 }
 
 std::optional<ViewpointIndex> next_on_shortest(const graph::NavGraph& graph, ViewpointIndex here,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/render/renderer.h"
 
 namespace enfilade::agents {
@@ -85,8 +86,9 @@ std::optional<Decision> Route::next(const Observation& seen, const Panorama& pan
   const auto candidate =
       std::ranges::find(panorama.candidates, way_.front(), &sim::Candidate::viewpoint);
   if (candidate == panorama.candidates.end()) {
-    throw ArgumentError(fmt::format("{}: the agent at {:?} cannot go to {:?}", seen.graph->scan(),
-                                    seen.graph->id(seen.viewpoint), seen.graph->id(way_.front())));
+    throw ArgumentError(fmt::format("{}: the agent at {} cannot go to {}", seen.graph->scan(),
+                                    quote(seen.graph->id(seen.viewpoint)),
+                                    quote(seen.graph->id(way_.front()))));
   }
   const sim::Action action = step_towards(*candidate, seen.view_index);
   if (seen.view_index != candidate->view) {

@@ -12,6 +12,7 @@
 #include "enfilade/agents/episode_batch.h"
 #include "enfilade/agents/simple_agents.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 
 namespace enfilade::agents {
 namespace {
@@ -100,7 +101,7 @@ std::unique_ptr<Agent> make_agent(std::string_view name) {
   if (name == "random") return std::make_unique<RandomAgent>();
   if (name == "reference") return std::make_unique<ReferenceAgent>();
   if (name == "shortest") return std::make_unique<ShortestAgent>();
-  throw LookupError(fmt::format("agent {:?}: there is none of that name; there are: {}", name,
+  throw LookupError(fmt::format("agent {}: there is none of that name; there are: {}", quote(name),
                                 fmt::join(agent_names(), ", ")));
 }
 

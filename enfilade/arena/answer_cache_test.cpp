@@ -38,6 +38,16 @@ TEST(AnswerCacheTest, KeepsWhatWasAnswered) {
   EXPECT_FALSE(other.find(R"({"model":"m","messages":["Hallo"]})"));
 }
 
+TEST(AnswerCacheTest, AKeyIsNoPath) {
+  const tests::TemporaryFolder folder("answer_cache");
+  const AnswerCache cache(folder.path() / "deep/cache");
+  write_file_atomically(folder.path() / "x.json", R"({"answer": 1, "seconds": 1, "attempts": 1})");
+  for (const std::string key :
+       {"../x", "../../../etc/passwd", "", "x", "../../x/../x/../x/../x/../x/../x", "ABCDEF"}) {
+    EXPECT_FALSE(cache.find_key(key)) << key;
+  }
+}
+
 TEST(AnswerCacheTest, AFailureIsNotKept) {
   const tests::TemporaryFolder folder("answer_cache");
   AnswerCache cache(folder.path());

@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "enfilade/arena/detail/limits.h"
 #include "enfilade/arena/detail/run_file.h"
 #include "enfilade/arena/detail/transcript.h"
 #include "enfilade/arena/dialect.h"
@@ -39,6 +40,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMostParallel = 256;
 // Episodes in a row without a response after which a run ends, if fewer are in flight.
 constexpr std::size_t kMostSilent = 3;
+constexpr double kMostWait = 86'400;  // a day
 constexpr const char* kLeftFile = "left.json";
 
 void check(const AskConfig& config, const Prompt& prompt, const ViewSources& sights) {
@@ -51,10 +53,20 @@ void check(const AskConfig& config, const Prompt& prompt, const ViewSources& sig
   if (!(config.first_wait >= 0 && config.first_wait <= kLongestWait)) {
     throw ArgumentError(fmt::format("first_wait: {} s, 0 to {}", config.first_wait, kLongestWait));
   }
+  if (!(config.longest_wait >= 0 && config.longest_wait <= kMostWait)) {
+    throw ArgumentError(fmt::format("longest_wait: {} s, 0 to {}", config.longest_wait, kMostWait));
+  }
   if (prompt.pictures() != PictureKind::kNone && !sights.data && !sights.scene_of) {
     throw ArgumentError(fmt::format(
         "prompt {} shows pictures, and there is nothing to draw them from", prompt.name()));
   }
+}
+
+/// A number of a transcript's line, which may be anybody's.
+std::int64_t tokens_in(const Json& line, const char* name) {
+  const auto found = line.find(name);
+  if (found == line.end() || !found->is_number_unsigned()) return 0;
+  return static_cast<std::int64_t>(std::min(found->get<std::uint64_t>(), detail::kMostTokens));
 }
 
 /// An episode that is left for the next run, for a reason of its own.
@@ -220,7 +232,8 @@ class Run {
       for (std::size_t k = next_++; k < open_.size() && !stop_.stop_requested(); k = next_++) {
         const std::string id = world_.episodes().id(open_[k]);
         try {
-          write_file_atomically(file_of(open_[k]), walk_episode(*world, open_[k], painter));
+          detail::write_transcript(folder_, world_, open_[k],
+                                   walk_episode(*world, open_[k], painter));
           const std::scoped_lock lock(mutex_);
           ++done_;
           if (left_.erase(id) > 0) write_left();
@@ -287,7 +300,10 @@ class Run {
         return changes;
       };
       KeptAnswer kept =
-          cache_.get(request, [&] { return ask_endpoint(request, origin, chat, painter, helps); });
+          request.size() > detail::kMostConversation
+              ? KeptAnswer{kept_refusal({413, "the conversation has more than 16 MiB"})}
+              : cache_.get(request,
+                           [&] { return ask_endpoint(request, origin, chat, painter, helps); });
       const auto refusal = find_refusal(kept.answer);
       if (!refusal) return kept;
       const RefusalKind kind = kind_of(*refusal);
@@ -318,7 +334,7 @@ class Run {
       }
       const ChatAnswer answer = chat.read(kept.answer);
       if (answer.reading.call) {
-        if (session->call(*answer.reading.call)) origin.calls.push_back(*answer.reading.call);
+        if (session->call(*answer.reading.call)) origin.calls.push_back(session->last_call());
       } else {
         session->misread(answer.reading.fault);
       }
@@ -354,7 +370,8 @@ class Run {
     }
     const std::string body = body_of(request, chat, painter);
     const Patience patience{config_.attempts, config_.first_wait,
-                            [this](double seconds) { return pause(seconds); }};
+                            [this](double seconds) { return pause(seconds); }, config_.longest_wait,
+                            config_.say};
     try {
       KeptAnswer kept =
           post_patiently(*endpoint_, body, origin, patience, [&](std::string_view answer) {
@@ -411,7 +428,7 @@ class Run {
     bool shortened = false;
     for (const auto part : std::views::split(text, '\n')) {
       const Json line = Json::parse(part.begin(), part.end(), nullptr, false);
-      if (!line.is_object() || !line.contains("answer")) continue;
+      if (!line.is_object() || !line.contains("answer") || !line["answer"].is_string()) continue;
       shortened = shortened || line.contains("left_out");
       const auto flaw = line.contains("flaw") && line["flaw"].is_string()
                             ? find_enum<AnswerFlaw>(line["flaw"].get<std::string>())
@@ -424,8 +441,8 @@ class Run {
       Ledger& ledger = report_.ledger;
       ++ledger.answers;
       ledger.pictures += line.contains("pictures") ? line["pictures"].size() : 0;
-      ledger.prompt_tokens += line["prompt_tokens"].get<std::int64_t>();
-      ledger.answer_tokens += line["answer_tokens"].get<std::int64_t>();
+      ledger.prompt_tokens += tokens_in(line, "prompt_tokens");
+      ledger.answer_tokens += tokens_in(line, "answer_tokens");
       // A folder may have come without its cache.
       const auto kept = cache_.find_key(line["answer"].get<std::string>());
       if (!kept) continue;

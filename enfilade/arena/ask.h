@@ -37,6 +37,8 @@ struct AskConfig {
   std::size_t parallel = 1;          ///< episodes at once, 1 to 256; changes nothing in results
   int attempts = 6;                  ///< requests for one response before an episode is given up
   double first_wait = 1;             ///< seconds after the first failure; doubled each time
+  double longest_wait = kLongestAskedWait;  ///< seconds between two attempts, 0 to 86,400
+  std::function<void(const std::string& sentence)> say = {};  ///< as Patience::say
   /// Tokens, in and out, after which no new request is sent; no value: no limit.
   std::optional<std::int64_t> most_tokens = {};
 };

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "enfilade/arena/detail/limits.h"
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/base64.h"
 #include "enfilade/core/enum_names.h"
@@ -74,7 +75,8 @@ std::int64_t count_in(const Json& body, const char* name) {
   const auto usage = body.find("usage");
   if (usage == body.end() || !usage->is_object()) return 0;
   const auto count = usage->find(name);
-  return count != usage->end() && count->is_number_integer() ? count->get<std::int64_t>() : 0;
+  if (count == usage->end() || !count->is_number_unsigned()) return 0;
+  return static_cast<std::int64_t>(std::min(count->get<std::uint64_t>(), detail::kMostTokens));
 }
 
 std::string text_in(const Json& object, const char* name) {
@@ -126,6 +128,44 @@ AnswerFlaw flaw_of(const Json& choice, const Json& message, std::string_view ans
   return trimmed(answer).empty() ? AnswerFlaw::kEmpty : AnswerFlaw::kNone;
 }
 
+/// Bytes of all texts and names within a value.
+// NOLINTNEXTLINE(misc-no-recursion): the levels have a limit
+std::size_t text_bytes(const Json& value) {
+  if (value.is_string()) return value.get_ref<const std::string&>().size();
+  std::size_t bytes = 0;
+  if (!value.is_structured()) return bytes;
+  for (const auto& [name, one] : value.items()) {
+    bytes += (value.is_object() ? name.size() : 0) + text_bytes(one);
+  }
+  return bytes;
+}
+
+/// \throws InvalidInput for a body over the limits
+Json parse_completion(std::string_view body) {
+  std::string found = json::excess(body, detail::kAnswerLimits);
+  if (body.size() > detail::kMostAnswer) {
+    found = fmt::format("more than {} MiB", detail::kMostAnswer >> 20U);
+  }
+  if (!found.empty()) refuse("$", "an answer of " + found);
+  return Json::parse(body, nullptr, false);
+}
+
+void check_limits(const Json& choices) {
+  const Json& message = choices[0]["message"];
+  const auto calls = message.find("tool_calls");
+  if (choices.size() > detail::kMostChoices) {
+    refuse("$.choices", fmt::format("more than {} of them", detail::kMostChoices));
+  }
+  if (calls != message.end() && calls->is_array() && calls->size() > detail::kMostCalls) {
+    refuse("$.choices[0].message.tool_calls",
+           fmt::format("more than {} of them", detail::kMostCalls));
+  }
+  if (text_bytes(message) > detail::kMostText) {
+    refuse("$.choices[0].message",
+           fmt::format("texts of more than {} MiB", detail::kMostText >> 20U));
+  }
+}
+
 /// The message of a chat completion.
 Json message_of(const Json& completion) {
   if (!completion.is_object()) refuse("$", "no JSON object");
@@ -140,6 +180,7 @@ Json message_of(const Json& completion) {
   if (!first.is_object() || !first.contains("message") || !first["message"].is_object()) {
     refuse("$.choices[0].message", "no object");
   }
+  check_limits(*choices);
   return first["message"];
 }
 
@@ -321,7 +362,7 @@ bool Chat::leave_out_reasoning(const Refusal& refusal) {
 std::size_t Chat::left_out() const { return impl_->first; }
 
 ChatAnswer read_completion(std::string_view body) {
-  const Json completion = Json::parse(body, nullptr, false);
+  const Json completion = parse_completion(body);
   ChatAnswer answer;
   answer.text = content_text(message_of(completion));
   answer.prompt_tokens = count_in(completion, "prompt_tokens");
@@ -331,7 +372,7 @@ ChatAnswer read_completion(std::string_view body) {
 
 ChatAnswer Chat::read(std::string_view body) const {
   ChatAnswer answer = read_completion(body);
-  const Json completion = Json::parse(body);
+  const Json completion = parse_completion(body);
   const Json message = message_of(completion);
   switch (impl_->dialect.answers) {
     case Answers::kTools:
@@ -357,7 +398,7 @@ void Chat::close(std::string_view body, const ChatAnswer& answer, const SessionO
   Impl& chat = *impl_;
   Json step = Json::array({chat.user_message()});
   chat.steps.push_back(past_step(answer.reading, after.told));
-  const Json message = message_of(Json::parse(body));
+  const Json message = message_of(parse_completion(body));
   const Json calls =
       chat.dialect.answers == Answers::kTools ? calls_of(message) : Json(Json::array());
   chat.told_by_tool = !calls.empty() && chat.prompt.memory() == PromptMemory::kAll;

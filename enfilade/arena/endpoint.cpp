@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
+#include <stdexcept>
 #include <utility>
 
 #include "enfilade/arena/dialect.h"
@@ -18,7 +20,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kMostAskedWait = 600;  // more than that is no wait
+constexpr std::size_t kKeyDigits = 32;
+constexpr const char* kNoMemory = "an answer that takes more memory than there is";
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
@@ -102,11 +105,22 @@ KeptAnswer post_patiently(Endpoint& endpoint, std::string_view body, const Reque
     } catch (const EndpointError& error) {
       if (!error.passes()) throw RequestRefused(origin.episode, error);
       failed = error.what();
-      asked_wait = std::min(error.wait().value_or(0), kMostAskedWait);
+      asked_wait = error.wait().value_or(0);
     } catch (const InvalidInput& error) {
       failed = error.what();
+    } catch (const std::bad_alloc&) {
+      failed = kNoMemory;
+    } catch (const std::length_error&) {
+      failed = kNoMemory;
     }
-    if (attempt >= patience.attempts || !patience.pause(std::max(wait, asked_wait))) {
+    const double seconds = std::min(std::max(wait, asked_wait), patience.longest_wait);
+    const bool again = attempt < patience.attempts;
+    if (again && asked_wait > wait && patience.say) {
+      patience.say(
+          fmt::format("{}: the server asks for a wait of {} s; the next attempt is in {} s",
+                      origin.episode, asked_wait, seconds));
+    }
+    if (!again || !patience.pause(seconds)) {
       throw GivenUp(fmt::format("no answer in {} attempts; the last: {}", attempt, failed));
     }
     wait = std::min(2 * wait, kLongestWait);
@@ -147,6 +161,9 @@ std::optional<KeptAnswer> AnswerCache::find(std::string_view request) const {
 }
 
 std::optional<KeptAnswer> AnswerCache::find_key(const std::string& key) const {
+  // Transcripts, which keys come from, may be anybody's.
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  if (key.size() != kKeyDigits || !std::ranges::all_of(key, is_digit)) return std::nullopt;
   const fs::path file = file_of(key);
   if (!file_exists(file)) return std::nullopt;
   return read(file, std::nullopt);

@@ -91,6 +91,8 @@ class GivenUp : public Error {
 
 /// Most seconds between two attempts, unless the server says more.
 inline constexpr double kLongestWait = 60;
+/// Most seconds that a server may ask for (`Retry-After`), if the caller sets no other limit.
+inline constexpr double kLongestAskedWait = 300;
 /// Attempts and back-off of requests.
 struct Patience {
   int attempts = 6;  ///< requests before it is given up
@@ -98,10 +100,14 @@ struct Patience {
       1;  ///< seconds after the first failure; doubled each time, at most kLongestWait
   /// Waits for a number of seconds. \returns false if the response is no longer needed
   std::function<bool(double seconds)> pause;
+  double longest_wait =
+      kLongestAskedWait;  ///< seconds: no wait is longer, whatever the server asks
+  /// Gets a sentence before a wait that the server asked for; empty: nobody. Any thread.
+  std::function<void(const std::string& sentence)> say = {};
 };
 
 /// Sends a body until a response comes that `read` accepts; it throws InvalidInput for others.
-/// \throws GivenUp after the last attempt
+/// \throws GivenUp after the last attempt, also of answers that memory does not suffice for
 /// \throws RequestRefused for a refusal that waiting does not change
 KeptAnswer post_patiently(Endpoint& endpoint, std::string_view body, const RequestOrigin& origin,
                           const Patience& patience,
@@ -118,7 +124,10 @@ struct HttpEndpointConfig {
 };
 /// Keeps a connection per thread, through the proxy that proxy_for() names. Sends the origin as
 /// `X-Enfilade-Episode` and `X-Enfilade-Calls` ("go_to B; stop"). A response in parts
-/// (`text/event-stream`) is joined to one. A header of the key's name takes the key's place.
+/// (`text/event-stream`) is joined to one. A header of the key's name takes the key's place. Where
+/// a response or refusal has the key, or a header's value, it has "(key)" instead: as it is,
+/// escaped, in base64. Those of fewer than 8 bytes count as whole words only. Responses have limits
+/// (docs/arena.md).
 /// \throws ArgumentError for a URL that is not http:// or https://
 /// \throws ArgumentError for a URL with a user, a password or a key in its query
 /// \throws ArgumentError for a key, or a header, with bytes that are not printable ASCII
@@ -147,7 +156,7 @@ class AnswerCache {
 
   /// \throws FileError; InvalidInput for a file that is damaged or of another request
   std::optional<KeptAnswer> find(std::string_view request) const;
-  /// The same by key_of() a request.
+  /// The same by key_of() a request; no value for a text that is none.
   std::optional<KeptAnswer> find_key(const std::string& key) const;
   /// The answer that is kept, or the one that `ask` gives, which is kept before this returns. Two
   /// threads that ask the same at once ask once. \throws what find() and `ask` throw; FileError

@@ -1,9 +1,11 @@
 // A chat completion that comes in parts: server-sent events.
+#include <fmt/format.h>
 #include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "enfilade/arena/detail/limits.h"
 #include "enfilade/arena/endpoint.h"
 #include "enfilade/core/written_lists.h"
 
@@ -11,6 +13,12 @@ namespace enfilade::arena {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// What grows from event to event is looked through for each, so it may not grow for long.
+void limit(std::size_t size, std::size_t most, const char* what) {
+  if (size <= most) return;
+  throw EndpointError(0, fmt::format("a response in parts of more than {} {}", most, what));
+}
 
 /// Adds what a part says to what was said: texts and lists grow, other values replace. Calls of
 /// tools are joined by their index.
@@ -31,12 +39,14 @@ void add_part(Json& whole, const Json& part, std::string_view name) {
           same = &known;
       }
       if (same == nullptr) same = &whole.emplace_back(Json::object());
+      limit(whole.size(), detail::kMostCalls, "calls");
       for (const auto& [key, value] : one.items()) add_part((*same)[key], value, key);
     }
   } else if (whole.is_array() && part.is_array()) {
     for (const Json& one : part) whole.push_back(one);
   } else if (whole.is_object() && part.is_object()) {
     for (const auto& [key, value] : part.items()) add_part(whole[key], value, key);
+    limit(whole.size(), detail::kAnswerLimits.keys, "keys");
   } else {
     whole = part;
   }
@@ -70,6 +80,9 @@ std::string join_events(std::string_view events) {
       break;
     }
     if (data.empty()) continue;
+    if (const std::string found = json::excess(data, detail::kAnswerLimits); !found.empty()) {
+      throw EndpointError(0, fmt::format("an event of {}", found));
+    }
     const Json part = Json::parse(data, nullptr, false);
     if (!part.is_object()) throw EndpointError(0, "an event is no JSON object");
     if (part.contains("error") && !part["error"].is_null()) return data;

@@ -1,20 +1,24 @@
 #include <fmt/format.h>
-#include <httplib.h>
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <chrono>
+#include <cmath>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "enfilade/arena/detail/bounded_client.h"
+#include "enfilade/arena/detail/limits.h"
+#include "enfilade/arena/detail/secrets.h"
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/arena/dialect.h"
 #include "enfilade/arena/endpoint.h"
 #include "enfilade/core/detail/json.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/proxy.h"
 #include "enfilade/core/written_lists.h"
@@ -22,15 +26,19 @@
 namespace enfilade::arena {
 namespace {
 
+using detail::BoundedClient;
+using detail::Host;
+using detail::Response;
+using detail::Secrets;
+
 constexpr double kLongest = 3600;
-constexpr std::size_t kMostAnswer = 1 << 24;  // bytes; pages of reasoning are a hundredth of it
-// A token of a stream is an event of some twenty values.
-constexpr json::Limits kAnswerLimits{.values = 2'000'000, .depth = 64};
 constexpr std::size_t kMostBody = 4096;  // bytes of a refusal that are looked at, as the cache has
 
-/// "http://host:port" and "/v1/chat/completions?api-version=..." of an address.
+/// Host and "/v1/chat/completions?api-version=..." of an address.
 struct Address {
-  std::string host, target;
+  Host host;
+  std::string origin;  // "https://model.invalid:8000"
+  std::string target;
 };
 
 /// Names of a query's fields that have a key, which would end in logs.
@@ -50,6 +58,26 @@ bool has_secret(std::string_view query) {
     at = end + 1;
   }
   return false;
+}
+
+/// \param origin "https://model.invalid:8000"
+Host host_of(const std::string& origin) {
+  Host host;
+  host.encrypted = origin.starts_with("https:");
+  host.port = host.encrypted ? 443 : 80;
+  const std::string_view rest = std::string_view(origin).substr(origin.find("://") + 3);
+  const std::size_t end =
+      rest.starts_with('[') ? rest.find(']') + 1 : std::min(rest.find(':'), rest.size());
+  const std::string_view port = rest.substr(end);
+  const auto number = port.starts_with(':') ? parse_number<std::uint16_t>(port.substr(1))
+                                            : std::optional<std::uint16_t>();
+  if (end == 0 || (!port.empty() && number.value_or(0) == 0)) {
+    throw ArgumentError(
+        fmt::format("endpoint: {}, not a host and a port from 1 to 65535", quote(rest)));
+  }
+  if (number) host.port = *number;
+  host.name = rest.starts_with('[') ? rest.substr(1, end - 2) : rest.substr(0, end);
+  return host;
 }
 
 Address address_of(const std::string& url) {
@@ -74,7 +102,11 @@ Address address_of(const std::string& url) {
   std::string prefix = url.substr(path, query - path);
   while (prefix.ends_with('/')) prefix.pop_back();
   if (!prefix.ends_with(kEnd)) prefix += kEnd;
-  return {host, prefix + url.substr(query)};
+  return {host_of(host), host, prefix + url.substr(query)};
+}
+
+bool is_header_value(std::string_view text) {
+  return std::ranges::all_of(text, [](char c) { return c >= ' ' && c < 127; });
 }
 
 void check(const HttpEndpointConfig& config) {
@@ -92,7 +124,7 @@ void check(const HttpEndpointConfig& config) {
   check_name(config.key_header);
   for (const auto& [name, value] : config.headers) {
     check_name(name);
-    if (!std::ranges::all_of(value, [](char c) { return c >= ' ' && c < 127; })) {
+    if (!is_header_value(value)) {
       throw ArgumentError(fmt::format("headers: {} has characters that are not ASCII", name));
     }
   }
@@ -101,108 +133,125 @@ void check(const HttpEndpointConfig& config) {
   }
 }
 
+/// Of `Retry-After`; a date is ignored.
 std::optional<double> seconds_of(const std::string& text) {
   const auto seconds = parse_number<double>(text);
-  return seconds && *seconds >= 0 ? seconds : std::nullopt;
+  return seconds && std::isfinite(*seconds) && *seconds >= 0 ? seconds : std::nullopt;
+}
+
+/// The headers that each request has.
+BoundedClient::Headers headers_of(const HttpEndpointConfig& config, const Address& address,
+                                  const std::optional<Proxy>& proxy) {
+  BoundedClient::Headers headers = config.headers;
+  const auto has = [&headers](std::string_view name) {
+    return std::ranges::any_of(
+        headers, [name](const auto& one) { return detail::is_same(one.first, name); });
+  };
+  const bool bearer = config.key_header.empty();
+  const std::string key_header = bearer ? "Authorization" : config.key_header;
+  if (!config.key.empty() && !has(key_header)) {
+    headers.emplace_back(key_header, bearer ? "Bearer " + config.key : config.key);
+  }
+  // The library sends the proxy's login to the server, too, unless this header is there.
+  if (proxy && !proxy->user.empty() && address.host.encrypted) {
+    headers.emplace_back("Proxy-Authorization", "");
+  }
+  headers.emplace_back("Content-Type", "application/json");
+  return headers;
+}
+
+/// What no server may bring into a file: the key, the values of headers, and the proxy's login.
+Secrets secrets_of(const HttpEndpointConfig& config, const std::optional<Proxy>& proxy) {
+  std::vector<std::string> secrets{config.key};
+  for (const auto& [name, value] : config.headers) {
+    secrets.push_back(value);
+    const std::size_t blank = value.find(' ');  // "Bearer KEY"
+    if (blank == std::string::npos) continue;
+    const std::string_view rest = trimmed(std::string_view(value).substr(blank));
+    const bool is_login =
+        detail::is_same(name, "Authorization") || detail::is_same(name, "Proxy-Authorization");
+    if (is_login || rest.size() >= Secrets::kLeastPart) secrets.emplace_back(rest);
+  }
+  if (proxy) {
+    secrets.push_back(proxy->password);
+    secrets.push_back(proxy->password.empty() ? "" : proxy->user + ":" + proxy->password);
+  }
+  return Secrets(secrets);
 }
 
 class HttpEndpoint : public Endpoint {
  public:
-  explicit HttpEndpoint(const HttpEndpointConfig& config) : config_(config) {
+  explicit HttpEndpoint(const HttpEndpointConfig& config) : timeout_(config.timeout) {
     check(config);
     address_ = address_of(config.url);
-    proxy_ = proxy_for(address_.host);
-    shown_ = address_.host;
+    proxy_ = proxy_for(address_.origin);
+    shown_ = address_.origin;
     if (proxy_) {
       shown_ += fmt::format(" through the proxy {} ({})", proxy_->address(), proxy_->variable);
     }
+    headers_ = headers_of(config, address_, proxy_);
+    secrets_ = secrets_of(config, proxy_);
   }
 
   std::string post(std::string_view body, const RequestOrigin& origin) override {
-    const auto client = take();
+    BoundedClient::Headers headers = headers_;
     std::string calls;
     for (const Call& one : origin.calls) {
       calls += fmt::format("{}{} {}", calls.empty() ? "" : ";", one.tool, one.argument);
     }
-    httplib::Headers headers{{"X-Enfilade-Episode", origin.episode}, {"X-Enfilade-Calls", calls}};
-    for (const auto& [name, value] : config_.headers) headers.emplace(name, value);
-    const bool bearer = config_.key_header.empty();
-    const std::string key_header = bearer ? "Authorization" : config_.key_header;
-    if (!config_.key.empty() && !headers.contains(key_header)) {
-      headers.emplace(key_header, bearer ? "Bearer " + config_.key : config_.key);
-    }
-    // The library sends the proxy's login to the server, too, unless this header is there.
-    if (proxy_ && !proxy_->user.empty() && address_.host.starts_with("https://")) {
-      headers.emplace("Proxy-Authorization", "");
-    }
-    headers.emplace("Content-Type", "application/json");
-    std::string answer;
-    const httplib::Result result = send(*client, std::move(headers), body, answer);
-    give_back(client);
-    if (result->status == 200) {
-      if (const std::string found = json::excess(answer, kAnswerLimits); !found.empty()) {
-        throw EndpointError(0, fmt::format("{}: an answer of {}", shown_, found));
+    for (const auto& [name, value] :
+         {std::pair{"X-Enfilade-Episode", std::string_view(origin.episode)},
+          std::pair{"X-Enfilade-Calls", std::string_view(calls)}}) {
+      if (!is_header_value(value)) {
+        throw ArgumentError(fmt::format("{}: {}, not of printable ASCII", name, quote(value)));
       }
-      const bool parts =
-          result->get_header_value("Content-Type").starts_with("text/event-stream") ||
-          trimmed(std::string_view(answer).substr(0, kMostBody)).starts_with("data:");
-      if (parts) answer = join_events(answer);
-      // What is no answer is an error, which is shown.
-      return answer.find("\"choices\"") == std::string::npos ? hidden(std::move(answer)) : answer;
+      headers.emplace_back(name, value);
     }
-    const std::string refusal = hidden(std::move(answer)).substr(0, kMostBody);
-    const std::string message =
-        fmt::format("{}: status {}: {}", shown_, result->status, words_in(refusal));
-    throw EndpointError(result->status, message,
-                        seconds_of(result->get_header_value("Retry-After")), refusal);
+    Client client = take();
+    const Response response = exchange(*client, headers, body);
+    give_back(std::move(client));
+    return answer_in(response);
   }
 
  private:
-  using Client = std::shared_ptr<httplib::Client>;
+  using Client = std::unique_ptr<BoundedClient>;
 
-  /// \param answer  its body. \throws EndpointError if there is none, or no end of it
-  httplib::Result send(httplib::Client& client, httplib::Headers headers, std::string_view body,
-                       std::string& answer) const {
-    using Clock = std::chrono::steady_clock;
-    const auto latest = Clock::now() + std::chrono::duration<double>(config_.timeout);
-    httplib::Request request;
-    request.method = "POST";
-    request.path = address_.target;
-    request.headers = std::move(headers);
-    request.body = body;
-    request.content_receiver = [&](const char* data, std::size_t size, std::uint64_t,
-                                   std::uint64_t) {
-      answer.append(data, size);
-      return answer.size() <= kMostAnswer && Clock::now() <= latest;
-    };
-    httplib::Result result = client.send(request);
-    if (result) return result;
-    const std::string why =
-        answer.size() > kMostAnswer ? fmt::format("more than {} MiB", kMostAnswer >> 20)
-        : Clock::now() > latest     ? fmt::format("no whole answer in {} s", config_.timeout)
-                                    : httplib::to_string(result.error());
-    throw EndpointError(0, fmt::format("{}: {}", shown_, why));
+  /// \throws EndpointError
+  Response exchange(BoundedClient& client, const BoundedClient::Headers& headers,
+                    std::string_view body) const {
+    try {
+      return client.post(address_.target, headers, body);
+    } catch (const EndpointError& error) {
+      throw EndpointError(0, fmt::format("{}: {}", shown_, error.what()));
+    }
+  }
+
+  /// \throws EndpointError for a refusal, and for an answer over the limits
+  std::string answer_in(const Response& response) const {
+    std::string answer = response.body;
+    if (response.status == 200) {
+      const bool parts =
+          response.type.starts_with("text/event-stream") ||
+          trimmed(std::string_view(answer).substr(0, kMostBody)).starts_with("data:");
+      if (parts) answer = join_events(answer);
+    }
+    const std::string found = json::excess(answer, detail::kAnswerLimits);
+    if (response.status == 200) {
+      if (found.empty()) return secrets_.hide_in_body(std::move(answer));
+      throw EndpointError(0, fmt::format("{}: an answer of {}", shown_, found));
+    }
+    answer = found.empty() ? secrets_.hide_in_body(std::move(answer)) : secrets_.hide(answer);
+    const std::string refusal = answer.substr(0, kMostBody);
+    const std::string message =
+        fmt::format("{}: status {}: {}", shown_, response.status, words_in(refusal));
+    throw EndpointError(response.status, message, seconds_of(response.retry_after), refusal);
   }
 
   Client take() {
-    {
-      const std::scoped_lock lock(mutex_);
-      if (!idle_.empty()) {
-        Client client = std::move(idle_.back());
-        idle_.pop_back();
-        return client;
-      }
-    }
-    auto client = std::make_shared<httplib::Client>(address_.host);
-    const auto microseconds = static_cast<time_t>(config_.timeout * 1e6);
-    client->set_keep_alive(true);
-    client->set_read_timeout(microseconds / 1'000'000, microseconds % 1'000'000);
-    client->set_write_timeout(microseconds / 1'000'000, microseconds % 1'000'000);
-    client->set_tcp_nodelay(true);
-    if (proxy_) {
-      client->set_proxy(proxy_->host, proxy_->port);
-      if (!proxy_->user.empty()) client->set_proxy_basic_auth(proxy_->user, proxy_->password);
-    }
+    const std::scoped_lock lock(mutex_);
+    if (idle_.empty()) return std::make_unique<BoundedClient>(address_.host, proxy_, timeout_);
+    Client client = std::move(idle_.back());
+    idle_.pop_back();
     return client;
   }
   void give_back(Client client) {
@@ -210,32 +259,12 @@ class HttpEndpoint : public Endpoint {
     idle_.push_back(std::move(client));
   }
 
-  /// Servers may repeat the key, and other headers, in what they refuse.
-  std::string hidden(std::string message) const {
-    constexpr std::size_t kShortest = 6;  // shorter ones are words of other texts
-    std::vector<std::string_view> secrets;
-    if (config_.key.size() >= kShortest) secrets.push_back(config_.key);
-    for (const auto& [name, value] : config_.headers) {
-      if (value.size() >= kShortest) secrets.push_back(value);
-      const std::size_t blank = value.find(' ');  // "Bearer KEY"
-      if (blank != std::string::npos && value.size() - blank > kShortest) {
-        secrets.push_back(std::string_view(value).substr(blank + 1));
-      }
-    }
-    for (const std::string_view secret : secrets) {
-      for (std::size_t at = message.find(secret); at != std::string::npos;
-           at = message.find(secret, at)) {
-        message.replace(at, secret.size(), "(key)");
-        at += 5;
-      }
-    }
-    return message;
-  }
-
-  HttpEndpointConfig config_;
+  double timeout_;
   Address address_;
   std::optional<Proxy> proxy_;
-  std::string shown_;  // the host, and the proxy
+  std::string shown_;               // the host, and the proxy
+  BoundedClient::Headers headers_;  // of each request
+  Secrets secrets_;
   std::mutex mutex_;
   std::vector<Client> idle_;
 };

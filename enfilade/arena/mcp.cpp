@@ -4,10 +4,12 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
+#include <istream>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
+#include "enfilade/arena/detail/message_limits.h"
 #include "enfilade/arena/play.h"
 #include "enfilade/arena/prompt.h"
 #include "enfilade/arena/wire.h"
@@ -36,8 +38,6 @@ enum ErrorCode : int {
 constexpr const char* kLastWithBatches = "2025-03-26";
 constexpr std::size_t kMostInBatch = 64;
 constexpr std::size_t kQuotedName = 60;  // characters
-// Messages are copied recursively, and a repeated name is searched for one by one.
-constexpr json::Limits kMessageLimits{.values = 10'000, .depth = 64};
 
 constexpr const char* kInstructions =
     "You walk through a building as an instruction says, one tool call at a time. begin starts an "
@@ -300,8 +300,25 @@ McpServer::McpServer(std::unique_ptr<World> world, const ViewSources& sights, Mc
     : impl_(std::make_unique<Impl>(std::move(world), sights, std::move(config))) {}
 McpServer::~McpServer() = default;
 
+bool McpServer::read_message(std::istream& from, std::string& message) {
+  message.clear();
+  auto& bytes = *from.rdbuf();
+  constexpr int kEnd = std::char_traits<char>::eof();
+  int byte = bytes.sbumpc();
+  const bool any = byte != kEnd;
+  for (; byte != kEnd && byte != '\n'; byte = bytes.sbumpc()) {
+    if (message.size() <= kMostBytes) message += static_cast<char>(byte);
+  }
+  return any;
+}
+
 std::vector<std::string> McpServer::handle(std::string_view message) {
-  if (const std::string found = json::excess(message, kMessageLimits); !found.empty()) {
+  if (message.size() > kMostBytes) {
+    return {
+        failed(nullptr, kInvalidRequest, fmt::format("a message of more than {} bytes", kMostBytes))
+            .dump()};
+  }
+  if (const std::string found = json::excess(message, detail::kMessageLimits); !found.empty()) {
     return {failed(nullptr, kInvalidRequest, "a message of " + found).dump()};
   }
   const Json parsed = Json::parse(message, nullptr, false);

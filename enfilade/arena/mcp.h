@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -44,11 +45,18 @@ class McpServer {
   McpServer(const McpServer&) = delete;
   McpServer& operator=(const McpServer&) = delete;
 
+  /// Largest size of a message.
+  static constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
+
+  /// Reads a line, a message of standard input. Of one that is too large its beginning is kept,
+  /// kMostBytes + 1 bytes, which handle() refuses. \returns false at the end
+  static bool read_message(std::istream& from, std::string& message);
+
   /// Takes a message, JSON-RPC 2.0, and returns the messages to send: a response, then perhaps a
   /// notification that the tools have changed. Empty for notifications and responses. A batch of at
   /// most 64 messages gets a batch of responses; in revisions after 2025-03-26, an error. Messages
-  /// of more than 10,000 values or 64 levels get an error too. Never throws for the content of a
-  /// message. \throws FileError if a transcript cannot be written
+  /// of more than kMostBytes, 10,000 values or 64 levels get an error too. Never throws for the
+  /// content of a message. \throws FileError if a transcript cannot be written
   std::vector<std::string> handle(std::string_view message);
 
   std::size_t done() const noexcept;  ///< episodes with a transcript
@@ -70,8 +78,9 @@ struct McpHttpConfig {
 /// notification for a client that accepts one, a stream of events. One assistant at a time:
 /// `initialize` gives it a session, which ends earlier ones (404); the revision of 2026-07-28 has
 /// none. Pages of this machine may call it, and get the headers that a browser needs for that
-/// (CORS). Pages of other sites are refused (403), by `Origin` and by `Host`. It is for local use:
-/// any program that reaches the port can step the episode. Only in builds with EN_WITH_WEB.
+/// (CORS). Pages of other sites are refused (403), by `Host` and by `Origin`, before a body is
+/// read. The limits are those of net::Server, and 1 MiB for a body, also unpacked. It is for local
+/// use: any program that reaches the port can step the episode. Only in builds with EN_WITH_WEB.
 class McpHttp {
  public:
   /// Listens when this returns. \param server outlives it; no other caller uses it meanwhile

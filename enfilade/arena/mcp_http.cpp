@@ -1,29 +1,28 @@
 #include "enfilade/arena/mcp.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 #include <algorithm>
 #include <cctype>
-#include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string_view>
-#include <thread>
+#include <utility>
 #include <vector>
 
+#include "enfilade/arena/detail/message_limits.h"
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/net/server.h"
 
 namespace enfilade::arena {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // of a message
-constexpr const char* kSessionHeader = "Mcp-Session-Id";
+constexpr const char* kSessionHeader = "Mcp-Session-Id";  // as it is sent
+constexpr const char* kOfSession = "mcp-session-id";      // as it is received
 constexpr const char* kStateless = "2026-07-28";
-constexpr const char* kPath = "/mcp/?";  // a regular expression
 constexpr const char* kMethods = "POST, DELETE, OPTIONS";
 /// Headers that the protocol's revisions have, for a page that does not say what it sends.
 constexpr const char* kHeaders =
@@ -50,142 +49,152 @@ bool is_list_of_headers(std::string_view text) {
   });
 }
 
+net::Response json_response(std::string body) {
+  net::Response response;
+  response.body = std::make_shared<const std::string>(std::move(body));
+  return response;
+}
+
+net::Response refusal(int status, std::string_view text) {
+  net::Response response = json_response(
+      Json{{"jsonrpc", "2.0"}, {"id", nullptr}, {"error", {{"code", -32600}, {"message", text}}}}
+          .dump());
+  response.status = status;
+  return response;
+}
+
+net::Response empty_response(int status) {
+  net::Response response;
+  response.status = status;
+  return response;
+}
+
 }  // namespace
 
 struct McpHttp::Impl {
-  McpServer& server;
-  McpHttpConfig config;
-  httplib::Server http;
+  McpServer& played;
+  std::string host;
   std::mutex mutex;     // of the server and the session
   std::string session;  // empty: none has begun
-  std::jthread thread;  // last: it uses the others
+  net::Server server;   // last: its threads use the others
 
-  Impl(McpServer& played, McpHttpConfig settings) : server(played), config(std::move(settings)) {}
+  Impl(McpServer& its_played, const McpHttpConfig& config)
+      : played(its_played), host(config.host), server(settings(config)) {}
 
-  bool is_own(std::string_view host) const {
-    return detail::is_same(host, config.host) || detail::is_same(host, "localhost") ||
-           host == "127.0.0.1" || host == "[::1]";
+  net::ServerConfig settings(const McpHttpConfig& config) {
+    net::ServerConfig its;
+    its.host = config.host;
+    its.port = config.port;
+    its.most_body_bytes = McpServer::kMostBytes;
+    its.refuse = [](const net::HttpError& error) { return refusal(error.status(), error.what()); };
+    its.answer = [this](const net::Request& request, const net::BodyReader& read_body) {
+      net::Response response = answer(request, read_body);
+      allow_page(request, response);  // also refusals, so that a page can tell them
+      return response;
+    };
+    return its;
+  }
+
+  bool is_own(std::string_view name) const {
+    return detail::is_same(name, host) || detail::is_same(name, "localhost") ||
+           name == "127.0.0.1" || name == "[::1]";
   }
 
   /// A page of another site, or a name that was made to point here, is no assistant's.
-  bool is_foreign(const httplib::Request& request) const {
-    const std::string origin = request.get_header_value("Origin");
-    return !is_own(host_in(request.get_header_value("Host"))) ||
+  bool is_foreign(const net::Request& request) const {
+    const std::string_view origin = request.header("origin");
+    return !is_own(host_in(request.header("host"))) ||
            (!origin.empty() && !is_own(host_in(origin)));
   }
 
   /// Lets a page of this machine read the response: that page alone, whatever its port is.
-  void allow_page(const httplib::Request& request, httplib::Response& response) const {
-    const std::string origin = request.get_header_value("Origin");
+  void allow_page(const net::Request& request, net::Response& response) const {
+    const std::string_view origin = request.header("origin");
     if (origin.empty() || is_foreign(request)) return;
-    response.set_header("Access-Control-Allow-Origin", origin);
-    response.set_header("Access-Control-Expose-Headers", kSessionHeader);
-    response.set_header("Vary", "Origin");
+    response.add_header("Access-Control-Allow-Origin", std::string(origin));
+    response.add_header("Access-Control-Expose-Headers", kSessionHeader);
+    response.add_header("Vary", "Origin");
+  }
+
+  /// The body is read last: nothing is unpacked for a page of another site.
+  net::Response answer(const net::Request& request, const net::BodyReader& read_body) {
+    if (request.path != "/mcp" && request.path != "/mcp/") return refusal(404, "POST /mcp");
+    if (is_foreign(request)) return refusal(403, "pages of other sites may not play");
+    if (request.method == "OPTIONS") return preflight(request);
+    if (request.method == "DELETE") return end(request);
+    if (request.method != "POST") {  // the server sends no unrequested messages
+      net::Response response = empty_response(405);
+      response.add_header("Allow", kMethods);
+      return response;
+    }
+    try {
+      return post(request, read_body ? read_body(McpServer::kMostBytes) : std::string());
+    } catch (const net::HttpError& error) {
+      return refusal(error.status(), error.what());
+    }
   }
 
   /// What a browser asks before it sends a page's request.
-  void preflight(const httplib::Request& request, httplib::Response& response) const {
-    if (is_foreign(request)) {
-      response.status = 403;
-      return;
-    }
-    const std::string asked = request.get_header_value("Access-Control-Request-Headers");
-    response.status = 204;
-    response.set_header("Allow", kMethods);
-    response.set_header("Access-Control-Allow-Methods", kMethods);
-    response.set_header("Access-Control-Allow-Headers",
-                        is_list_of_headers(asked) ? asked : kHeaders);
-    response.set_header("Access-Control-Max-Age", "600");
+  static net::Response preflight(const net::Request& request) {
+    const std::string_view asked = request.header("access-control-request-headers");
+    net::Response response = empty_response(204);
+    response.add_header("Allow", kMethods);
+    response.add_header("Access-Control-Allow-Methods", kMethods);
+    response.add_header("Access-Control-Allow-Headers",
+                        is_list_of_headers(asked) ? std::string(asked) : kHeaders);
+    response.add_header("Access-Control-Max-Age", "600");
+    return response;
   }
 
-  void post(const httplib::Request& request, httplib::Response& response) {
-    const auto refuse = [&response](int status, const char* text) {
-      response.status = status;
-      response.set_content(
-          Json{
-              {"jsonrpc", "2.0"}, {"id", nullptr}, {"error", {{"code", -32600}, {"message", text}}}}
-              .dump(),
-          "application/json");
-    };
-    if (is_foreign(request)) return refuse(403, "pages of other sites may not play");
+  net::Response post(const net::Request& request, const std::string& body) {
     const std::scoped_lock lock(mutex);
-    // Not copied, as it may be nested deeply: the server refuses that.
-    const auto message = nlohmann::json::parse(request.body, nullptr, false);
+    // The server refuses others; not copied, as values may be nested deeply.
+    const auto message = json::excess(body, detail::kMessageLimits).empty()
+                             ? nlohmann::json::parse(body, nullptr, false)
+                             : nlohmann::json();
     const bool begins = message.contains("method") && message["method"] == "initialize";
-    const bool stateless = request.get_header_value("MCP-Protocol-Version") == kStateless;
+    const bool stateless = request.header("mcp-protocol-version") == kStateless;
     if (begins) {
       session = new_session();
-      response.set_header(kSessionHeader, session);
-    } else if (!stateless && request.has_header(kSessionHeader) &&
-               request.get_header_value(kSessionHeader) != session) {
-      return refuse(404, "another session has begun; initialize again");
+    } else if (!stateless && request.headers.contains(kOfSession) &&
+               request.header(kOfSession) != session) {
+      return refusal(404, "another session has begun; initialize again");
     }
-    const std::vector<std::string> said = server.handle(request.body);
+    const std::vector<std::string> said = played.handle(body);
     const bool takes_events =
-        request.get_header_value("Accept").find("text/event-stream") != std::string::npos;
+        request.header("accept").find("text/event-stream") != std::string_view::npos;
+    net::Response response;
     if (said.empty()) {
       response.status = 202;
     } else if (said.size() == 1 || !takes_events) {
-      response.set_content(said.front(), "application/json");
+      response = json_response(said.front());
     } else {
       std::string events;  // the response last: after it the client need not listen
       for (std::size_t k = said.size(); k-- > 0;) {
         events += fmt::format("event: message\ndata: {}\n\n", said[k]);
       }
-      response.set_content(events, "text/event-stream");
+      response = json_response(std::move(events));
+      response.type = "text/event-stream";
     }
+    if (begins) response.add_header(kSessionHeader, session);
+    return response;
   }
 
-  void end(const httplib::Request& request, httplib::Response& response) {
+  net::Response end(const net::Request& request) {
     const std::scoped_lock lock(mutex);
-    if (is_foreign(request)) {
-      response.status = 403;
-      return;
-    }
-    const bool known = !session.empty() && request.get_header_value(kSessionHeader) == session;
+    const bool known = !session.empty() && request.header(kOfSession) == session;
     if (known) session.clear();
-    response.status = known ? 204 : 404;
+    return empty_response(known ? 204 : 404);
   }
 };
 
 McpHttp::McpHttp(McpServer& server, const McpHttpConfig& config)
-    : impl_(std::make_unique<Impl>(server, config)) {
-  Impl& all = *impl_;
-  all.http.set_payload_max_length(kMostBytes);
-  all.http.set_tcp_nodelay(true);
-  using Request = httplib::Request;
-  using Response = httplib::Response;
-  all.http.set_post_routing_handler([&all](const Request& request, Response& response) {
-    all.allow_page(request, response);  // also refusals, so that a page can tell them
-  });
-  all.http.Post(
-      kPath, [&all](const Request& request, Response& response) { all.post(request, response); });
-  all.http.Delete(
-      kPath, [&all](const Request& request, Response& response) { all.end(request, response); });
-  all.http.Options(kPath, [&all](const Request& request, Response& response) {
-    all.preflight(request, response);
-  });
-  all.http.Get(kPath, [](const Request&, Response& response) {
-    response.status = 405;  // the server sends no unrequested messages
-    response.set_header("Allow", kMethods);
-  });
-  const bool bound = config.port == 0
-                         ? (all.config.port = all.http.bind_to_any_port(config.host)) > 0
-                         : all.http.bind_to_port(config.host, config.port);
-  if (!bound) {
-    throw ArgumentError(fmt::format(
-        "{}:{}: cannot listen there; another program does, or it is no interface of this machine",
-        config.host, config.port));
-  }
-  all.thread = std::jthread([&all] { all.http.listen_after_bind(); });
-  // Stopping a server that does not listen yet would be forgotten.
-  while (!all.http.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-}
+    : impl_(std::make_unique<Impl>(server, config)) {}
 
-McpHttp::~McpHttp() { impl_->http.stop(); }
+McpHttp::~McpHttp() = default;
 
 std::string McpHttp::url() const {
-  return fmt::format("http://{}:{}/mcp", impl_->config.host, impl_->config.port);
+  return fmt::format("http://{}:{}/mcp", impl_->host, impl_->server.port());
 }
 
 }  // namespace enfilade::arena

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
+#include <algorithm>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,8 +13,10 @@
 #include <vector>
 
 #include "enfilade/arena/mcp.h"
+#include "enfilade/core/gzip.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/mcp_recording.h"
+#include "tests/support/raw_socket.h"
 
 namespace enfilade::arena {
 namespace EN_UNIT {
@@ -36,6 +40,8 @@ class McpOverHttp : public ::testing::Test {
     return client_.Post(path, headers, body, "application/json");
   }
 
+  int port() const { return std::stoi(http_.url().substr(http_.url().rfind(':') + 1)); }
+
   McpServer server_;
   McpHttp http_;
   httplib::Client client_;
@@ -46,6 +52,68 @@ TEST_F(McpOverHttp, DeepMessagesAreRefused) {
   const auto answered = post(R"({"jsonrpc": "2.0", "id": 1, "method": )" + deep + "}");
   ASSERT_TRUE(answered);
   EXPECT_THAT(answered->body, HasSubstr("more than 64 levels"));
+}
+
+/// Largest memory of this process so far, in MB.
+std::size_t peak_mb() {
+  std::ifstream file("/proc/self/status");
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("VmHWM:")) return std::stoul(line.substr(6)) / 1024;
+  }
+  return 0;
+}
+
+TEST_F(McpOverHttp, ABodyIsUnpackedWithinItsLimits) {
+  std::string bomb;  // 700 MB of blanks
+  const std::string part = gzip(std::string(10'000'000, ' '), 9);
+  for (int k = 0; k < 70; ++k) bomb += part;
+  const httplib::Headers packed{{"Content-Encoding", "gzip"}};
+  const std::size_t before = peak_mb();
+  for (const std::string& body : {bomb, gzip(std::string(2U << 20U, ' '), 1), part}) {
+    const auto answered = post(body, packed);
+    ASSERT_TRUE(answered);
+    EXPECT_EQ(answered->status, 413);
+  }
+  EXPECT_EQ(post(std::string((1U << 20U) + 1, ' '))->status, 413);
+  EXPECT_LT(peak_mb(), before + 100);
+  EXPECT_EQ(post(gzip(message("ping"), 9), packed)->status, 200);
+  EXPECT_EQ(post(message("ping"), {{"Content-Encoding", "br"}})->status, 415);
+}
+
+// Nothing of the body has been sent when the response is there.
+TEST_F(McpOverHttp, APageOfAnotherSiteIsRefusedBeforeItsBodyIsRead) {
+  for (const char* header :
+       {"Host: localhost\r\nOrigin: https://example.org\r\n", "Host: example.org\r\n"}) {
+    const auto answered = tests::exchange(
+        port(),
+        {std::string("POST /mcp HTTP/1.1\r\n") + header +
+         "Connection: close\r\nContent-Encoding: gzip\r\nContent-Length: 700000\r\n\r\n"},
+        0);
+    EXPECT_THAT(answered, StartsWith("HTTP/1.1 403 Forbidden\r\n")) << header;
+  }
+}
+
+TEST_F(McpOverHttp, WhatIsNoHttpIsRefusedAtOnce) {
+  const std::string head = "POST /mcp HTTP/1.1\r\n", host = "Host: localhost\r\n";
+  for (const std::string& text :
+       {head + "\r\n", head + host + host + "\r\n", head + host + "A: b\r\n c\r\n\r\n",
+        std::string("POST /mcp HTTP/1.1\nHost: localhost\n\n"),
+        head + host + "Content-Length: -1\r\n\r\n",
+        head + host + "Transfer-Encoding: chunked\r\n\r\n-5\r\n"}) {
+    EXPECT_THAT(tests::exchange(port(), {text}, 0), StartsWith("HTTP/1.1 400")) << text;
+  }
+}
+
+TEST_F(McpOverHttp, HalfSentRequestsDoNotKeepOthersWaiting) {
+  const std::string head = "POST /mcp HTTP/1.1\r\nHost: localhost\r\n";
+  for (const std::string& half :
+       {std::string("POST /mcp HTTP/1.1\r\n"), head + "Content-Length: 50\r\n\r\n{",
+        head + "Transfer-Encoding: chunked\r\n\r\n5\r\n{"}) {
+    const tests::HalfSent others(port(), 600, half);
+    double seconds = 0;
+    EXPECT_THAT(tests::timed_get(port(), "/mcp", seconds), StartsWith("HTTP/1.1 405"));
+    EXPECT_LT(seconds, 1) << half;
+  }
 }
 
 TEST_F(McpOverHttp, APageOfThisMachineMayCall) {

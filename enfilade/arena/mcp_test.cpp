@@ -5,6 +5,8 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 
 #include "enfilade/arena/world.h"
 #include "enfilade/core/errors.h"
@@ -84,6 +86,19 @@ TEST(McpFloor, AnAssistantMovesByActions) {
   }
   EXPECT_THAT(call({{"name", "stop"}}).dump(), HasSubstr("The episode is over"));
   EXPECT_EQ(server.done(), 1U);
+}
+
+TEST_F(Mcp, AMessageHasALargestSize) {
+  std::istringstream input(std::string(3U << 20U, ' ') + "\n\nlast");
+  std::string line;
+  ASSERT_TRUE(McpServer::read_message(input, line));
+  EXPECT_EQ(line.size(), McpServer::kMostBytes + 1);
+  EXPECT_THAT(server_->handle(line).at(0), HasSubstr("a message of more than 1048576 bytes"));
+  ASSERT_TRUE(McpServer::read_message(input, line));
+  EXPECT_EQ(line, "");
+  ASSERT_TRUE(McpServer::read_message(input, line));
+  EXPECT_EQ(line, "last");
+  EXPECT_FALSE(McpServer::read_message(input, line));
 }
 
 TEST_F(Mcp, AnEpisodeIsWalkedByCallsOfTools) {

@@ -357,6 +357,28 @@ TEST_F(OddServers, AConversationThatIsTooLongEndsOneEpisodeOrIsShortened) {
   EXPECT_EQ(run_file("window").at("window"), 1);
 }
 
+/// Answers what it has not read.
+class Deaf : public Endpoint {
+ public:
+  std::string post(std::string_view, const RequestOrigin&) override {
+    ++requests;
+    return R"({"choices":[{"message":{"content":"Hm."}}]})";
+  }
+  int requests = 0;
+};
+
+TEST_F(OddServers, AConversationHasALargestSize) {
+  const Prompt prompt =
+      Prompt::parse("---\n" + std::string(17'000'000, 'a') + "\n---\nGo.\n", "p.txt", "p");
+  AnswerCache cache(folder_.path() / "cache");
+  Deaf server;
+  const AskReport report =
+      ask(GraphWorld(episodes_), {}, {0}, prompt, config_, &server, cache, folder_.path() / "run");
+  EXPECT_THAT(report.refused,
+              ElementsAre("1_0: context-too-long: the conversation has more than 16 MiB"));
+  EXPECT_EQ(server.requests, 1) << "the first step, which finds the form";
+}
+
 TEST_F(OddServers, AFilterEndsOneEpisodeAndOthersGoOn) {
   Server server([](const json& request, const RequestOrigin& origin) {
     if (origin.episode.ends_with("/1_0")) {

@@ -70,7 +70,8 @@ bool Play::is_done(std::size_t episode) const {
 void Play::keep() {
   const std::size_t episode = session_->episode();
   if (!config_.folder.empty()) {
-    write_file_atomically(file_of(episode), transcript_ + detail::end_line(*session_, *world_));
+    detail::write_transcript(config_.folder, *world_, episode,
+                             transcript_ + detail::end_line(*session_, *world_));
     detail::write_results(config_.folder, *world_, config_.episodes);
   }
   walked_here_[episode] = world_->result(session_->walked());

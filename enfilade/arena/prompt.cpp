@@ -14,6 +14,7 @@
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/written_lists.h"
 
@@ -79,6 +80,35 @@ void read_head(std::string_view line, const std::string& file, std::size_t numbe
   }
 }
 
+/// Of the values that step_data() has.
+constexpr std::array<std::string_view, 28> kTags{
+    "answer_rule", "call",      "category", "direction",   "distance", "elevation_words",
+    "heading",     "here",      "history",  "instruction", "is_here",  "leads_to",
+    "map",         "moving",    "name",     "number",      "places",   "seen_before",
+    "step",        "steps",     "things",   "thought",     "told",     "turn",
+    "turn_words",  "unvisited", "visited",  "what"};
+
+/// Mustache renders nothing for a tag that it does not have a value for, nor for a partial.
+void check_tags(std::string_view text, const std::string& file, std::size_t line) {
+  std::size_t at = 0;
+  for (std::size_t open = 0; (open = text.find("{{", at)) != std::string_view::npos;) {
+    line += static_cast<std::size_t>(std::ranges::count(text.substr(at, open - at), '\n'));
+    at = std::min(text.find("}}", open), text.size());
+    std::string_view tag = text.substr(open + 2, at - open - 2);
+    if (tag.starts_with('!')) continue;  // a comment
+    if (tag.starts_with('=') || tag.starts_with('>')) {
+      refuse(file, line, "bad-tag",
+             fmt::format("{}: partials and other delimiters are not supported", quote(tag)));
+    }
+    tag.remove_prefix(std::min(tag.find_first_not_of("{&#^/"), tag.size()));
+    const std::string_view name = trimmed(tag);
+    if (std::ranges::find(kTags, name) == kTags.end()) {
+      refuse(file, line, "unknown-tag",
+             fmt::format("{}, not one of {}", quote(name), fmt::join(kTags, ", ")));
+    }
+  }
+}
+
 PromptParts read_parts(std::string_view text, const std::string& file) {
   PromptParts parts;
   std::array<std::size_t, 2> begins{};  // lines
@@ -103,6 +133,7 @@ PromptParts read_parts(std::string_view text, const std::string& file) {
   for (const std::size_t k : {0U, 1U}) {
     mustache compiled(k == 0 ? parts.start : parts.step);
     if (!compiled.is_valid()) refuse(file, begins[k], "bad-tag", compiled.error_message());
+    check_tags(k == 0 ? parts.start : parts.step, file, begins[k]);
   }
   return parts;
 }

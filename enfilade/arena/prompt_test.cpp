@@ -109,6 +109,14 @@ TEST(Prompts, FaultsNameTheLine) {
   EXPECT_THAT(fault("---\nonly one"), HasSubstr("the texts of the start and of a step"));
   EXPECT_THAT(fault("---\na\n---\nb\n---\nc"), HasSubstr("a third text"));
   EXPECT_THAT(fault("---\na\n---\n{{#places}} x"), HasSubstr("line 4"));
+  EXPECT_THAT(fault("---\na\n---\nb\n{{> /etc/passwd}}"),
+              HasSubstr("line 5: \"> /etc/passwd\": partials and other delimiters"));
+  EXPECT_THAT(fault("---\n{{=<% %>=}}\n---\n"), HasSubstr("line 2: \"=<% %>=\": partials"));
+  EXPECT_THAT(fault("---\na\n---\nb\n{{#places}}\n{{ nmae }}{{/places}}"),
+              HasSubstr("line 6: \"nmae\", not one of answer_rule, call, "));
+  EXPECT_EQ(fault("---\n{{! any}}{{{told}}}{{& told}}\n---\n{{# map }}{{^is_here}}{{/is_here}}"
+                  "{{/map}}"),
+            "accepted");
   EXPECT_EQ(fault("---\n---\n"), "accepted");
   EXPECT_THAT(refusal<FileError>([] { Prompt::load("/nowhere.txt"); }), HasSubstr("nowhere"));
 }

@@ -81,6 +81,7 @@ bool Session::call(const Call& call) {
     refuse(fault);
     return false;
   }
+  last_call_ = {std::string(name_of(use->tool)), fmt::format("{}", fmt::join(values, ","))};
   ++seen_.step;
   in_a_row_ = 0;
   carry_out(use->tool, values);

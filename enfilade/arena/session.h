@@ -142,6 +142,8 @@ class Session {
   /// SessionObservation::told, which lists the possible calls.
   /// \returns whether it was accepted; false also after the end
   bool call(const Call& call);
+  /// The last accepted call, in the words of observation().tools whatever the caller's were.
+  const Call& last_call() const noexcept { return last_call_; }
   /// An answer from which no call could be read: a mistake. \param why a sentence for its author
   void misread(std::string_view why);
   /// Ends the session where it is, without a stop: no more calls can be had for it. Also one that
@@ -171,6 +173,7 @@ class Session {
 
   SessionLimits limits_;
   SessionObservation seen_;
+  Call last_call_;
   std::optional<Ending> ending_;
   std::uint32_t mistakes_ = 0, in_a_row_ = 0;
 };

@@ -82,6 +82,9 @@ TEST_F(GraphSessions, NamesStayAndTheMapGrows) {
   ASSERT_TRUE(session_->call({"back_to", "A"}));
   EXPECT_EQ(seen_.here, "A");
   EXPECT_EQ(seen_.told, "You went to A, 8.0 m.");
+  ASSERT_TRUE(session_->call({" LOOK", "\nRight\r\n"}));
+  EXPECT_EQ(session_->last_call().tool, "look");
+  EXPECT_EQ(session_->last_call().argument, "right") << "not as the caller wrote it";
   EXPECT_TRUE(seen_.places[0].seen_before);
   ASSERT_TRUE(session_->call({"stop", ""}));
   EXPECT_EQ(session_->ending(), Ending::kStopped);

@@ -1,26 +1,28 @@
 #include "enfilade/arena/stand_in.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
+#include "enfilade/net/server.h"
 
 namespace enfilade::arena {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kThreads = 64;
+constexpr int kThreads = 128;  // half of them read long prompts of one address
 constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
 // A model's words cost about a token for four letters.
 constexpr std::size_t kLettersOfToken = 4;
@@ -79,18 +81,28 @@ Json completion_of(const Json& request, const Json& message) {
         {"completion_tokens", message.dump().size() / kLettersOfToken}}}};
 }
 
+net::Response json_response(std::string body) {
+  net::Response response;
+  response.body = std::make_shared<const std::string>(std::move(body));
+  return response;
+}
+
+net::Response refusal(int status, const std::string& text) {
+  net::Response response = json_response(Json{{"error", {{"message", text}}}}.dump());
+  response.status = status;
+  return response;
+}
+
 }  // namespace
 
 struct StandIn::Impl {
   std::unique_ptr<const World> world;
   StandInConfig config;
-  httplib::Server server;
-  int port = 0;
   std::atomic<std::size_t> requests = 0, answers = 0, repeats = 0, now = 0, most = 0;
   std::mutex mutex;
-  std::set<std::uint64_t> failed;    // requests that had their fault
-  std::set<std::uint64_t> answered;  // requests that had a whole answer
-  std::jthread thread;               // last: it uses the others
+  std::set<std::uint64_t> failed;     // requests that had their fault
+  std::set<std::uint64_t> answered;   // requests that had a whole answer
+  std::optional<net::Server> server;  // last: its threads use the others
 
   /// The rule's call for an episode in which this was done.
   Call next_call(const std::string& episode, const std::vector<Call>& done) const {
@@ -118,52 +130,53 @@ struct StandIn::Impl {
     return fault;
   }
 
-  void answer(const httplib::Request& request, httplib::Response& response) {
+  net::Response answer(const net::Request& request, const net::BodyReader& read_body) {
+    if (request.method != "POST" || request.path != "/v1/chat/completions") {
+      return refusal(404, "POST /v1/chat/completions");
+    }
+    const std::string body = read_body ? read_body(kMostBytes) : std::string();
     ++requests;
     const std::size_t present = ++now;
     for (std::size_t known = most;
          present > known && !most.compare_exchange_weak(known, present);) {
     }
-    respond(request, response);
+    net::Response response = respond(request, body);
     --now;
+    return response;
   }
 
-  void respond(const httplib::Request& request, httplib::Response& response) {
-    const auto refuse = [&response](int status, const std::string& text) {
-      response.status = status;
-      response.set_content(Json{{"error", {{"message", text}}}}.dump(), "application/json");
-    };
-    if (!config.key.empty() &&
-        request.get_header_value("Authorization") != "Bearer " + config.key) {
-      return refuse(401, "wrong key: " + request.get_header_value("Authorization"));
+  net::Response respond(const net::Request& request, const std::string& body) {
+    if (!config.key.empty() && request.header("authorization") != "Bearer " + config.key) {
+      return refusal(401, fmt::format("wrong key: {}", request.header("authorization")));
     }
-    if (config.most_answers > 0 && answers >= config.most_answers) return refuse(503, "stopping");
-    const Json asked = Json::parse(request.body, nullptr, false);
-    if (!asked.is_object() || !asked.contains("messages")) return refuse(400, "no messages");
-    if (asked.contains("tools") && !config.with_tools) return refuse(400, "no tools here");
-    const auto fault = fault_of(request.body);
-    if (fault == StandInFault::kServerError) return refuse(500, "out of order");
+    if (config.most_answers > 0 && answers >= config.most_answers) return refusal(503, "stopping");
+    const Json asked = Json::parse(body, nullptr, false);
+    if (!asked.is_object() || !asked.contains("messages")) return refusal(400, "no messages");
+    if (asked.contains("tools") && !config.with_tools) return refusal(400, "no tools here");
+    const auto fault = fault_of(body);
+    if (fault == StandInFault::kServerError) return refusal(500, "out of order");
     if (fault == StandInFault::kRateLimit) {
-      response.set_header("Retry-After", "0");
-      return refuse(429, "too many requests");
+      net::Response response = refusal(429, "too many requests");
+      response.add_header("Retry-After", "0");
+      return response;
     }
     if (fault == StandInFault::kSilence) {
       std::this_thread::sleep_for(std::chrono::duration<double>(config.silence));
     }
-    const std::string origin = request.get_header_value("X-Enfilade-Episode");
+    const std::string origin(request.header("x-enfilade-episode"));
     if (origin.starts_with("caption/")) {
       ++answers;
       const Json caption{
           {"role", "assistant"},
           {"content", fmt::format("View {:08x} of a room.",
                                   stream_of(origin.data(), origin.size()) & 0xFFFFFFFFU)}};
-      return response.set_content(completion_of(asked, caption).dump(), "application/json");
+      return json_response(completion_of(asked, caption).dump());
     }
     Call call;
     try {
-      call = next_call(origin, read_trail(request.get_header_value("X-Enfilade-Calls")));
+      call = next_call(origin, read_trail(std::string(request.header("x-enfilade-calls"))));
     } catch (const Error& error) {
-      return refuse(400, error.what());
+      return refusal(400, error.what());
     }
     if (fault == StandInFault::kUnknownPlace) call = {"go_to", "QQ"};
     Json message = message_of(asked, call);
@@ -171,16 +184,17 @@ struct StandIn::Impl {
       message = {{"role", "assistant"}, {"content", "Let me see."}};
     Json completion = completion_of(asked, message);
     if (fault == StandInFault::kNoChoice) completion["choices"] = Json::array();
-    std::string body =
+    std::string said =
         fault == StandInFault::kNotJson ? "<html>Bad gateway</html>" : completion.dump();
-    if (fault == StandInFault::kCutOff) body.resize(body.size() / 2);
-    response.set_content(body, "application/json");
+    if (fault == StandInFault::kCutOff) said.resize(said.size() / 2);
     const bool whole = fault != StandInFault::kNoChoice && fault != StandInFault::kNotJson &&
                        fault != StandInFault::kCutOff;
-    if (!whole) return;
-    ++answers;
-    const std::scoped_lock lock(mutex);
-    if (!answered.insert(stream_of(request.body.data(), request.body.size())).second) ++repeats;
+    if (whole) {
+      ++answers;
+      const std::scoped_lock lock(mutex);
+      if (!answered.insert(stream_of(body.data(), body.size())).second) ++repeats;
+    }
+    return json_response(std::move(said));
   }
 };
 
@@ -189,26 +203,21 @@ StandIn::StandIn(std::unique_ptr<const World> world, const StandInConfig& config
   Impl& all = *impl_;
   all.world = std::move(world);
   all.config = config;
-  all.server.new_task_queue = [] {
-    return new httplib::ThreadPool(kThreads);
-  };  // httplib deletes it
-  all.server.set_payload_max_length(kMostBytes);
-  all.server.set_tcp_nodelay(true);
-  all.server.set_keep_alive_max_count(1'000'000);
-  all.server.Post("/v1/chat/completions",
-                  [&all](const httplib::Request& request, httplib::Response& response) {
-                    all.answer(request, response);
-                  });
-  all.port = all.server.bind_to_any_port("127.0.0.1");
-  if (all.port <= 0) throw Error("no free port of 127.0.0.1");
-  all.thread = std::jthread([&all] { all.server.listen_after_bind(); });
-  // Stopping a server that does not listen yet would be forgotten.
-  while (!all.server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  net::ServerConfig its;
+  its.threads = kThreads;
+  its.most_body_bytes = kMostBytes;
+  its.refuse = [](const net::HttpError& error) { return refusal(error.status(), error.what()); };
+  its.answer = [&all](const net::Request& request, const net::BodyReader& read_body) {
+    return all.answer(request, read_body);
+  };
+  all.server.emplace(std::move(its));
 }
 
-StandIn::~StandIn() { impl_->server.stop(); }
+StandIn::~StandIn() = default;
 
-std::string StandIn::url() const { return fmt::format("http://127.0.0.1:{}/v1", impl_->port); }
+std::string StandIn::url() const {
+  return fmt::format("http://127.0.0.1:{}/v1", impl_->server->port());
+}
 std::size_t StandIn::requests() const { return impl_->requests; }
 std::size_t StandIn::answers() const { return impl_->answers; }
 std::size_t StandIn::repeats() const { return impl_->repeats; }

@@ -41,7 +41,7 @@ struct StandInConfig {
 /// responses to equal requests. The bytes of a request alone decide whether it has a fault.
 class StandIn {
  public:
-  /// Listens when this returns. \throws Error if no port is free
+  /// Listens when this returns. \throws ArgumentError if no port is free
   StandIn(std::unique_ptr<const World> world, const StandInConfig& config);
   ~StandIn();
   StandIn(const StandIn&) = delete;

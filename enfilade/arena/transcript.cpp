@@ -8,6 +8,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 
 namespace enfilade::arena::detail {
 
@@ -68,7 +69,7 @@ std::vector<Json> write_results(const std::filesystem::path& folder, const World
     ends.push_back(end_of_transcript(file));
     entries.push_back(ends.back()["result"].dump());
   }
-  if (!entries.empty()) write_file_atomically(folder / "results.json", world.results(entries));
+  if (!entries.empty()) OutputFolder(folder).write("results.json", world.results(entries));
   return ends;
 }
 
@@ -81,6 +82,11 @@ std::filesystem::path transcript_file(const std::filesystem::path& folder, const
     name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
   }
   return folder / "transcripts" / (name + ".jsonl");
+}
+
+void write_transcript(const std::filesystem::path& folder, const World& world, std::size_t episode,
+                      const std::string& text) {
+  OutputFolder(folder).write(transcript_file({}, world, episode).string(), text);
 }
 
 void check_episodes(const World& world, const std::vector<std::size_t>& which) {

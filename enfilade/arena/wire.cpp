@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "enfilade/arena/detail/limits.h"
 #include "enfilade/arena/detail/texts.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/written_lists.h"
 
 namespace enfilade::arena {
@@ -20,6 +22,12 @@ using Json = nlohmann::ordered_json;
 double rounded(double value, double parts) { return std::round(value * parts) / parts + 0.0; }
 double degrees_of(Radians angle) { return rounded(to_degrees(angle), 100); }
 double metres_of(double length) { return rounded(length, 1000); }
+
+/// Discarded: no JSON, or none within limits.
+Json parse_within_limits(std::string_view text) {
+  const bool within = json::excess(text, detail::kAnswerLimits).empty();
+  return within ? Json::parse(text, nullptr, false) : Json(Json::value_t::discarded);
+}
 
 /// What is between the first { and the last }, which models put into ``` marks or sentences.
 std::string_view object_in(std::string_view text) {
@@ -53,15 +61,16 @@ std::size_t end_of_object(std::string_view text, std::size_t begin) {
 
 /// The last complete object with a "tool", else the last one; discarded without any.
 Json last_object_in(std::string_view text) {
-  constexpr int kMostTries = 1000;  // braces without an object behind them
+  // Braces without an object behind them; fewer in long texts, which are read for each.
+  constexpr std::size_t kMostTries = 1000, kMostTried = 32U << 20U;
+  const std::size_t most_tries = std::min(kMostTries, 1 + kMostTried / (text.size() + 1));
   Json last(Json::value_t::discarded);
   bool has_tool = false;
   std::size_t at = text.find('{');
-  for (int tries = 0; at != std::string_view::npos && tries < kMostTries;) {
+  for (std::size_t tries = 0; at != std::string_view::npos && tries < most_tries;) {
     const std::size_t end = end_of_object(text, at);
-    Json object = end == std::string_view::npos
-                      ? Json(Json::value_t::discarded)
-                      : Json::parse(text.substr(at, end - at), nullptr, false);
+    Json object = end == std::string_view::npos ? Json(Json::value_t::discarded)
+                                                : parse_within_limits(text.substr(at, end - at));
     if (!object.is_object()) {
       ++tries;
       at = text.find('{', at + 1);
@@ -83,7 +92,7 @@ std::optional<std::string> value_text(const Json& value) {
   if (value.is_null()) return "";
   if (value.is_string()) {
     const auto& text = value.get_ref<const std::string&>();
-    const Json list = Json::parse(text, nullptr, false);
+    const Json list = parse_within_limits(text);
     return list.is_array() ? value_text(list) : text;
   }
   if (value.is_number_integer()) return std::to_string(value.get<std::int64_t>());
@@ -151,7 +160,7 @@ Json function_of(const ToolUse& use, Json parameters) {
 Reading read_arguments(std::string_view name, const Json& arguments) {
   if (name.empty()) return fault("no tool is named");
   if (!arguments.is_object()) {
-    return fault(fmt::format("the arguments of {:?} are no JSON object", name));
+    return fault(fmt::format("the arguments of {} are no JSON object", quote(name)));
   }
   Call call{std::string(name), {}};
   for (const std::string_view argument : kArguments) {
@@ -159,7 +168,8 @@ Reading read_arguments(std::string_view name, const Json& arguments) {
     if (found == arguments.end()) continue;
     const auto text = value_text(*found);
     if (!text) {
-      return fault(fmt::format("{} of {:?} is neither a text nor a list of them", argument, name));
+      return fault(
+          fmt::format("{} of {} is neither a text nor a list of them", argument, quote(name)));
     }
     call.argument = *text;
   }
@@ -283,14 +293,14 @@ std::string answer_schema(const SessionObservation& seen) {
 
 Reading read_call(std::string_view tool, std::string_view arguments) {
   const std::string_view text = trimmed(arguments);
-  Json parsed = text.empty() ? Json::object() : Json::parse(text, nullptr, false);
+  Json parsed = text.empty() ? Json::object() : parse_within_limits(text);
   if (parsed.is_string()) {  // JSON in a text of JSON
-    Json inner = Json::parse(parsed.get<std::string>(), nullptr, false);
+    Json inner = parse_within_limits(parsed.get<std::string>());
     if (inner.is_object()) parsed = std::move(inner);
   }
   if (parsed.is_null()) parsed = Json::object();
   if (parsed.is_discarded()) {
-    return fault(fmt::format("the arguments of {:?} are no JSON", trimmed(tool)));
+    return fault(fmt::format("the arguments of {} are no JSON", quote(trimmed(tool))));
   }
   return read_arguments(trimmed(tool), parsed);
 }
@@ -313,7 +323,7 @@ std::string_view after_reasoning(std::string_view text) {
 
 Reading read_answer_json(std::string_view text) {
   const std::string_view said = after_reasoning(text);
-  Json answer = Json::parse(object_in(said), nullptr, false);
+  Json answer = parse_within_limits(object_in(said));
   if (!answer.is_object()) answer = last_object_in(said);
   if (!answer.is_object()) return fault("the answer is no JSON object");
   const auto tool = answer.find("tool"), argument = answer.find("argument"),

@@ -113,10 +113,12 @@ class CaptionWords : public Words {
     }
     const std::string body =
         with_pictures(request, [&](std::string_view) { return painter_.draw(order); });
-    const Patience patience{config_.attempts, config_.first_wait, [](double seconds) {
+    const Patience patience{config_.attempts, config_.first_wait,
+                            [](double seconds) {
                               std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
                               return true;
-                            }};
+                            },
+                            config_.longest_wait, config_.say};
     try {
       return post_patiently(*endpoint_, body, {"caption/" + order.key(), {}}, patience,
                             [](std::string_view answer) { read_completion(answer); });

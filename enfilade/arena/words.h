@@ -40,6 +40,8 @@ struct CaptionConfig {
   std::uint32_t picture_size = 512;  ///< pixels, 64 to 2048
   int attempts = 6;                  ///< requests for one caption before it is given up
   double first_wait = 1;             ///< seconds after the first that failed; doubled each time
+  double longest_wait = kLongestAskedWait;                    ///< as Patience::longest_wait
+  std::function<void(const std::string& sentence)> say = {};  ///< as Patience::say
 };
 
 /// From a vision model, one sentence each. Captions are cached as other responses are, so each

@@ -11,8 +11,8 @@
 #include <string_view>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/written_lists.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/image/codecs.h"
@@ -178,6 +178,14 @@ Places load_places(const fs::path& path) {
 // A whole number of JPEG blocks, so that a strip can be cut into faces without loss.
 std::uint32_t rounded_to_blocks(std::uint32_t size) { return size < 16 ? size : size / 16 * 16; }
 
+// Pixels that are kept of a picture: what cameras write, and two for a texel of larger faces. A
+// sphere is 4 x 2 faces.
+std::uint64_t most_pixels(const ImportOptions& o) {
+  constexpr std::uint64_t kFaces = 4 * 2, kPixelsOfATexel = 2 * 2;
+  return std::max(image::kMostPhotoPixels,
+                  kFaces * kPixelsOfATexel * o.face_size * std::uint64_t{o.face_size});
+}
+
 bool is_sphere(std::uint32_t width, std::uint32_t height) {
   return std::abs(std::int64_t{width} - 2 * std::int64_t{height}) <= 1 && width >= 4;
 }
@@ -188,9 +196,11 @@ void add_finding(std::vector<Diagnostic>& findings, Severity severity, const std
 }
 
 // The whole sphere's picture of a part of one: black where there is none. The part may be a smaller
-// copy of the one that GPano's fields describe. No value if the fields are no part of a sphere.
+// copy of the one that GPano's fields describe, and becomes one if the sphere has more than `most`
+// pixels. No value if the fields are no part of a sphere.
 std::optional<image::Image8> whole_sphere(const image::Image8& part,
-                                          const image::SphereNotes::Crop& crop) {
+                                          const image::SphereNotes::Crop& crop,
+                                          std::uint64_t most) {
   const double scale = part.width / crop.width;
   constexpr double kRounding = 2;  // pixels: sizes were rounded, perhaps twice
   if (std::abs(part.height - scale * crop.height) > kRounding ||
@@ -202,6 +212,10 @@ std::optional<image::Image8> whole_sphere(const image::Image8& part,
   const double rows = std::round(scale * crop.full_height);
   if (rows < 2 || 2 * rows > image::kLongestEdge || 2 * rows * rows > image::kMostPixels) {
     return std::nullopt;
+  }
+  if (2 * rows * rows > static_cast<double>(most)) {
+    return whole_sphere(shrink(part, image::halved(part.width, 1), image::halved(part.height, 1)),
+                        crop, most);
   }
   const auto height = static_cast<std::uint32_t>(rows);
   image::Image8 whole(2 * height, height, 3);
@@ -216,13 +230,13 @@ std::optional<image::Image8> whole_sphere(const image::Image8& part,
 }
 
 // The picture of all directions.
-image::Image8 sphere_of(image::Photo& photo, const std::string& file,
+image::Image8 sphere_of(image::Photo& photo, const std::string& file, std::uint64_t most,
                         std::vector<Diagnostic>& findings) {
   image::Image8& picture = photo.picture;
   const auto& crop = photo.sphere.crop;
   std::string why;
   if (crop && crop->is_part()) {
-    if (auto whole = whole_sphere(picture, *crop)) {
+    if (auto whole = whole_sphere(picture, *crop, most)) {
       add_finding(findings, Severity::kWarning, file, "cropped-sphere",
                   fmt::format("GPano: {:.0f} x {:.0f} of {:.0f} x {:.0f} pixels, {:.0f} x {:.0f} "
                               "degrees; other directions are black",
@@ -234,13 +248,13 @@ image::Image8 sphere_of(image::Photo& photo, const std::string& file,
     why = fmt::format("; a crop of {:.0f} x {:.0f} of {:.0f} x {:.0f} pixels (GPano) does not fit",
                       crop->width, crop->height, crop->full_width, crop->full_height);
   }
-  if (!is_sphere(picture.width, picture.height)) {
+  if (!is_sphere(photo.stored_width, photo.stored_height)) {
     if (why.empty() && photo.orientation >= 5) {
       why = fmt::format("; it was turned by EXIF orientation {}", photo.orientation);
     }
     refuse(file, "", "not-equirectangular",
            fmt::format("{} x {} pixels, not twice as wide as high: no panorama of all directions{}",
-                       picture.width, picture.height, why));
+                       photo.stored_width, photo.stored_height, why));
   }
   if (!why.empty()) {
     add_finding(findings, Severity::kWarning, file, "bad-sphere",
@@ -251,11 +265,12 @@ image::Image8 sphere_of(image::Photo& photo, const std::string& file,
 
 image::CubeMap<std::uint8_t> cut_panorama(const std::string& file, const ImportOptions& o,
                                           Strip& strip) {
-  image::Photo photo = image::load_photo(file, o.exposure);
+  const std::uint64_t most = most_pixels(o);
+  image::Photo photo = image::load_photo(file, o.exposure, most);
   strip.findings = std::move(photo.findings);
   std::vector<Diagnostic>& findings = strip.findings;
   const image::SphereNotes& notes = photo.sphere;
-  const image::Image8 sphere = sphere_of(photo, file, findings);
+  const image::Image8 sphere = sphere_of(photo, file, most, findings);
   std::string kind = notes.projection;
   std::ranges::transform(kind, kind.begin(), lower);
   if (!kind.empty() && kind != "equirectangular") {
@@ -278,22 +293,22 @@ image::CubeMap<std::uint8_t> cut_panorama(const std::string& file, const ImportO
 image::CubeMap<std::uint8_t> load_faces(const std::vector<std::string>& files,
                                         const ImportOptions& o, Strip& strip) {
   image::CubeMap<std::uint8_t> faces;
+  std::uint32_t first = 0, size = o.face_size;
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    image::Photo photo = image::load_photo(files[k], o.exposure);
-    faces[k] = std::move(photo.picture);
+    image::Photo photo = image::load_photo(files[k], o.exposure, most_pixels(o));
     std::ranges::move(photo.findings, std::back_inserter(strip.findings));
-    const std::uint32_t width = faces[k].width, height = faces[k].height;
-    if (width != height || width != faces[0].width || width < o.face_size) {
+    const std::uint32_t width = photo.stored_width, height = photo.stored_height;
+    if (k == 0) first = width;
+    if (width != height || width != first || width < o.face_size) {
       const std::string wanted = k == 0 ? "" : fmt::format(" like {}", files[0]);
       refuse(files[k], "", "bad-face",
              fmt::format(
                  "{} x {} pixels; a face has to be square{}{}", width, height, wanted,
                  o.face_size == 0 ? "" : fmt::format(", and of size {} at least", o.face_size)));
     }
+    if (size == 0) size = std::min(1024U, rounded_to_blocks(width));
+    faces[k] = image::shrink(photo.picture, size, size);  // before the next one is read
   }
-  const std::uint32_t size =
-      o.face_size > 0 ? o.face_size : std::min(1024U, rounded_to_blocks(faces[0].width));
-  for (image::Image8& face : faces) face = image::shrink(face, size, size);
   // Usually the top and bottom faces are seen by turning up or down from the front; Matterport3D's
   // are seen from the back.
   for (const CubeFace face : {CubeFace::kUp, CubeFace::kDown}) {
@@ -402,15 +417,15 @@ void connect_all(const ImportOptions& o, const std::vector<ViewpointIndex>& fres
 // Pictures first, so that a graph never names a panorama that is missing.
 void write(const fs::path& folder, std::span<const PanoramaFiles> panoramas,
            const std::vector<Strip>& strips, const Connectivity& graph) {
-  const fs::path images = folder / graph.scan / "matterport_skybox_images";
-  make_folder(images);
+  const OutputFolder out(folder);
+  const std::string images = graph.scan + "/matterport_skybox_images/";
+  out.remove_unfinished(graph.scan + "/matterport_skybox_images");
   for (std::size_t k = 0; k < strips.size(); ++k) {
     const std::vector<std::uint8_t>& jpeg = strips[k].jpeg;
-    write_file_atomically(
-        images / scan::skybox_strip_name(panoramas[k].viewpoint, scan::Layer::kColour),
-        {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+    out.write(images + scan::skybox_strip_name(panoramas[k].viewpoint, scan::Layer::kColour),
+              {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
-  save_connectivity(folder / "connectivity", graph);
+  save_connectivity(out.folder("connectivity").path(), graph);
 }
 
 void check(std::span<const PanoramaFiles> panoramas, const ImportOptions& o,

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <algorithm>
 
 #include "enfilade/core/file.h"
@@ -104,6 +105,18 @@ TEST_F(ImportPanoramas, WriteNothingIfTheListOfScansIsBroken) {
   EXPECT_THROW(import("home", {{"hall", {file("hall.jpg")}}}), InvalidInput);
   EXPECT_FALSE(fs::exists(folder_.path() / "home"));
   EXPECT_FALSE(fs::exists(scan::connectivity_file(folder_.path() / "connectivity", "home")));
+}
+
+TEST_F(ImportPanoramas, FollowNoLinkThatSomebodyPutIntoTheFolder) {
+  const fs::path outside = folder_.path() / "outside";
+  fs::create_directory(outside);
+  for (const char* link : {"home", "connectivity"}) {
+    fs::create_directory_symlink(outside, folder_.path() / link);
+    EXPECT_THROW(import("home", {{"hall", {file("hall.jpg")}}}), FileError) << link;
+    EXPECT_TRUE(fs::is_empty(outside)) << link;
+    fs::remove(folder_.path() / link);
+    fs::remove_all(folder_.path() / "home");
+  }
 }
 
 TEST_F(ImportPanoramas, RefuseIdsAndCountsThatCannotBe) {
@@ -244,6 +257,36 @@ TEST_F(ImportPhotos, SayWhatPartOfASphereTheyAre) {
           HasSubstr("64 x 16 pixels, not twice as wide as high: no panorama of all "
                     "directions; a crop of 64 x 16 of 64 x 40 pixels (GPano) does not "
                     "fit")));
+}
+
+// Pictures, and spheres around their parts, have no more pixels than faces need.
+TEST_F(ImportPhotos, AreReducedWhileTheyAreRead) {
+  image::Image8 wide(16'384, 8'192, 1);
+  std::fill_n(wide.pixels.begin(), wide.pixels.size() / 2, std::uint8_t{255});
+  const auto png = image::encode_png(wide);
+  write("hall.png", {png.begin(), png.end()});
+  const ImportReport report = import("home", {{"hall", {file("hall.png")}}});
+  EXPECT_THAT(codes(report), ElementsAre("reduced-picture"));
+  EXPECT_EQ(report.panoramas[0].face_size, 1024U);
+  EXPECT_GT(level("hall", CubeFace::kUp), 250);
+  EXPECT_LT(level("hall", CubeFace::kDown), 5);
+
+  image::Image8 part(200, 100, 3);
+  std::ranges::fill(part.pixels, std::uint8_t{255});
+  write("attic.jpg",
+        tests::with_xmp(tests::jpeg_of(part), tests::gpano({{"FullPanoWidthPixels", "20000"},
+                                                            {"FullPanoHeightPixels", "10000"},
+                                                            {"CroppedAreaImageWidthPixels", "200"},
+                                                            {"CroppedAreaImageHeightPixels", "100"},
+                                                            {"CroppedAreaLeftPixels", "9900"},
+                                                            {"CroppedAreaTopPixels", "4950"}})));
+  EXPECT_THAT(codes(import("home", {{"attic", {file("attic.jpg")}}})),
+              ElementsAre("cropped-sphere"));
+  EXPECT_GT(level("attic", CubeFace::kFront), 0);
+  EXPECT_LT(level("attic", CubeFace::kBack), 1);
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  EXPECT_LT(used.ru_maxrss, 900'000) << "kilobytes; it was 1.2 GB";
 }
 
 TEST_F(ImportPhotos, NameAProjectionThatIsAnother) {

@@ -16,6 +16,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/names.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/codecs.h"
@@ -46,6 +48,10 @@ void validate(const scan::Connectivity& connectivity, const ScanFilesOptions& o)
   check(scan::is_scan_id(connectivity.scan),
         fmt::format("scan {:?}: letters, digits, _, - and . are allowed, not first a - or a .",
                     connectivity.scan));
+  for (const scan::ConnectivityEntry& entry : connectivity.entries) {
+    check(is_id(entry.id),
+          fmt::format("scan {}: viewpoint {}", connectivity.scan, fault_of_id(entry.id)));
+  }
   check_range("face_size", o.face_size, 1, 8192);
   check_range("image_width", o.image_width, 10, 8192);
   check(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16,
@@ -172,13 +178,13 @@ std::string text_of(const Manifest& manifest) {
 
 /// Pictures that are taken together: all of their files, and how to make them.
 struct Task {
-  std::vector<fs::path> files;
+  std::vector<std::string> files;                  ///< below the root of all scans
   std::size_t weight = 0;                          ///< for progress
   std::function<std::vector<std::string>()> make;  ///< what goes into the files
 };
 
-/// Files and what they hold.
-using Texts = std::vector<std::pair<fs::path, std::string>>;
+/// Files below the root, and what they hold.
+using Texts = std::vector<std::pair<std::string, std::string>>;
 
 std::string text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
@@ -186,12 +192,18 @@ std::string jpeg(const image::Image8& picture, int quality) {
   return text(image::encode_jpeg(picture, quality, quality >= image::kFullChromaQuality));
 }
 
+/// Of a scan, below the root.
+std::string folder_of(const std::string& scan) { return "v1/scans/" + scan; }
+
 /// Makes a scan's tasks, and the texts beside its pictures.
 class ScanWriter {
  public:
   ScanWriter(const mesh::LitMesh& mesh, const scan::Connectivity& connectivity,
-             const fs::path& folder, const ScanFilesOptions& options)
-      : mesh_(mesh), connectivity_(connectivity), folder_(folder), o_(options) {
+             const ScanFilesOptions& options)
+      : mesh_(mesh),
+        connectivity_(connectivity),
+        folder_(folder_of(connectivity.scan) + "/"),
+        o_(options) {
     for (PanoramaPose& pose : poses_of(connectivity)) {
       if (pose.included) poses_.push_back(std::move(pose));
     }
@@ -225,7 +237,7 @@ class ScanWriter {
   }
 
  private:
-  fs::path skybox() const { return folder_ / "matterport_skybox_images"; }
+  std::string skybox() const { return folder_ + "matterport_skybox_images/"; }
 
   mesh::CubeCapture capture(const mesh::LitMesh& mesh, const PanoramaPose& pose,
                             Layer layer) const {
@@ -237,12 +249,12 @@ class ScanWriter {
   }
 
   Task colour_task(const PanoramaPose& pose) const {
-    std::vector<fs::path> files;
+    std::vector<std::string> files;
     if (o_.parts.colour_strip) {
-      files.push_back(skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kColour));
+      files.push_back(skybox() + scan::skybox_strip_name(pose.viewpoint, Layer::kColour));
     }
     for (std::size_t k = 0; o_.parts.faces && k < kCubeFaces; ++k) {
-      files.push_back(skybox() / scan::skybox_face_name(pose.viewpoint, k));
+      files.push_back(skybox() + scan::skybox_face_name(pose.viewpoint, k));
     }
     const auto make = [this, &pose] {
       std::vector<std::string> contents;
@@ -264,7 +276,7 @@ class ScanWriter {
       const auto pictures = capture(mesh_, pose, Layer::kDepth).depth;
       return std::vector{text(image::encode_png(image::join_strip(pictures)))};
     };
-    return {{skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kDepth)},
+    return {{skybox() + scan::skybox_strip_name(pose.viewpoint, Layer::kDepth)},
             kCubeFaces * o_.face_size * o_.face_size / 200 + 1,
             make};
   }
@@ -276,8 +288,8 @@ class ScanWriter {
       return std::vector{text(image::encode_png(image::join_strip(pictures.classes))),
                          text(image::encode_ids(image::join_strip(pictures.instances)))};
     };
-    return {{skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kClass),
-             skybox() / scan::skybox_strip_name(pose.viewpoint, Layer::kInstance)},
+    return {{skybox() + scan::skybox_strip_name(pose.viewpoint, Layer::kClass),
+             skybox() + scan::skybox_strip_name(pose.viewpoint, Layer::kInstance)},
             kCubeFaces * o_.face_size * o_.face_size / 200 + 1,
             make};
   }
@@ -292,9 +304,9 @@ class ScanWriter {
       return std::vector{jpeg(pictures.colour, o_.jpeg_quality),
                          text(image::encode_png(pictures.depth))};
     };
-    return {{folder_ / "undistorted_color_images" /
+    return {{folder_ + "undistorted_color_images/" +
                  scan::colour_image_name(c.viewpoint, c.camera, c.yaw),
-             folder_ / "undistorted_depth_images" /
+             folder_ + "undistorted_depth_images/" +
                  scan::depth_image_name(c.viewpoint, c.camera, c.yaw)},
             std::size_t{c.width} * c.height / 100 * o_.samples + 1,
             make};
@@ -306,29 +318,29 @@ class ScanWriter {
       const auto cameras = scan::rig_cameras(pose, o_.image_width);
       all.insert(all.end(), cameras.begin(), cameras.end());
       for (const RigCamera& c : cameras) {
-        texts.emplace_back(folder_ / "matterport_camera_poses" /
+        texts.emplace_back(folder_ + "matterport_camera_poses/" +
                                scan::camera_pose_name(c.viewpoint, c.camera, c.yaw),
                            scan::camera_pose_text(c));
         if (c.yaw != 0) continue;
-        texts.emplace_back(folder_ / "matterport_camera_intrinsics" /
+        texts.emplace_back(folder_ + "matterport_camera_intrinsics/" +
                                scan::camera_intrinsics_name(c.viewpoint, c.camera),
                            scan::camera_intrinsics_text(c));
       }
     }
-    texts.emplace_back(folder_ / "undistorted_camera_parameters" / (connectivity_.scan + ".conf"),
+    texts.emplace_back(folder_ + "undistorted_camera_parameters/" + connectivity_.scan + ".conf",
                        scan::undistorted_cameras_text(all));
   }
 
   void add_house(Texts& texts) const {
     const HouseFiles files =
         make_house_files(mesh_.mesh(), connectivity_, o_.rooms, o_.image_width);
-    const fs::path folder = folder_ / "house_segmentations";
+    const std::string folder = folder_ + "house_segmentations/";
     const std::string& scan = connectivity_.scan;
-    texts.emplace_back(folder / (scan + ".house"), mesh::to_text(files.house));
-    texts.emplace_back(folder / (scan + ".ply"), mesh::to_labelled_ply(files.labels));
-    texts.emplace_back(folder / (scan + ".fsegs.json"),
+    texts.emplace_back(folder + scan + ".house", mesh::to_text(files.house));
+    texts.emplace_back(folder + scan + ".ply", mesh::to_labelled_ply(files.labels));
+    texts.emplace_back(folder + scan + ".fsegs.json",
                        mesh::face_segments_json(files.segments, scan));
-    texts.emplace_back(folder / (scan + ".semseg.json"),
+    texts.emplace_back(folder + scan + ".semseg.json",
                        mesh::segment_groups_json(files.groups, scan));
     std::string regions;
     for (std::size_t k = 0; k < files.house.panoramas.size(); ++k) {
@@ -337,12 +349,12 @@ class ScanWriter {
           p.region < 0 ? '-' : files.house.regions[static_cast<std::size_t>(p.region)].label;
       regions += fmt::format("{} {} {} {}\n", k, p.name, p.region, label);
     }
-    texts.emplace_back(folder / "panorama_to_region.txt", std::move(regions));
+    texts.emplace_back(folder + "panorama_to_region.txt", std::move(regions));
   }
 
   const mesh::LitMesh& mesh_;
   const scan::Connectivity& connectivity_;
-  const fs::path& folder_;
+  const std::string folder_;
   const ScanFilesOptions& o_;
   std::vector<PanoramaPose> poses_;
   mesh::CaptureOptions capture_;
@@ -362,8 +374,9 @@ bool is_there(const fs::path& file) {
 
 /// The folder's manifest, with the new files. \throws FileError if files there were made from
 /// something else: a download must not be mixed with pictures of a mesh, or overwritten
-Manifest joined(std::optional<Manifest> old, const fs::path& folder, const std::string& state,
-                const std::vector<PanoramaPose>& poses, const std::vector<fs::path>& files) {
+Manifest joined(std::optional<Manifest> old, const fs::path& root, const fs::path& folder,
+                const std::string& state, const std::vector<PanoramaPose>& poses,
+                const std::vector<std::string>& files) {
   Manifest manifest = old ? *old : Manifest{state, {}, {}};
   if (manifest.state != state) {
     refuse_file(folder, "a scan made of another mesh or with other options");
@@ -374,42 +387,42 @@ Manifest joined(std::optional<Manifest> old, const fs::path& folder, const std::
       refuse_file(folder, fmt::format("its viewpoint {} stands elsewhere", pose.viewpoint));
     }
   }
-  for (const fs::path& file : files) {
+  for (const std::string& file : files) {
     const bool is_new = !old || !old->kinds.contains(kind_of(file));
-    if (is_new && is_there(file)) refuse_file(file, "not made by Enfilade from a mesh");
+    if (is_new && is_there(root / file))
+      refuse_file(root / file, "not made by Enfilade from a mesh");
     manifest.kinds.insert(kind_of(file));
   }
   return manifest;
 }
 
 /// Whole or not at all, as the folder is renamed when it is complete.
-void write_mesh(const mesh::Mesh& mesh, const fs::path& folder, const std::string& name) {
-  const fs::path target = folder / name, part = folder / (name + ".part");
-  if (is_there(target)) return;
-  std::error_code code;
-  fs::remove_all(part, code);
-  make_folder(part);
-  mesh::write_obj(mesh, part, name);
-  mesh::write_glb(mesh, part / (name + ".glb"));
-  fs::rename(part, target, code);
-  if (code) throw FileError(fmt::format("{}: cannot write: {}", target.string(), code.message()));
+void write_mesh(const mesh::Mesh& mesh, const OutputFolder& out, const std::string& target,
+                const std::string& name) {
+  if (is_there(out.path() / target)) return;
+  const std::string part = target + ".part";
+  out.remove_all(part);
+  mesh::write_obj(mesh, out.folder(part).path(), name);
+  mesh::write_glb(mesh, out.file(part + "/" + name + ".glb"));
+  out.rename(part, target);
 }
 
 /// Runs tasks whose files are not all there.
-void run(const std::vector<Task>& tasks, int threads, const Progress& progress,
-         ScanFilesReport& report) {
+void run(const std::vector<Task>& tasks, const OutputFolder& out, int threads,
+         const Progress& progress, ScanFilesReport& report) {
   std::size_t total = 0, done = 0;
   for (const Task& task : tasks) total += task.weight;
   std::mutex mutex;
   parallel_for(tasks.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Task& task = tasks[i];
-      const bool keep = std::ranges::all_of(task.files, is_there);
+      const bool keep = std::ranges::all_of(
+          task.files, [&](const std::string& file) { return is_there(out.path() / file); });
       std::uintmax_t bytes = 0;
       if (!keep) {
         const std::vector<std::string> contents = task.make();
         for (std::size_t k = 0; k < contents.size(); ++k) {
-          write_file_atomically(task.files[k], contents[k]);
+          out.write(task.files[k], contents[k]);
           bytes += contents[k].size();
         }
       }
@@ -423,11 +436,18 @@ void run(const std::vector<Task>& tasks, int threads, const Progress& progress,
 }
 
 /// All files that are written, except for the mesh, whose folder's name depends on its content.
-std::vector<fs::path> all_files(const std::vector<Task>& tasks, const Texts& texts) {
-  std::vector<fs::path> files;
+std::vector<std::string> all_files(const std::vector<Task>& tasks, const Texts& texts) {
+  std::vector<std::string> files;
   for (const Task& task : tasks) files.insert(files.end(), task.files.begin(), task.files.end());
   for (const auto& [file, content] : texts) files.push_back(file);
   return files;
+}
+
+/// What killed runs left beside the files.
+void remove_left(const OutputFolder& out, const std::vector<std::string>& files) {
+  std::set<std::string> folders;
+  for (const std::string& file : files) folders.insert(file.substr(0, file.rfind('/')));
+  for (const std::string& folder : folders) out.remove_unfinished(folder);
 }
 
 }  // namespace
@@ -470,33 +490,37 @@ ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& 
                            const Progress& progress) {
   validate(connectivity, options);
   ScanFilesReport report;
-  report.folder = root / "v1" / "scans" / connectivity.scan;
-  const ScanWriter writer(mesh, connectivity, report.folder, options);
+  const std::string folder = folder_of(connectivity.scan);
+  report.folder = root / folder;
+  const ScanWriter writer(mesh, connectivity, options);
   const std::vector<Task> tasks = writer.tasks();
   const auto texts = writer.texts();
   const std::string state = state_of(mesh, options);
+  const std::vector<std::string> files = all_files(tasks, texts);
   const fs::path manifest_file = report.folder / kManifest;
-  std::vector<fs::path> files = all_files(tasks, texts);
+  std::vector<std::string> claimed = files;
   if (options.parts.connectivity) {
-    files.push_back(scan::connectivity_file(root / "connectivity", connectivity.scan));
+    claimed.push_back(scan::connectivity_file("connectivity", connectivity.scan).string());
   }
   const Manifest manifest =
-      joined(read_manifest(manifest_file), report.folder, state, writer.poses(), files);
+      joined(read_manifest(manifest_file), root, report.folder, state, writer.poses(), claimed);
   if (options.parts.connectivity) scan::check_scan_list(root / "connectivity");
-  make_folder(report.folder);
-  write_file_atomically(manifest_file, text_of(manifest));
-  if (options.parts.connectivity) save_connectivity(root / "connectivity", connectivity);
-  for (const fs::path& file : files) make_folder(file.parent_path());
+  const OutputFolder out(root);
+  remove_left(out, files);
+  out.write(folder + "/" + kManifest, text_of(manifest));
+  if (options.parts.connectivity) {
+    save_connectivity(out.folder("connectivity").path(), connectivity);
+  }
   for (const auto& [file, content] : texts) {
-    write_file_atomically(file, content);
+    out.write(file, content);
     report.bytes += content.size();
   }
   if (options.parts.mesh) {
     // Matterport3D's are named by 32 digits.
-    write_mesh(mesh.mesh(), report.folder / "matterport_mesh", state + state);
+    write_mesh(mesh.mesh(), out, folder + "/matterport_mesh/" + state + state, state + state);
   }
   report.viewpoints = writer.poses().size();
-  run(tasks, options.threads, progress, report);
+  run(tasks, out, options.threads, progress, report);
   return report;
 }
 

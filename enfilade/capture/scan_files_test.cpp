@@ -306,6 +306,54 @@ TEST(ScanFiles, DoNotMixScansOfOtherOptions) {
               HasSubstr("its viewpoint b stands elsewhere"));
 }
 
+TEST(ScanFiles, RefuseViewpointsWhoseIdsLeadOutOfTheFolder) {
+  const TemporaryFolder root("scan_files");
+  for (const char* id : {"../../../../../x", "/x", "a/b", "", ".x"}) {
+    auto graph = tests::furnished_room_graph();
+    graph.entries[1].id = id;
+    EXPECT_THAT([&] { write_scan(rooms(), graph, root.path() / "p" / "out", small(all_parts)); },
+                ::testing::ThrowsMessage<ArgumentError>(HasSubstr("scan rooms: viewpoint")))
+        << id;
+  }
+  EXPECT_TRUE(fs::is_empty(root.path()));
+}
+
+TEST(ScanFiles, FollowNoLinkThatSomebodyPutIntoTheFolder) {
+  const auto options = small([](ScanParts& p) { p.faces = p.mesh = p.connectivity = true; });
+  for (const char* link : {"v1", "v1/scans/rooms", "v1/scans/rooms/matterport_skybox_images",
+                           "v1/scans/rooms/matterport_mesh", "connectivity"}) {
+    SCOPED_TRACE(link);
+    const TemporaryFolder root("scan_files");
+    const fs::path out = root.path() / "out", outside = root.path() / "outside";
+    fs::create_directory(outside);
+    fs::create_directories((out / link).parent_path());
+    fs::create_directory_symlink(outside, out / link);
+    EXPECT_THROW(write_scan(rooms(), tests::furnished_room_graph(), out, options), FileError);
+    EXPECT_TRUE(fs::is_empty(outside));
+  }
+  // A link in place of a file is replaced.
+  const TemporaryFolder root("scan_files");
+  const fs::path file = "v1/scans/rooms/matterport_skybox_images/a_skybox0_sami.jpg";
+  const fs::path outside = root.path() / "outside", out = root.path() / "out";
+  fs::create_directories((out / file).parent_path());
+  fs::create_symlink(outside, out / file);
+  write_scan(rooms(), tests::furnished_room_graph(), out, options);
+  EXPECT_FALSE(fs::exists(outside));
+  EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(out / file)));
+}
+
+TEST(ScanFiles, RemoveWhatAKilledRunLeft) {
+  const TemporaryFolder root("scan_files");
+  const auto options = small([](ScanParts& p) { p.faces = true; });
+  const fs::path skybox =
+      write_scan(rooms(), tests::furnished_room_graph(), root.path(), options).folder /
+      "matterport_skybox_images";
+  const std::size_t files = files_below(root.path());
+  write_file_atomically(skybox / "a_skybox0_sami.jpg.part999999999", "half");
+  write_scan(rooms(), tests::furnished_room_graph(), root.path(), options);
+  EXPECT_EQ(files_below(root.path()), files);
+}
+
 TEST(ScanFiles, RefuseArgumentsOutOfRange) {
   const TemporaryFolder root("scan_files");
   const auto with = [&](const std::function<void(ScanFilesOptions&)>& change,

@@ -8,11 +8,19 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/utf8.h"
 
 namespace enfilade {
 namespace {
 
 constexpr std::size_t kListed = 10;  // an exception's text is read in a terminal
+
+// The last net: readers quote foreign values in short (core/names.h).
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMost = 400;
+  if (text.size() <= kMost) return text;
+  return fmt::format("{}... ({} bytes)", utf8_prefix(text, kMost), text.size());
+}
 
 std::string summarise(const std::vector<Diagnostic>& diagnostics) {
   std::string text, more;
@@ -45,8 +53,8 @@ std::string to_string(Severity severity) {
 
 std::string to_string(const Diagnostic& diagnostic) {
   std::string text = to_string(diagnostic.severity) + ": " + diagnostic.file;
-  if (!diagnostic.where.empty()) text += ": " + diagnostic.where;
-  text += ": " + diagnostic.message;
+  if (!diagnostic.where.empty()) text += ": " + shortened(diagnostic.where);
+  text += ": " + shortened(diagnostic.message);
   if (!diagnostic.code.empty()) text += " [" + diagnostic.code + "]";
   return text;
 }

@@ -78,7 +78,7 @@ struct Diagnostic {
 inline constexpr std::size_t kMostFaultsKept = 1000;
 inline constexpr std::string_view kMoreFaults = "more-faults";
 
-/// "warning: plan.json: $[3].pose: ... [bad-pose]".
+/// "warning: plan.json: $[3].pose: ... [bad-pose]". A long place or message is cut at 400 bytes.
 std::string to_string(const Diagnostic& diagnostic);
 std::string to_string(Severity severity);
 std::size_t count(const std::vector<Diagnostic>& diagnostics, Severity severity);

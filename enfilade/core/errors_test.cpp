@@ -25,6 +25,17 @@ TEST(Diagnostic, NamesSeverityFilePlaceAndCode) {
   EXPECT_EQ(to_string(d), "warning: a.json: $[3].pose: 9 numbers, not 16 [bad-pose]");
 }
 
+TEST(Diagnostic, ShowsTheStartOfALongMessage) {
+  // The 400th byte is within a character of two bytes.
+  const std::string long_text = std::string(399, 'a') + "\xc3\xa4" + std::string(1000, 'b');
+  const std::string start = std::string(399, 'a') + "... (1401 bytes)";
+  const Diagnostic d{Severity::kError, "a.json", long_text, "bad-id", long_text};
+  EXPECT_EQ(to_string(d), "error: a.json: " + start + ": " + start + " [bad-id]");
+  EXPECT_EQ(InvalidInput({d}).what(), to_string(d));
+  const Diagnostic whole{Severity::kError, "a.json", "", "", std::string(400, 'a')};
+  EXPECT_EQ(to_string(whole), "error: a.json: " + whole.message);
+}
+
 TEST(InvalidInput, ListsErrorsOnlyAndCountsTheRest) {
   std::vector<Diagnostic> diagnostics{{Severity::kNote, "f", "", "", "a note"}};
   for (int i = 0; i < 12; ++i) {

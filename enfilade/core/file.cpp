@@ -1,13 +1,22 @@
 #include "enfilade/core/file.h"
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <memory>
+#include <new>
 #include <system_error>
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/mapped_file.h"
+#include "enfilade/core/numbers.h"
 
 namespace enfilade {
 namespace fs = std::filesystem;
@@ -26,15 +35,33 @@ constexpr std::string_view kPart = ".part";
                   std::generic_category().message(reason));
 }
 
-void write_whole(const fs::path& path, std::string_view content, const fs::path& named) {
-  File file(std::fopen(path.c_str(), "wb"));
-  if (!file) fail(named, "write", errno);
+// A temporary file is new: nothing that stands there is written to, and no link followed.
+constexpr int kNewFile = O_CREAT | O_EXCL | O_NOFOLLOW;
+
+void write_whole(const fs::path& path, int how, std::string_view content, const fs::path& named) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | how, 0666);
+  if (descriptor < 0) fail(named, "write", errno);
+  File file(::fdopen(descriptor, "wb"));
+  if (!file) {
+    const int reason = errno;
+    ::close(descriptor);
+    fail(named, "write", reason);
+  }
   if (std::fwrite(content.data(), 1, content.size(), file.get()) != content.size()) {
     fail(named, "write", errno);
   }
   // A full disk may be reported only when buffers are flushed, so closing is part of writing.
   if (std::fflush(file.get()) != 0) fail(named, "write", errno);
   if (std::fclose(file.release()) != 0) fail(named, "write", errno);
+}
+
+// Whether a temporary file's process still runs on this machine.
+bool is_being_written(const fs::path& part) {
+  const std::string ending = part.extension().string();
+  const auto process = parse_number<pid_t>(std::string_view(ending).substr(kPart.size()));
+  // One of our own number was left by a process before: containers give the same number again.
+  return process && *process > 0 && *process != ::getpid() &&
+         (::kill(*process, 0) == 0 || errno == EPERM);
 }
 
 }  // namespace
@@ -46,24 +73,51 @@ bool file_exists(const fs::path& path) {
   return exists;
 }
 
-std::string read_file(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) fail(path, "read", EISDIR);
-  const File file(std::fopen(path.c_str(), "rb"));
-  if (!file) fail(path, "open", errno);
+std::string read_file(const fs::path& path, std::size_t most) try {
+  // Without waiting: open() itself would wait for a pipe's writer.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  if (file.number() < 0) fail(path, "open", errno);
+  struct stat status {};
+  if (::fstat(file.number(), &status) != 0) fail(path, "read", errno);
+  if (S_ISDIR(status.st_mode)) fail(path, "read", EISDIR);
+  const bool plain = S_ISREG(status.st_mode), fifo = S_ISFIFO(status.st_mode);
+  if (!plain && !fifo) most = std::min(most, kMostDeviceBytes);
+  const auto too_large = [&] {
+    throw FileError(fmt::format("{}: cannot read: more than {} bytes", path.string(), most));
+  };
+  const std::size_t size = plain ? static_cast<std::size_t>(status.st_size) : 0;
+  if (size > most) too_large();
+  constexpr std::size_t kPiece = std::size_t{1} << 16U, kMostOfOneRead = std::size_t{1} << 30U;
+  constexpr int kPatience = 2000;  // milliseconds
   std::string content;
-  const std::uintmax_t size = fs::file_size(path, ignored);
-  // One byte over the size, so that the first read sees the end of an ordinary file.
-  std::size_t step = ignored ? std::size_t{1} << 16 : static_cast<std::size_t>(size) + 1;
+  content.reserve(size + 1);
   for (;;) {
+    pollfd one{file.number(), POLLIN, 0};
+    const bool silent = !plain && ::poll(&one, 1, kPatience) == 0;
     const std::size_t have = content.size();
+    // One byte over the size: it finds the end of an ordinary file, and room is reserved for it.
+    const std::size_t step =
+        have <= size && plain ? std::min(size + 1 - have, kMostOfOneRead) : kPiece;
     content.resize(have + step);
-    const std::size_t got = std::fread(content.data() + have, 1, step, file.get());
-    content.resize(have + got);
-    if (std::ferror(file.get()) != 0) fail(path, "read", errno);
-    if (got < step) return content;
-    step = std::size_t{1} << 16;
+    const ssize_t got = ::read(file.number(), content.data() + have, step);
+    const int reason = errno;
+    content.resize(have + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    if (content.size() > most) too_large();
+    if (got > 0 || (got < 0 && (reason == EAGAIN || reason == EINTR))) continue;
+    if (got < 0) fail(path, "read", reason);
+    if (!silent || !fifo) return content;
+    throw FileError(path.string() + ": cannot read: a pipe that no program writes to");
   }
+} catch (const std::bad_alloc&) {
+  fail(path, "read", ENOMEM);
+}
+
+void check_plain_file(const fs::path& path) {
+  std::error_code ignored;  // who opens the file says what is wrong
+  const fs::file_status status = fs::status(path, ignored);
+  if (!fs::exists(status) || fs::is_regular_file(status)) return;
+  if (fs::is_directory(status)) fail(path, "read", EISDIR);
+  throw FileError(path.string() + ": cannot read: not a plain file");
 }
 
 void write_file_atomically(const fs::path& path, std::string_view content) {
@@ -72,14 +126,15 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
   const fs::file_status status = fs::status(path, code);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     if (fs::is_directory(status)) fail(path, "write", EISDIR);
-    write_whole(path, content, path);
+    write_whole(path, O_TRUNC, content, path);
     return;
   }
   const fs::path target = fs::is_symlink(path, code) ? fs::weakly_canonical(path, code) : path;
   fs::path part = target;
   part += std::string(kPart) + std::to_string(::getpid());
+  fs::remove(part, code);  // of a killed process that had this number, or planted
   try {
-    write_whole(part, content, path);
+    write_whole(part, kNewFile, content, path);
   } catch (const FileError&) {
     fs::remove(part, code);
     throw;
@@ -104,11 +159,15 @@ bool is_unfinished(const fs::path& path) {
          ending.find_first_not_of("0123456789", kPart.size()) == std::string::npos;
 }
 
-void remove_unfinished(const fs::path& folder) {
+void remove_unfinished(const fs::path& folder, std::string_view ending) {
   std::error_code code;
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder, code)) {
-    if (is_unfinished(entry.path()) && entry.is_regular_file(code)) found.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, code)) {
+    const fs::path& path = entry.path();
+    if (is_unfinished(path) && path.stem().string().ends_with(ending) &&
+        entry.is_regular_file(code) && !is_being_written(path)) {
+      found.push_back(path);
+    }
   }
   for (const fs::path& file : found) {
     if (!fs::remove(file, code) && code) fail(file, "remove", code.value());

@@ -2,11 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <fstream>
 #include <string>
+#include <thread>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/core/mapped_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade {
@@ -80,17 +86,50 @@ TEST_F(FileTest, SaysWhyAFolderCannotBeMade) {
   }
 }
 
+TEST_F(FileTest, WritesToNoLinkThatStandsWhereThePartIsMade) {
+  write_file_atomically(folder_ / "others", "old");
+  fs::create_symlink("others", folder_ / ("a.part" + std::to_string(::getpid())));
+  write_file_atomically(folder_ / "a", "new");
+  EXPECT_EQ(read_file(folder_ / "others"), "old");
+  EXPECT_EQ(read_file(folder_ / "a"), "new");
+  EXPECT_FALSE(fs::is_symlink(folder_ / "a"));
+}
+
+// No process has so high a number.
+constexpr const char* kNobody = ".part999999999";
+
 TEST_F(FileTest, RemovesWhatKilledProcessesLeft) {
   fs::create_directories(folder_ / "below" / "b.part1");
-  for (const char* name : {"a.json.part4711", "a.json", "a.part", "a.part12b", "part12", "a.12",
-                           "below/a.json.part4711"}) {
+  const std::string left = std::string("a.json") + kNobody;
+  for (const std::string& name :
+       {left, std::string("a.json"), std::string("a.part"), std::string("a.part12b"),
+        std::string("part12"), std::string("a.12"), "below/" + left}) {
     write_file_atomically(folder_ / name, "");
   }
   remove_unfinished(folder_);
-  EXPECT_FALSE(fs::exists(folder_ / "a.json.part4711"));
+  EXPECT_FALSE(fs::exists(folder_ / left));
   EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder_), {}), 8) << "all the others";
   remove_unfinished(folder_ / "none");
   remove_unfinished(folder_ / "a.json");
+}
+
+TEST_F(FileTest, KeepsWhatAnotherProcessIsWriting) {
+  const fs::path running = folder_ / "a.json.part1";  // there is always a process 1
+  const fs::path own = folder_ / ("a.json.part" + std::to_string(::getpid()));
+  write_file_atomically(running, "half");
+  write_file_atomically(own, "half");
+  remove_unfinished(folder_);
+  EXPECT_TRUE(fs::exists(running));
+  EXPECT_FALSE(fs::exists(own)) << "left by an earlier process that had the same number";
+}
+
+TEST_F(FileTest, RemovesUnfinishedFilesOfChosenNamesOnly) {
+  for (const char* name : {"a.json", "b.tar"}) {
+    write_file_atomically(folder_ / (std::string(name) + kNobody), "half");
+  }
+  remove_unfinished(folder_, ".json");
+  EXPECT_FALSE(fs::exists(folder_ / (std::string("a.json") + kNobody)));
+  EXPECT_TRUE(fs::exists(folder_ / (std::string("b.tar") + kNobody)));
 }
 
 // As `-o /dev/stdout | less` has it: a link whose target has no name.
@@ -103,6 +142,44 @@ TEST_F(FileTest, WritesIntoPipes) {
   EXPECT_EQ(::read(ends[0], bytes, sizeof bytes), 4);
   EXPECT_EQ(std::string(bytes, 4), "text");
   ::close(ends[0]);
+}
+
+TEST_F(FileTest, ReadsAPipeToItsEnd) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string text(300'000, 'x');
+  std::thread writer([&] {
+    std::ofstream out(pipe, std::ios::binary);
+    out << text << std::flush;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2200));  // longer than the patience
+    out << "end";
+  });
+  EXPECT_EQ(read_file(pipe), text + "end");
+  writer.join();
+}
+
+// Each would hang, or take all memory.
+TEST_F(FileTest, WhatHasNoEndOrNoWriterIsRefused) {
+  const fs::path pipe = folder_ / "pipe", sparse = folder_ / "sparse";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  write_file_atomically(sparse, "");
+  fs::resize_file(sparse, std::uintmax_t{1} << 40U);
+  EXPECT_THAT([&] { read_file(pipe); },
+              ThrowsMessage<FileError>(HasSubstr("a pipe that no program writes to")));
+  EXPECT_THAT([] { read_file("/dev/zero"); },
+              ThrowsMessage<FileError>("/dev/zero: cannot read: more than 67108864 bytes"));
+  EXPECT_THAT([] { read_file("/dev/zero", 10); },
+              ThrowsMessage<FileError>(HasSubstr("more than 10 bytes")));
+  EXPECT_THAT([&] { read_file(sparse); },
+              ThrowsMessage<FileError>(HasSubstr("more than 4294967296 bytes")));
+  EXPECT_EQ(read_file("/dev/null"), "");
+  for (const fs::path& odd : {pipe, fs::path("/dev/zero"), folder_}) {
+    EXPECT_THROW(check_plain_file(odd), FileError) << odd;
+    EXPECT_THROW(MappedFile{odd}, FileError) << odd;
+    EXPECT_THROW(text_beginning(odd, 10), FileError) << odd;
+  }
+  check_plain_file(sparse);
+  check_plain_file(folder_ / "none");
 }
 
 TEST_F(FileTest, AFullDiskIsAnError) {

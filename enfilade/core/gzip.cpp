@@ -95,10 +95,11 @@ std::optional<std::string> name_before(const std::filesystem::path& file, std::s
 
 std::string read_text_file(const std::filesystem::path& path, std::size_t most) {
   const std::filesystem::path found = find_text_file(path);
-  std::string content = read_file(found);
+  std::string content = read_file(found, most);
   if (!content.starts_with(kGzipMark)) return content;
   try {
-    return gunzip(content, most);
+    return gunzip(content,
+                  std::min(most, std::max(kAlwaysUnpacked, kMostPacking * content.size())));
   } catch (const Error& error) {
     throw FileError(fmt::format("{}: cannot unpack: {}", found.string(), error.what()));
   }
@@ -106,7 +107,9 @@ std::string read_text_file(const std::filesystem::path& path, std::size_t most) 
 
 std::string text_beginning(const std::filesystem::path& path, std::size_t most) {
   const std::size_t wanted = most + kByteOrderMark.size();
-  std::ifstream file(find_text_file(path), std::ios::binary);
+  const std::filesystem::path found = find_text_file(path);
+  check_plain_file(found);
+  std::ifstream file(found, std::ios::binary);
   const auto read = [&](std::size_t bytes) {
     std::string piece(bytes, '\0');
     file.read(piece.data(), std::ssize(piece));
@@ -187,11 +190,13 @@ void Gunzip::add(std::string_view packed, const Take& take) {
 
 TextFile::TextFile(const std::filesystem::path& path, std::size_t most) {
   const std::filesystem::path found = find_text_file(path);
-  // What is small is read at once: mapping costs more. So are pipes, which have no size.
+  // What is small is read at once: mapping costs more. So are pipes, which have no size. What is
+  // too large is refused there.
   constexpr std::uintmax_t kLeastMapped = std::uintmax_t{1} << 20U;
   std::error_code code;
-  if (std::filesystem::is_regular_file(found, code) &&
-      std::filesystem::file_size(found, code) >= kLeastMapped) {
+  const bool plain = std::filesystem::is_regular_file(found, code);
+  const std::uintmax_t size = plain ? std::filesystem::file_size(found, code) : 0;
+  if (!code && size >= kLeastMapped && size <= most) {
     mapped_.emplace(found);
     const auto bytes = mapped_->bytes();
     text_ = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -26,6 +26,10 @@ std::string gunzip(std::string_view packed, std::size_t most);
 /// Largest size of a packed text file's content: ten times the largest annotations of the field
 /// (RxR's guide).
 inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 32U;
+/// A packed text file may have kAlwaysUnpacked bytes of content, or kMostPacking times its own size
+/// if that is more. Annotations stay below a third of it; a file of one repeated byte has 1000
+/// times.
+inline constexpr std::size_t kAlwaysUnpacked = std::size_t{1} << 26U, kMostPacking = 100;
 /// The file; where it is not there, the same packed (`x.json.gz` for `x.json`) or unpacked
 /// (`x.json` for `x.json.gz`). The file's own name if neither is there. All readers of text files
 /// below open what this finds.
@@ -34,11 +38,12 @@ std::filesystem::path find_text_file(const std::filesystem::path& path);
 /// ".json". No value for other names.
 std::optional<std::string> name_before(const std::filesystem::path& file, std::string_view ending);
 /// The content of a text file, unpacked if it begins as gzip does, whatever its name is.
-/// \throws FileError naming the path: as read_file(), and for gzip that is damaged or holds more
-/// than `most` bytes
+/// \throws FileError naming the path: as read_file(), and for gzip that is damaged, or holds more
+/// than `most` bytes or than its own size allows
 std::string read_text_file(const std::filesystem::path& path, std::size_t most = kMostTextBytes);
 /// The first `most` bytes of a text file without a byte-order mark, unpacked as read_text_file()
-/// does it. Of gzip that is damaged later, what comes before. \throws FileError naming the path
+/// does it. Of gzip that is damaged later, what comes before.
+/// \throws FileError naming the path, also if it is no plain file: reading a pipe would empty it
 std::string text_beginning(const std::filesystem::path& path, std::size_t most);
 
 /// Unpacks gzip as it arrives, also of several members, in 100 kB of memory. Belongs to one thread.

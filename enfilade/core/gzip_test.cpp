@@ -134,6 +134,16 @@ TEST(Gzip, TextFilesAreReadPackedOrPlain) {
               ThrowsMessage<FileError>(HasSubstr("more than 49999 bytes")));
 }
 
+TEST(Gzip, AFileOfRepeatedBytesIsUnpackedToABoundAlone) {
+  const tests::TemporaryFolder folder("gzip");
+  const auto file = folder.path() / "blanks.json.gz";
+  write_file_atomically(file, gzip(std::string(kAlwaysUnpacked, ' '), 9));
+  EXPECT_EQ(read_text_file(file).size(), kAlwaysUnpacked);
+  write_file_atomically(file, gzip(std::string(kAlwaysUnpacked + 1, ' '), 9));
+  EXPECT_THAT([&] { read_text_file(file); },
+              ThrowsMessage<FileError>(HasSubstr("more than 67108864 bytes")));
+}
+
 TEST(Gzip, TextFilesHaveANameBeforeTheirEnding) {
   EXPECT_EQ(name_before("some/a.json", ".json"), "a");
   EXPECT_EQ(name_before("some/a.b_c.json.gz", "_c.json"), "a.b");

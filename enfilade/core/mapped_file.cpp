@@ -14,20 +14,23 @@
 namespace enfilade {
 namespace {
 
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
+  throw FileError(fmt::format("{}: cannot be read: {}", path.string(), reason));
+}
 [[noreturn]] void fail(const std::filesystem::path& path, int reason) {
-  throw FileError(fmt::format("{}: cannot be read: {}", path.string(),
-                              std::generic_category().message(reason)));
+  fail(path, std::generic_category().message(reason));
 }
 
 }  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
-  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // Without waiting for a pipe's writer.
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   if (file.number() < 0) fail(path, errno);
   struct stat status {};
   if (fstat(file.number(), &status) != 0) fail(path, errno);
   if (S_ISDIR(status.st_mode)) fail(path, EISDIR);
-  if (!S_ISREG(status.st_mode)) fail(path, EINVAL);
+  if (!S_ISREG(status.st_mode)) fail(path, "not a plain file");
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) return;  // mmap refuses empty files
   void* memory = mmap(nullptr, size, PROT_READ, MAP_SHARED, file.number(), 0);

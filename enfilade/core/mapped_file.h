@@ -12,7 +12,7 @@ namespace enfilade {
 /// process (SIGBUS). Any thread may read.
 class MappedFile {
  public:
-  /// \throws FileError naming the path and the system's reason; a folder is not a file
+  /// \throws FileError naming the path and the system's reason; a folder, pipe or device is no file
   explicit MappedFile(const std::filesystem::path& path);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;

@@ -19,6 +19,10 @@ bool is_id(std::string_view text, std::size_t most = kLongestId) noexcept;
 /// Empty for an id.
 std::string fault_of_id(std::string_view text, std::size_t most = kLongestId);
 
+/// The place of the underscore between two ids, as in "<scan>_<viewpoint>": the last one that
+/// leaves two ids, else the last one; npos without any.
+std::size_t underscore_between_ids(std::string_view text) noexcept;
+
 /// Whether a text names a file or folder within its folder: 1 to 255 bytes, no `/`, no `\`, no
 /// control character, and no dot at the beginning. Blanks and other scripts are allowed.
 bool is_file_name(std::string_view text) noexcept;

@@ -94,5 +94,17 @@ TEST(Names, JsonIdsAreCheckedWhereTheyAreRead) {
   EXPECT_EQ(found[2].message, "an empty id");
 }
 
+TEST(UnderscoreBetweenIds, IsTheLastThatLeavesTwo) {
+  EXPECT_EQ(underscore_between_ids("one_v0"), 3U);
+  EXPECT_EQ(underscore_between_ids("a_b_c"), 3U);
+  EXPECT_EQ(underscore_between_ids("a_b_-1"), 1U) << "-1 is no id";
+  EXPECT_EQ(underscore_between_ids("a_b_"), 1U);
+  EXPECT_EQ(underscore_between_ids(std::string(100, 's') + "_" + std::string(60, 'v') + "_x"),
+            100U);
+  EXPECT_EQ(underscore_between_ids("one_../x"), 3U) << "none is left";
+  EXPECT_EQ(underscore_between_ids("_v"), 0U);
+  EXPECT_EQ(underscore_between_ids("v"), std::string_view::npos);
+}
+
 }  // namespace EN_UNIT
 }  // namespace enfilade

@@ -1,4 +1,4 @@
-/// \file  Numbers in text.
+/// \file  Numbers in text, and limits of numbers in files.
 #pragma once
 #include <charconv>
 #include <optional>
@@ -6,6 +6,11 @@
 #include <system_error>
 
 namespace enfilade {
+
+/// Limits of angles and positions in files. Real ones are some turns and some hundred metres;
+/// beyond these limits single precision has no centimetres, and sums may overflow.
+inline constexpr double kMostRadians = 1e4;
+inline constexpr double kMostMetres = 1e6;
 
 /// The number that is all of `text`, as std::from_chars reads it: integers in base 10.
 /// Floating-point numbers may have an exponent or be "inf" or "nan", with or without a sign. No

@@ -29,15 +29,14 @@ namespace {
 
 // The parts of a name, each checked.
 std::vector<std::string> parts_of(const fs::path& folder, std::string_view name) {
+  if (!OutputFolder::is_name(name)) {
+    throw ArgumentError(
+        fmt::format("{}: {} is not a name of a file in this folder", folder.string(), quote(name)));
+  }
   std::vector<std::string> parts;
   for (std::size_t at = 0; at <= name.size();) {
     const std::size_t end = std::min(name.find('/', at), name.size());
-    const std::string_view part = name.substr(at, end - at);
-    if (!is_file_name(part)) {
-      throw ArgumentError(fmt::format("{}: {} is not a name of a file in this folder",
-                                      folder.string(), quote(name)));
-    }
-    parts.emplace_back(part);
+    parts.emplace_back(name.substr(at, end - at));
     at = end + 1;
   }
   return parts;
@@ -51,8 +50,11 @@ Descriptor open_root(const fs::path& folder) {
   return Descriptor(root);
 }
 
-// Opens the folder of the first `count` parts, makes it if it is not there, follows no link.
-int open_below(const fs::path& folder, const std::vector<std::string>& parts, std::size_t count) {
+enum class Missing { kMake, kSkip };
+
+// Opens the folder of the first `count` parts, follows no link. A missing one is made, or gives -1.
+int open_below(const fs::path& folder, const std::vector<std::string>& parts, std::size_t count,
+               Missing missing = Missing::kMake) {
   const Descriptor root = open_root(folder);
   int at = ::fcntl(root.number(), F_DUPFD_CLOEXEC, 0);
   if (at < 0) stop(folder, "open", errno);
@@ -60,10 +62,12 @@ int open_below(const fs::path& folder, const std::vector<std::string>& parts, st
   for (std::size_t i = 0; i < count; ++i) {
     path /= parts[i];
     const Descriptor parent(at);
-    if (::mkdirat(at, parts[i].c_str(), 0777) != 0 && errno != EEXIST) {
+    if (missing == Missing::kMake && ::mkdirat(at, parts[i].c_str(), 0777) != 0 &&
+        errno != EEXIST) {
       stop(path, "make the folder", errno);
     }
     at = ::openat(parent.number(), parts[i].c_str(), kFolder | O_NOFOLLOW);
+    if (at < 0 && errno == ENOENT && missing == Missing::kSkip) return at;
     if (at < 0) stop(path, "open", errno);
   }
   return at;
@@ -152,10 +156,56 @@ OutputFolder OutputFolder::folder(std::string_view name) const {
 
 void OutputFolder::remove(std::string_view name) const {
   const std::vector<std::string> parts = parts_of(path_, name);
-  const Descriptor folder(open_below(path_, parts, parts.size() - 1));
-  if (::unlinkat(folder.number(), parts.back().c_str(), 0) != 0 && errno != ENOENT) {
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kSkip));
+  if (folder.number() >= 0 && ::unlinkat(folder.number(), parts.back().c_str(), 0) != 0 &&
+      errno != ENOENT) {
     stop(path_ / name, "remove", errno);
   }
+}
+
+bool OutputFolder::remove_empty(std::string_view name) const {
+  const std::vector<std::string> parts = parts_of(path_, name);
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kSkip));
+  return folder.number() >= 0 &&
+         ::unlinkat(folder.number(), parts.back().c_str(), AT_REMOVEDIR) == 0;
+}
+
+void OutputFolder::remove_all(std::string_view name) const {
+  const std::vector<std::string> parts = parts_of(path_, name);
+  const Descriptor folder(open_below(path_, parts, parts.size() - 1, Missing::kSkip));
+  std::error_code code;
+  if (folder.number() >= 0) fs::remove_all(path_ / name, code);
+  if (code) stop(path_ / name, "remove", code.value());
+}
+
+void OutputFolder::rename(std::string_view from, std::string_view to) const {
+  const std::vector<std::string> old = parts_of(path_, from), parts = parts_of(path_, to);
+  const Descriptor source(open_below(path_, old, old.size() - 1));
+  const Descriptor target(open_below(path_, parts, parts.size() - 1));
+  if (::renameat(source.number(), old.back().c_str(), target.number(), parts.back().c_str()) != 0) {
+    stop(path_ / to, "write", errno);
+  }
+}
+
+void OutputFolder::remove_unfinished(std::string_view folder, std::string_view ending) const {
+  if (folder.empty()) return enfilade::remove_unfinished(path_, ending);
+  const std::vector<std::string> parts = parts_of(path_, folder);
+  try {
+    const Descriptor there(open_below(path_, parts, parts.size(), Missing::kSkip));
+    if (there.number() < 0) return;
+  } catch (const FileError&) {
+    return;  // a link: what is behind it is not ours
+  }
+  enfilade::remove_unfinished(path_ / folder, ending);
+}
+
+bool OutputFolder::is_name(std::string_view name) noexcept {
+  for (std::size_t at = 0; at <= name.size();) {
+    const std::size_t end = std::min(name.find('/', at), name.size());
+    if (!is_file_name(name.substr(at, end - at))) return false;
+    at = end + 1;
+  }
+  return true;
 }
 
 }  // namespace enfilade

@@ -11,7 +11,7 @@ namespace enfilade {
 
 /// A folder that a program fills. All names are relative to it, with `/` between folders. Each part
 /// of a name is a name of a file (is_file_name()). No link below the folder is followed, so that a
-/// link which somebody else put there leads nowhere; the folder itself may be a link. Any thread
+/// link which another user put there leads nowhere; the folder itself may be a link. Any thread
 /// may call the const functions at once, for different names.
 class OutputFolder {
  public:
@@ -36,6 +36,20 @@ class OutputFolder {
 
   /// Removes a file or a link, not its target. Does nothing if there is none. \throws as write()
   void remove(std::string_view name) const;
+  /// Removes a folder if it is empty. \returns whether it did. \throws as write()
+  bool remove_empty(std::string_view name) const;
+  /// Removes a file, or a folder with everything in it; of links nothing but themselves. Does
+  /// nothing if there is none. \throws as write()
+  void remove_all(std::string_view name) const;
+  /// Renames a file or a folder. It replaces a file, a link or an empty folder. \throws as write()
+  void rename(std::string_view from, std::string_view to) const;
+
+  /// remove_unfinished() of core/file.h in a folder, which need not exist; empty: in this one. Does
+  /// nothing behind a link. \throws as write()
+  void remove_unfinished(std::string_view folder = {}, std::string_view ending = {}) const;
+
+  /// Whether a text is a name that write() takes.
+  static bool is_name(std::string_view name) noexcept;
 
  private:
   std::filesystem::path path_;

@@ -44,6 +44,10 @@ TEST_F(OutputFolderTest, RefusesNamesThatLeadElsewhere) {
     EXPECT_THROW(static_cast<void>(out_.file(name)), ArgumentError) << name;
     EXPECT_THROW(static_cast<void>(out_.folder(name)), ArgumentError) << name;
     EXPECT_THROW(out_.remove(name), ArgumentError) << name;
+    EXPECT_THROW(static_cast<void>(out_.remove_empty(name)), ArgumentError) << name;
+    EXPECT_THROW(out_.remove_all(name), ArgumentError) << name;
+    EXPECT_THROW(out_.rename("a", name), ArgumentError) << name;
+    EXPECT_THROW(out_.rename(name, "a"), ArgumentError) << name;
   }
   EXPECT_TRUE(fs::is_empty(out_.path()));
   EXPECT_FALSE(fs::exists(temp_.path() / "p" / "x"));
@@ -69,6 +73,38 @@ TEST_F(OutputFolderTest, FollowsNoLinkBelowIt) {
   out_.remove("c");
   EXPECT_FALSE(fs::exists(out_.path() / "c"));
   EXPECT_EQ(read_file(outside_ / "kept"), "old");
+}
+
+TEST_F(OutputFolderTest, RemovesAndRenamesWhatIsBelowIt) {
+  out_.write("a/b", "1");
+  EXPECT_FALSE(out_.remove_empty("a"));
+  out_.rename("a/b", "c/d");
+  EXPECT_EQ(read_file(out_.path() / "c" / "d"), "1");
+  EXPECT_TRUE(out_.remove_empty("a"));
+  EXPECT_FALSE(out_.remove_empty("a"));
+  out_.rename("c", "e");
+  EXPECT_EQ(read_file(out_.path() / "e" / "d"), "1");
+  out_.remove_all("e");
+  EXPECT_TRUE(fs::is_empty(out_.path()));
+  // Nothing is made for what is not there.
+  out_.remove("f/g");
+  out_.remove_all("f/g");
+  out_.remove_unfinished("f/g");
+  EXPECT_FALSE(out_.remove_empty("f/g"));
+  EXPECT_TRUE(fs::is_empty(out_.path()));
+}
+
+TEST_F(OutputFolderTest, RemovesNothingBehindALink) {
+  const fs::path kept = outside_ / "a.json.part999999999";
+  write_file_atomically(kept, "half");
+  fs::create_directory_symlink(outside_, out_.path() / "link");
+  EXPECT_THROW(out_.remove("link/a.json.part999999999"), FileError);
+  EXPECT_THROW(out_.remove_all("link/a.json.part999999999"), FileError);
+  out_.remove_unfinished("link");
+  EXPECT_THROW(out_.rename("link/a.json.part999999999", "b"), FileError);
+  out_.remove_all("link");
+  EXPECT_FALSE(fs::exists(fs::symlink_status(out_.path() / "link")));
+  EXPECT_TRUE(fs::exists(kept));
 }
 
 TEST_F(OutputFolderTest, ItsOwnPathMayBeALink) {

@@ -49,7 +49,10 @@ PartFile::~PartFile() {
 
 void PartFile::open_locked() {
   while (true) {
-    descriptor_ = open(part_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    descriptor_ = open(part_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno == ELOOP) {
+      throw FileError(part_.string() + ": cannot be written: a link stands there; remove it");
+    }
     if (descriptor_ < 0) fail("written");
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const int reason = errno;
@@ -62,7 +65,7 @@ void PartFile::open_locked() {
     // finished one.
     struct stat opened {
     }, named{};
-    if (fstat(descriptor_, &opened) == 0 && stat(part_.c_str(), &named) == 0 &&
+    if (fstat(descriptor_, &opened) == 0 && lstat(part_.c_str(), &named) == 0 &&
         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev) {
       return;
     }
@@ -106,7 +109,7 @@ void PartFile::finish() {
 void PartFile::remove() noexcept { unlink(part_.c_str()); }
 
 FolderLock::FolderLock(const std::filesystem::path& file)
-    : descriptor_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+    : descriptor_(::open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644)) {
   if (descriptor_.number() < 0) {
     throw FileError(
         fmt::format("{}: cannot write: {}", file.string(), std::generic_category().message(errno)));

@@ -17,8 +17,8 @@ class PartFile {
  public:
   /// Opens the part that exists, or makes an empty one. If `file` is a link, the part lies beside
   /// its target.
-  /// \throws FileError naming the path and the system's reason; also if another object has the part
-  /// open, or if `file` exists and is not a plain file
+  /// \throws FileError naming the path and the system's reason. Also if another object has the part
+  /// open, the part is a link, or `file` exists and is not a plain file
   explicit PartFile(const std::filesystem::path& file);
   ~PartFile();
   PartFile(const PartFile&) = delete;
@@ -47,7 +47,7 @@ class PartFile {
 class FolderLock {
  public:
   /// \param file created if it does not exist, and not removed
-  /// \throws FileError if another process holds the lock, or the file cannot be created
+  /// \throws FileError if another process holds the lock, the file cannot be created, or is a link
   explicit FolderLock(const std::filesystem::path& file);
 
  private:

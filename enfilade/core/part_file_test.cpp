@@ -69,6 +69,15 @@ TEST_F(PartFileTest, LiesBesideWhatALinkPointsTo) {
   EXPECT_EQ(read_file(folder_.path() / "real"), "new");
 }
 
+TEST_F(PartFileTest, FollowsNoLinkInPlaceOfThePart) {
+  write_file_atomically(folder_.path() / "others", "old");
+  fs::create_symlink("others", part_);
+  EXPECT_THAT([&] { PartFile part(file_); },
+              ThrowsMessage<FileError>(AllOf(HasSubstr("f.part"), HasSubstr("a link"))));
+  EXPECT_THROW(FolderLock lock(part_), FileError);
+  EXPECT_EQ(read_file(folder_.path() / "others"), "old");
+}
+
 TEST_F(PartFileTest, ReplacesPlainFilesOnly) {
   EXPECT_THAT([&] { PartFile part(folder_.path()); },
               ThrowsMessage<FileError>(HasSubstr("no plain file")));

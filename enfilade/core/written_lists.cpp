@@ -50,8 +50,8 @@ std::string plain_text(std::string content) {
   return content;
 }
 
-std::string read_plain_text(const std::filesystem::path& file) {
-  return plain_text(read_text_file(file));
+std::string read_plain_text(const std::filesystem::path& file, std::size_t most) {
+  return plain_text(read_text_file(file, most));
 }
 
 std::string_view trimmed(std::string_view text) noexcept {

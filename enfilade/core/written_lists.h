@@ -14,8 +14,11 @@ namespace enfilade {
 /// without a mark is returned unchanged.
 std::string plain_text(std::string content);
 
-/// The plain_text() of a file, which may be packed with gzip. \throws FileError naming the path
-std::string read_plain_text(const std::filesystem::path& file);
+/// More than any list that people write.
+inline constexpr std::size_t kMostListBytes = std::size_t{1} << 26U;
+/// The plain_text() of a file, which may be packed with gzip.
+/// \throws FileError naming the path, also for more than `most` bytes
+std::string read_plain_text(const std::filesystem::path& file, std::size_t most = kMostListBytes);
 
 /// Without the blanks, tabs, line breaks and no-break spaces at both ends.
 std::string_view trimmed(std::string_view text) noexcept;

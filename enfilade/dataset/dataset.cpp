@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/scan/data_root.h"
 #include "enfilade/scan/store.h"
 #include "enfilade/tasks/benchmark.h"
@@ -197,7 +198,7 @@ fs::path Dataset::episodes_file(const tasks::Benchmark& benchmark, std::string_v
   const std::vector<fs::path> places = tasks::episode_places(benchmark, split);
   if (!benchmark.continuous()) {
     return opened_->files().first_of(
-        fmt::format("annotations of split {:?} of {}", split, benchmark.title), places);
+        fmt::format("annotations of split {} of {}", quote(split), benchmark.title), places);
   }
   if (auto file = first_there(opened_->files().folder(), places)) return *std::move(file);
   std::vector<std::string> tried;
@@ -210,18 +211,23 @@ fs::path Dataset::episodes_file(const tasks::Benchmark& benchmark, std::string_v
 
 tasks::Split Dataset::split(const tasks::Benchmark& benchmark, std::string_view name,
                             const SplitOptions& options) const {
+  const fs::path file = episodes_file(benchmark, name);
   if (!benchmark.continuous()) {
-    return tasks::Split(episodes(benchmark.task, name, options.instructions));
+    tasks::Split read(episodes(benchmark.task, name, options.instructions));
+    tasks::require_episodes(read, file.string());
+    return read;
   }
   auto read = std::make_shared<const tasks::ContinuousEpisodes>(
-      tasks::load_continuous_episodes(episodes_file(benchmark, name), std::string(name)));
+      tasks::load_continuous_episodes(file, std::string(name)));
   std::shared_ptr<const tasks::ExpertWalks> experts;
   if (options.experts) {
-    if (const auto file = first_there(folder(), tasks::expert_places(benchmark, name))) {
-      experts = std::make_shared<const tasks::ExpertWalks>(tasks::load_expert_walks(*file));
+    if (const auto walks = first_there(folder(), tasks::expert_places(benchmark, name))) {
+      experts = std::make_shared<const tasks::ExpertWalks>(tasks::load_expert_walks(*walks));
     }
   }
-  return {benchmark, std::move(read), std::move(experts)};
+  const tasks::Split split(benchmark, std::move(read), std::move(experts));
+  tasks::require_episodes(split, file.string());
+  return split;
 }
 
 tasks::Annotations Dataset::annotations(tasks::Task task, std::string_view split) const {

@@ -86,8 +86,8 @@ class Dataset {
 
   /// A split of a benchmark of either world, from the places of tasks::episode_places(). Read anew
   /// by each call.
-  /// \throws FileError naming every place that was tried; InvalidInput; as graphs(), objects() and
-  /// tasks::make_episodes()
+  /// \throws FileError naming every place that was tried; InvalidInput, also for a split without
+  /// episodes; as graphs(), objects() and tasks::make_episodes()
   tasks::Split split(const tasks::Benchmark& benchmark, std::string_view name,
                      const SplitOptions& options = {}) const;
   /// Whether there is a file of a split, of any name.

@@ -33,6 +33,11 @@ void write(const fs::path& file, std::string_view text) {
   write_file_atomically(file, text);
 }
 
+constexpr const char* kEpisode =
+    R"({"episodes": [{"episode_id": 7, "trajectory_id": 15, "scene_id": "mp3d/one/one.glb",
+        "start_position": [1, 2, 3], "start_rotation": [0, 0, 0, 1],
+        "instruction": {"instruction_text": "Go."}}]})";
+
 // A square building with one path, in Enfilade's layout.
 void write_square(const fs::path& folder) {
   write(folder / "connectivity/scans.txt", "square\n");
@@ -42,6 +47,24 @@ void write_square(const fs::path& folder) {
         R"([{"path_id": 7, "scan": "square", "heading": 0, "path": ["v0", "v1", "v2"],
              "distance": 4, "instructions": ["one", "two", "three", "four"]}])");
   write(folder / "regions/region_to_panorama.json", R"({"square": {"0": ["v0", "v1"]}})");
+}
+
+// Means over none would be nothing that a table can show.
+TEST(Dataset, ASplitWithoutEpisodesIsRefused) {
+  const tests::TemporaryFolder made("dataset_empty");
+  write_square(made.path());
+  write(made.path() / "r2r/R2R_val_seen.json", "[]");
+  const tasks::Benchmark& continuous = tasks::benchmark("r2r-ce");
+  const fs::path unpacked = tasks::episode_places(continuous, "val_seen").at(1);
+  write(made.path() / unpacked, R"({"episodes": []})");
+  const Dataset data(made.path());
+  EXPECT_EQ(data.split(tasks::benchmark("r2r"), "val_unseen").size(), 3U);
+  const std::string where =
+      "R2R_val_seen.json: $: split \"val_seen\": the annotations have no episode";
+  EXPECT_THAT([&] { data.split(tasks::benchmark("r2r"), "val_seen"); },
+              ThrowsMessage<InvalidInput>(HasSubstr(where)));
+  EXPECT_THAT([&] { data.split(continuous, "val_seen"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("[no-episodes]")));
 }
 
 // Lines that name who sees their objects need no boxes; where there are some, agents get them.
@@ -103,6 +126,18 @@ TEST(Dataset, HasGraphsEpisodesAndRegions) {
   EXPECT_EQ(data.panoramas()->find_source(ScanIndex(0)), nullptr);
 }
 
+TEST(Dataset, ListsASplitOnceThatHasTwoNames) {
+  const tests::TemporaryFolder made("dataset_names");
+  write_square(made.path());
+  write(made.path() / "cvdn/test_cleaned.json", "[]");
+  const Dataset data(made.path());
+  const tasks::Benchmark& cvdn = tasks::benchmark("cvdn");
+  EXPECT_THAT(data.splits(cvdn), ElementsAre("test"));
+  for (const char* name : {"test", "test_cleaned"}) {
+    EXPECT_EQ(data.episodes_file(cvdn, name), made.path() / "cvdn/test_cleaned.json");
+  }
+}
+
 // As people unpack what was packed, and pack what was not.
 TEST(Dataset, FilesMayBePackedOrPlain) {
   const tests::TemporaryFolder made("dataset_packed");
@@ -122,9 +157,9 @@ TEST(Dataset, FilesMayBePackedOrPlain) {
   EXPECT_EQ(data.find_episodes(vlnce, "val_seen"), std::nullopt);
   for (const char* file : {"R2R_VLNCE_v1-3_preprocessed/val_seen/val_seen.json",
                            "vlnce/val_seen.json", "vlnce/val_seen.json.gz"}) {
-    write(made.path() / file, R"({"episodes": []})");
+    write(made.path() / file, kEpisode);
     EXPECT_EQ(data.find_episodes(vlnce, "val_seen"), made.path() / file);
-    EXPECT_EQ(data.split(vlnce, "val_seen").size(), 0U);
+    EXPECT_EQ(data.split(vlnce, "val_seen").size(), 1U);
   }
 }
 

@@ -62,8 +62,9 @@ std::optional<MeshFile> of_matterport(const fs::path& data, const std::string& s
     const fs::path folder = data / scans / scan / "matterport_mesh";
     std::error_code none;
     std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder, none)) {
-      if (entry.path().extension() == ".obj") files.push_back(entry.path());
+    for (fs::recursive_directory_iterator entry(folder, none), end; !none && entry != end;
+         entry.increment(none)) {
+      if (entry->path().extension() == ".obj") files.push_back(entry->path());
     }
     if (!files.empty()) return MeshFile{*std::ranges::min_element(files)};
   }

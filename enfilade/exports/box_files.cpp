@@ -10,6 +10,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/mesh/ray_tracer.h"
 #include "enfilade/mesh/segmentation.h"
@@ -70,7 +71,7 @@ ObjectBoxes boxes_of_meshes(const graph::GraphSet& graphs, const fs::path& conne
 }
 
 void write_box_folder(const ObjectBoxes& boxes, const fs::path& folder) {
-  make_folder(folder);
+  const OutputFolder out(folder);
   // One file of this form has a viewpoint a line: "<scan>_<viewpoint>":{"<viewpoint>":{...}}
   const std::string all = boxes.to_json(true);
   for (std::size_t start = 0; start < all.size();) {
@@ -81,8 +82,8 @@ void write_box_folder(const ObjectBoxes& boxes, const fs::path& folder) {
     if (line.ends_with(',')) line.remove_suffix(1);
     const std::size_t close = line.find("\":");
     const std::string name(line.substr(1, close - 1));
-    write_file_atomically(folder / (detail::checked_file_name(name) + ".json"),
-                          std::string(line.substr(close + 2)) + "\n");
+    out.write(detail::checked_file_name(name) + ".json",
+              std::string(line.substr(close + 2)) + "\n");
   }
 }
 

@@ -57,6 +57,17 @@ TEST(BoxFiles, NamesThatLeaveTheFolderAreRefused) {
               HasSubstr("\"../s_v0\": not a name of a file"));
 }
 
+TEST(BoxFiles, ReplaceALinkInsteadOfItsTarget) {
+  const tests::TemporaryFolder folder("box_files");
+  const std::filesystem::path outside = folder.path() / "outside", out = folder.path() / "out";
+  write_file_atomically(outside, "kept");
+  std::filesystem::create_directory(out);
+  std::filesystem::create_symlink(outside, out / "s_v1.json");
+  write_box_folder(boxes_of_graphs(pot(), *square()), out);
+  EXPECT_EQ(read_file(outside), "kept");
+  EXPECT_EQ(read_file(out / "s_v1.json"), "{\"v1\":{}}\n");
+}
+
 TEST(BoxFiles, NameThePlacesOfAMeshThatIsNotThere) {
   const tests::TemporaryFolder folder("box_files");
   EXPECT_THAT(tests::refusal<LookupError>(

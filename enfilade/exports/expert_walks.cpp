@@ -18,6 +18,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/image/codecs.h"
@@ -70,11 +71,10 @@ std::string description(std::string_view form, const WalkPictures& o,
   return all.dump(1) + "\n";
 }
 
-void claim_folder(const fs::path& folder, const std::string& is) {
-  make_folder(folder);
-  const fs::path file = folder / "enfilade_export.json";
+void claim_folder(const OutputFolder& folder, const std::string& is) {
+  const fs::path file = folder.path() / "enfilade_export.json";
   if (!file_exists(file)) {
-    write_file_atomically(file, is);
+    folder.write("enfilade_export.json", is);
   } else if (read_file(file) != is) {
     throw FileError(fmt::format("{}: the folder has pictures of other options; take another folder",
                                 file.string()));
@@ -182,7 +182,7 @@ Rollouts walk_as_expert(std::string_view form, const ExpertWalks& walks, const f
   walked.too_long = std::erase_if(walked.walks, [&](const ContinuousResult& walk) {
     return walk.actions.size() > pictures.most_actions;
   });
-  claim_folder(folder, description(form, pictures, walks.simulator));
+  claim_folder(OutputFolder(folder), description(form, pictures, walks.simulator));
   return walked;
 }
 
@@ -230,33 +230,28 @@ WalkReport draw_walks(const Rollouts& walked, const WalkPictures& pictures,
   return report;
 }
 
-/// Writes pictures into `folder`, which appears when all are there.
+/// Writes pictures into `folder` of `out`, which appears when all are there.
 /// \param name  of the k-th picture
-void write_picture_folder(const fs::path& folder, const DrawnWalk& walk,
+void write_picture_folder(const OutputFolder& out, const std::string& folder, const DrawnWalk& walk,
                           const std::function<std::string(std::size_t)>& name) {
-  fs::path part = folder;
-  part += ".part";
-  std::error_code none;
-  fs::remove_all(part, none);
+  const std::string part = folder + ".part";
+  out.remove_all(part);
   for (std::size_t k = 0; k < walk.pictures.size(); ++k) {
-    const fs::path file = part / name(k);
-    make_folder(file.parent_path());
-    write_file_atomically(file, walk.pictures[k]);
+    out.write(part + "/" + name(k), walk.pictures[k]);
   }
-  std::error_code failed;
-  fs::rename(part, folder, failed);
-  if (failed) throw FileError(fmt::format("{}: {}", folder.string(), failed.message()));
+  out.rename(part, folder);
 }
 
 /// Renders each trajectory into a folder of its own. \param name  of the k-th picture
-WalkReport draw_folders(const Rollouts& walked, const WalkPictures& pictures,
-                        const ExportOptions& options,
-                        const std::function<fs::path(std::size_t)>& folder_of,
+WalkReport draw_folders(const Rollouts& walked, const OutputFolder& out,
+                        const WalkPictures& pictures, const ExportOptions& options,
+                        const std::function<std::string(std::size_t)>& folder_of,
                         const std::function<std::string(std::size_t)>& name) {
   return draw_walks(
-      walked, pictures, options, [&](std::size_t k) { return file_exists(folder_of(k)); },
+      walked, pictures, options,
+      [&](std::size_t k) { return file_exists(out.path() / folder_of(k)); },
       [&](std::size_t k, const DrawnWalk& drawn) {
-        write_picture_folder(folder_of(k), drawn, name);
+        write_picture_folder(out, folder_of(k), drawn, name);
       });
 }
 
@@ -270,7 +265,8 @@ std::string digits(const std::string& id) {
 }
 
 std::string video_of(const ContinuousEpisode& e, const WalkPictures& pictures) {
-  return fmt::format("images/{}_{}_{}", e.scan(), pictures.data, digits(tasks::text_of(e.id)));
+  return "images/" + detail::checked_file_name(fmt::format("{}_{}_{}", e.scan(), pictures.data,
+                                                           digits(tasks::text_of(e.id))));
 }
 
 std::string annotation(const ContinuousResult& walk, const ContinuousEpisode& e,
@@ -413,59 +409,60 @@ std::vector<image::Image8> draw_poses(const ContinuousResult& walk,
 WalkReport write_streamvln(const ExpertWalks& walks, const fs::path& folder,
                            const WalkPictures& pictures, const ExportOptions& options) {
   const Rollouts walked = walk_as_expert("streamvln", walks, folder, pictures);
-  make_folder(folder / "images");
+  const OutputFolder out(folder);
+  static_cast<void>(out.folder("images"));
   const WalkReport report = draw_folders(
-      walked, pictures, options,
-      [&](std::size_t k) { return folder / video_of(walked.episode(k), pictures); },
+      walked, out, pictures, options,
+      [&](std::size_t k) { return video_of(walked.episode(k), pictures); },
       [](std::size_t i) { return fmt::format("rgb/{:03}.jpg", i + 1); });
   std::string text = "[";
   for (std::size_t k = 0; k < walked.walks.size(); ++k) {
     text += (k > 0 ? ",\n" : "\n") + annotation(walked.walks[k], walked.episode(k), pictures);
   }
-  write_file_atomically(folder / "annotations.json", text + "\n]\n");
+  out.write("annotations.json", text + "\n]\n");
   return report;
 }
 
 WalkReport write_navila(const ExpertWalks& walks, const fs::path& folder,
                         const WalkPictures& pictures, const ExportOptions& options) {
   const Rollouts walked = walk_as_expert("navila", walks, folder, pictures);
-  const fs::path base = folder / (pictures.data == "rxr" ? "RxR" : "R2R");
-  const fs::path split = base / walks.episodes.split;
-  make_folder(split);
+  const OutputFolder out = OutputFolder(folder).folder(pictures.data == "rxr" ? "RxR" : "R2R");
+  const std::string& split = walks.episodes.split;
+  static_cast<void>(out.folder(split));
   const WalkReport report = draw_folders(
-      walked, pictures, options,
+      walked, out, pictures, options,
       [&](std::size_t k) {
-        return split / detail::checked_file_name(tasks::text_of(walked.episode(k).id));
+        return split + "/" + detail::checked_file_name(tasks::text_of(walked.episode(k).id));
       },
       [](std::size_t i) { return fmt::format("frame_{}.jpg", i); });
   std::string text = "[";
   for (std::size_t k = 0; k < walked.walks.size(); ++k) {
     annotate(walked.walks[k], walked.episode(k), walks.simulator, text);
   }
-  write_file_atomically(base / "annotations.json", text + "\n]\n");
+  out.write("annotations.json", text + "\n]\n");
   return report;
 }
 
 WalkReport write_lerobot_parts(const ExpertWalks& walks, const fs::path& folder,
                                const WalkPictures& pictures, const ExportOptions& options) {
   const Rollouts walked = walk_as_expert("lerobot", walks, folder, pictures);
-  const fs::path parts = folder / "enfilade_export.parts";
+  const OutputFolder parts = OutputFolder(folder).folder("enfilade_export.parts");
   const auto part = [&](std::size_t k, const char* suffix) {
-    return parts / fmt::format("{:06}{}", k, suffix);
+    return fmt::format("{:06}{}", k, suffix);
   };
-  make_folder(parts);
-  const PlannedTables tables(folder, parts);
+  const auto is_there = [&](const std::string& name) { return file_exists(parts.path() / name); };
+  const PlannedTables tables(folder, parts.path());
   const auto has_table = [&](std::size_t k) {
     // Folders of before there were plans have the tables of version 2.1.
     const auto old = fmt::format("data/chunk-{:03}/episode_{:06}.parquet", k / kChunk, k);
-    return file_exists(part(k, ".json")) && (tables.has(k) || file_exists(folder / old));
+    return is_there(part(k, ".json")) && (tables.has(k) || file_exists(folder / old));
   };
   const WalkReport report = draw_walks(
       walked, pictures, options,
-      [&](std::size_t k) { return file_exists(part(k, "")) || has_table(k); },
+      [&](std::size_t k) { return is_there(part(k, "")) || has_table(k); },
       [&](std::size_t k, const DrawnWalk& drawn) {
-        write_file_atomically(part(k, ".rows.json"), rows_text(drawn));
-        write_picture_folder(part(k, ""), drawn,
+        parts.write(part(k, ".rows.json"), rows_text(drawn));
+        write_picture_folder(parts, part(k, ""), drawn,
                              [](std::size_t i) { return fmt::format("frame_{:06}.jpg", i); });
       });
   Json episodes = Json::array();
@@ -473,13 +470,13 @@ WalkReport write_lerobot_parts(const ExpertWalks& walks, const fs::path& folder,
     episodes.push_back(Json{{"instruction", walked.episode(k).instruction.text},
                             {"length", walked.walks[k].actions.size()}});
   }
-  write_file_atomically(parts / "episodes.json", Json{{"split", walks.episodes.split},
-                                                      {"width", pictures.camera.width},
-                                                      {"height", pictures.camera.height},
-                                                      {"chunk", kChunk},
-                                                      {"episodes", std::move(episodes)}}
-                                                         .dump() +
-                                                     "\n");
+  parts.write("episodes.json", Json{{"split", walks.episodes.split},
+                                    {"width", pictures.camera.width},
+                                    {"height", pictures.camera.height},
+                                    {"chunk", kChunk},
+                                    {"episodes", std::move(episodes)}}
+                                       .dump() +
+                                   "\n");
   return report;
 }
 

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -120,6 +122,39 @@ TEST(StreamVln, WantsPhotographsForTheirAppearance) {
   WalkPictures panoramas = World::small();
   panoramas.appearance = continuous::Appearance::kPanoramas;
   EXPECT_THROW(world.write(folder.path(), panoramas), ArgumentError);
+}
+
+// Each form, with the folder that it puts walks into.
+constexpr std::array<std::pair<decltype(&write_streamvln), const char*>, 3> kForms{
+    {{&write_streamvln, "images"},
+     {&write_navila, "R2R/train"},
+     {&write_lerobot_parts, "enfilade_export.parts"}}};
+
+TEST(ExpertWalkForms, FollowNoLinkThatSomebodyPutIntoTheFolder) {
+  const World world;
+  for (const auto& [write, link] : kForms) {
+    SCOPED_TRACE(link);
+    const tests::TemporaryFolder folder("walks");
+    const fs::path out = folder.path() / "out", outside = folder.path() / "outside";
+    fs::create_directories((out / link).parent_path());
+    fs::create_directory(outside);
+    fs::create_directory_symlink(outside, out / link);
+    EXPECT_THROW(write(world.walks(), out, World::small(), {}), FileError);
+    EXPECT_TRUE(fs::is_empty(outside));
+  }
+}
+
+TEST(ExpertWalkForms, RefuseAnIdThatLeadsOutOfTheFolder) {
+  World world;
+  world.episodes.episodes[1].id = std::string("/../../../outside/x");
+  for (const auto& [write, link] : kForms) {
+    if (write == &write_lerobot_parts) continue;  // its walks have numbers
+    SCOPED_TRACE(link);
+    const tests::TemporaryFolder folder("walks");
+    fs::create_directory(folder.path() / "outside");
+    EXPECT_THROW(write(world.walks(), folder.path() / "out", World::small(), {}), ArgumentError);
+    EXPECT_TRUE(fs::is_empty(folder.path() / "outside"));
+  }
 }
 
 TEST(StreamVln, LeavesOutLongWalksAndRefusesHiddenPaths) {

@@ -14,6 +14,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/exports/detail/scan_parts.h"
 #include "enfilade/image/codecs.h"
@@ -35,16 +36,16 @@ std::unique_ptr<render::Renderer> make_renderer(const dataset::Dataset& data, in
 
 // --- pictures ---
 
-void check_note(const fs::path& folder, const dataset::Dataset& data,
+void check_note(const OutputFolder& folder, const dataset::Dataset& data,
                 const ViewPicturesOptions& pictures) {
   std::string note = fmt::format(
       "{} x {} pixels, {:.9g} degrees, quality {}\n", pictures.camera.width, pictures.camera.height,
       to_degrees(pictures.camera.vertical_field_of_view), pictures.quality);
   // Without a folder, graphs and panoramas are named one by one.
   if (!data.folder().empty()) note += fs::absolute(data.folder()).string() + "\n";
-  const fs::path file = folder / "enfilade_views.txt";
+  const fs::path file = folder.path() / "enfilade_views.txt";
   if (!file_exists(file)) {
-    write_file_atomically(file, note);
+    folder.write("enfilade_views.txt", note);
   } else if (const std::string other = read_file(file); other != note) {
     throw FileError(fmt::format(
         "{}: the folder has other pictures, of {:?}, not {:?}; remove it or name another folder",
@@ -62,23 +63,21 @@ class PictureWriter {
         renderer_(make_renderer(data, threads)) {}
 
   /// Makes the folder of a viewpoint, which is not there.
-  void write(ScanIndex scan, ViewpointIndex viewpoint, const fs::path& folder) {
+  void write(ScanIndex scan, ViewpointIndex viewpoint, const OutputFolder& out,
+             const std::string& folder) {
     render::Outputs outputs;
     outputs.colour.emplace().pixels = std::as_writable_bytes(std::span(pixels_));
     renderer_->render(pictures_.camera, render::discrete_views(scan, viewpoint), outputs);
-    const fs::path part = folder.string() + ".part";
-    make_folder(part);
+    const std::string part = folder + ".part";
+    out.remove_all(part);  // of a killed run
     parallel_for(kDiscreteViews, 1, threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t view = begin; view < end; ++view) {
         const std::vector<std::uint8_t> jpeg = encode(view);
-        write_file_atomically(
-            part / fmt::format("{}.jpg", view),
-            std::string_view(reinterpret_cast<const char*>(jpeg.data()), jpeg.size()));
+        out.write(fmt::format("{}/{}.jpg", part, view),
+                  std::string_view(reinterpret_cast<const char*>(jpeg.data()), jpeg.size()));
       }
     });
-    std::error_code error;
-    fs::rename(part, folder, error);
-    if (error) throw FileError(fmt::format("{}: {}", folder.string(), error.message()));
+    out.rename(part, folder);
   }
 
  private:
@@ -152,21 +151,20 @@ ViewPicturesReport write_view_pictures(const dataset::Dataset& data, const fs::p
                                        const ExportOptions& options) {
   validate(pictures.camera);
   check_range("quality", pictures.quality, 1, 100);
-  make_folder(folder);
-  check_note(folder, data, pictures);
+  const OutputFolder out(folder);
+  check_note(out, data, pictures);
   const graph::GraphSet& graphs = *data.graphs();
   const std::size_t total = detail::included_count(graphs);
   PictureWriter writer(data, pictures, options.threads);
   ViewPicturesReport report;
   for (std::size_t i = 0; i < graphs.size(); ++i) {
     const graph::NavGraph& graph = graphs.graph(ScanIndex(i));
-    make_folder(folder / graph.scan());
     for (const ViewpointIndex v : detail::included(graph)) {
-      const fs::path place = folder / graph.scan() / detail::checked_file_name(graph.id(v));
-      if (file_exists(place)) {
+      const std::string place = graph.scan() + "/" + detail::checked_file_name(graph.id(v));
+      if (file_exists(folder / place)) {
         ++report.kept;
       } else {
-        writer.write(ScanIndex(i), v, place);
+        writer.write(ScanIndex(i), v, out, place);
       }
       ++report.viewpoints;
       if (options.progress) options.progress(report.viewpoints, total);

@@ -52,6 +52,20 @@ TEST_F(PictureFiles, ViewsAreJpegsOfTheirNumber) {
               HasSubstr("the folder has other pictures"));
 }
 
+TEST_F(PictureFiles, FollowNoLinkThatSomebodyPutIntoTheFolder) {
+  const std::filesystem::path outside = place("outside");
+  std::filesystem::create_directory(outside);
+  std::filesystem::create_directory(place("views"));
+  std::filesystem::create_directory_symlink(outside, place("views") / "made");
+  const ViewPicturesOptions small{.camera = {32, 24, degrees(60)}};
+  EXPECT_THROW(write_view_pictures(data_, place("views"), small), FileError);
+  // Parts of a job that the link's target claims to have begun.
+  std::filesystem::create_directory_symlink(outside, place("depth.hdf5.parts"));
+  write_gridmm_depth(data_, place("depth.hdf5"));
+  EXPECT_TRUE(file_exists(place("depth.hdf5")));
+  EXPECT_TRUE(std::filesystem::is_empty(outside));
+}
+
 TEST_F(PictureFiles, DepthsAreWrittenForEachViewpoint) {
   std::size_t last = 0;
   const ExportOptions options{.progress = [&](std::size_t done, std::size_t total) {

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/features/formats/feature_rows.h"
 
 namespace enfilade::features {
@@ -39,7 +40,7 @@ const Format& find_format(const fs::path& file) {
 }
 
 std::string place_of(const FeatureKey& key) {
-  return fmt::format("scan {:?}, viewpoint {:?}", key.scan, key.viewpoint);
+  return fmt::format("scan {}, viewpoint {}", quote(key.scan), quote(key.viewpoint));
 }
 
 void check_info(const fs::path& file, const FeatureInfo& info) {
@@ -54,16 +55,16 @@ void check_info(const fs::path& file, const FeatureInfo& info) {
   validate(info.camera);
 }
 
-// Each viewpoint needs a name of its own, which all formats can hold.
+// Each viewpoint needs a name of its own, which is read back.
 void check_keys(const fs::path& file, const std::vector<FeatureKey>& keys) {
   if (keys.empty()) throw ArgumentError(file.string() + ": features of no viewpoint");
-  const auto unfit = [](unsigned char c) { return c < 0x20 || c == '/' || c == 0x7f; };
   std::unordered_map<std::string, std::size_t> names;
   for (const FeatureKey& key : keys) {
     const std::string name = formats::name_of(key);
-    if (key.scan.empty() || key.viewpoint.empty() || std::ranges::any_of(name, unfit)) {
-      throw ArgumentError(fmt::format("{}: {}: not names without control characters and \"/\"",
-                                      file.string(), place_of(key)));
+    for (const std::string& id : {key.scan, key.viewpoint}) {
+      const std::string fault = fault_of_id(id);
+      if (!fault.empty())
+        throw ArgumentError(fmt::format("{}: {}: {}", file.string(), place_of(key), fault));
     }
     if (!names.emplace(name, names.size()).second) {
       throw ArgumentError(fmt::format("{}: {} comes twice", file.string(), place_of(key)));
@@ -240,7 +241,7 @@ namespace {
 std::string text_of(const FeatureInfo& info) {
   std::string text = fmt::format("{} views of {} dimensions", info.views, info.dimensions);
   for (const auto& [name, value] : formats::metadata_of(info)) {
-    text += fmt::format(", {} {:?}", name, value);
+    text += fmt::format(", {} {}", name, quote(value));
   }
   return text;
 }
@@ -254,10 +255,11 @@ void convert_features(std::span<const fs::path> from, const fs::path& to, DType 
   std::unordered_map<std::string, std::size_t> origins;
   for (std::size_t i = 0; i < from.size(); ++i) {
     sets.push_back(FeatureSet::open(from[i]));
-    const std::string here = text_of(sets[i].info()), first = text_of(sets[0].info());
-    if (here != first) {
+    const FeatureInfo &here = sets[i].info(), &first = sets[0].info();
+    if (here.views != first.views || here.dimensions != first.dimensions ||
+        formats::metadata_of(here) != formats::metadata_of(first)) {
       refuse(from[i].string(), "", "differing-info",
-             fmt::format("{}; not {} as in {}", here, first, from[0].string()));
+             fmt::format("{}; not {} as in {}", text_of(here), text_of(first), from[0].string()));
     }
     for (const FeatureKey& key : sets[i].keys()) {
       const auto [origin, fresh] = origins.emplace(formats::name_of(key), i);

@@ -272,8 +272,8 @@ TEST_F(FeatureSetTest, WhatCannotBeWrittenIsTheCallersMistake) {
   EXPECT_THAT(refusal(info, {}), HasSubstr("of no viewpoint"));
   EXPECT_THAT(refusal(info, keys_of({"aa", "aa"})), HasSubstr("viewpoint \"aa\" comes twice"));
   EXPECT_THAT(refusal(info, {{"s", "a_b"}, {"s_a", "b"}}), HasSubstr("comes twice"));
-  EXPECT_THAT(refusal(info, {{"s/t", "a"}}), HasSubstr("\"/\""));
-  EXPECT_THAT(refusal(info, {{"s", "a\tb"}}), HasSubstr("control characters"));
+  EXPECT_THAT(refusal(info, {{"s/t", "a"}}), HasSubstr("\"s/t\" is not an id"));
+  EXPECT_THAT(refusal(info, {{"s", "a\tb"}}), HasSubstr("viewpoint \"a\\tb\": \"a\\tb\" is not"));
   EXPECT_THAT(refusal(info, {{"", "a"}}), HasSubstr("scan \"\""));
   info.dimensions = 0;
   EXPECT_THAT(refusal(info, keys_of({"aa"})), HasSubstr("36 views of 0 dimensions"));
@@ -466,7 +466,7 @@ TEST_F(FeatureSetTest, TsvThatIsWrongIsRefused) {
   EXPECT_THAT(refusal("\n"), HasSubstr("no-features"));
   EXPECT_THAT(refusal(good + "a\tb\n"), HasSubstr("row 2: 2 columns, not the 6"));
   EXPECT_THAT(refusal(good + tsv_row("bb", ones() + "\t")), HasSubstr("row 2: 7 columns"));
-  EXPECT_THAT(refusal(tsv_row("", ones())), HasSubstr("row 1: no scan or no viewpoint"));
+  EXPECT_THAT(refusal(tsv_row("", ones())), HasSubstr("row 1: an empty id"));
   EXPECT_THAT(refusal(good + good), AllOf(HasSubstr("\"aa\""), HasSubstr("comes twice")));
   EXPECT_THAT(refusal(good + tsv_row("bb", ones() + ones())),
               HasSubstr("viewpoint \"bb\": 2 numbers a view, not 1 as the first"));

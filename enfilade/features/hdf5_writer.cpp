@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/hdf5_datasets.h"
 
@@ -95,11 +96,12 @@ struct Hdf5Writer::Impl {
   void clear_name(const std::string& name) const {
     check_text("a name", name);
     if (name.empty() || name.find('/') != std::string::npos) {
-      throw ArgumentError(fmt::format("{:?}: not a name of an array in the root group", name));
+      throw ArgumentError(
+          fmt::format("{}: not a name of an array in the root group", quote(name, 100)));
     }
     if (H5Lexists(handle.id(), name.c_str(), H5P_DEFAULT) > 0) {
       if (replaces) return check(H5Ldelete(handle.id(), name.c_str(), H5P_DEFAULT) >= 0);
-      throw ArgumentError(fmt::format("{}: {:?} is there already", part.string(), name));
+      throw ArgumentError(fmt::format("{}: {} is there already", part.string(), quote(name, 100)));
     }
   }
 

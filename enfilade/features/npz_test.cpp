@@ -105,6 +105,14 @@ TEST_F(NpzTest, AnArrayOfAnotherTypeIsLeftOut) {
   EXPECT_THAT(refusal({{"b.npy", npy("<i2", "False", "(1,)", "\1\2")}}), HasSubstr("<i2"));
 }
 
+// 3 x 40 MB of zeros, in 120 kB.
+TEST_F(NpzTest, ZerosThatTakeMuchMemoryAreRefused) {
+  const std::string zeros = scan::write_npy(std::vector<float>(10'000'000), {10'000'000});
+  EXPECT_EQ(open({{"a.npy", zeros}}).arrays().size(), 1U);
+  EXPECT_THAT(refusal({{"a.npy", zeros}, {"b.npy", zeros}, {"c.npy", zeros}}),
+              HasSubstr("its arrays have more than 67108864 bytes, 100 times"));
+}
+
 TEST_F(NpzTest, AZipWithOtherFilesIsNone) {
   const std::vector<float> one{1};
   EXPECT_THAT(refusal({{"a.npy", scan::write_npy(one, {1})}, {"b.txt", "x"}}),

@@ -18,6 +18,8 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/mapped_file.h"
+#include "enfilade/core/names.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/features/formats/feature_rows.h"
 #include "enfilade/features/formats/hdf5_datasets.h"
 
@@ -83,6 +85,11 @@ class Reader {
 
   Json read_objects(const std::string& name, const Handle& dataset, std::size_t n) const {
     const std::vector<std::string> ids = texts(name, dataset, n);
+    for (const std::string& id : ids) {
+      // Numbers may be below 0.
+      if (!is_id(id) && !parse_number<std::int64_t>(id))
+        file_.fail(name, "bad-id", fault_of_id(id));
+    }
     const Pairs directions = numbers(name, dataset, "directions", n, 2);
     const bool sized = H5Aexists(dataset.id(), "sizes") > 0;
     const Pairs sizes =
@@ -103,14 +110,14 @@ class Reader {
                    std::size_t elements) const {
     if (H5Aexists(dataset.id(), name) <= 0) {
       file_.fail(dataset_name, "missing-attribute",
-                 fmt::format("has no attribute {:?}, which objects have", name));
+                 fmt::format("has no attribute {}, which objects have", quote(name)));
     }
     Handle opened(H5Aopen(dataset.id(), name, H5P_DEFAULT), H5Aclose);
     const Handle space(H5Aget_space(opened.id()), H5Sclose);
     const hssize_t found = H5Sget_simple_extent_npoints(space.id());
     if (found != static_cast<hssize_t>(elements)) {
       file_.fail(dataset_name, "wrong-size",
-                 fmt::format("attribute {:?} of {} elements, not {}", name, found, elements));
+                 fmt::format("attribute {} of {} elements, not {}", quote(name), found, elements));
     }
     return opened;
   }
@@ -123,7 +130,7 @@ class Reader {
     if (!formats::is_plain_number(type.id()) ||
         H5Aread(opened.id(), H5T_NATIVE_DOUBLE, values.data()) < 0 ||
         !std::ranges::all_of(values, [](double x) { return std::isfinite(x); })) {
-      file_.fail(dataset_name, "bad-number", fmt::format("attribute {:?}: not numbers", name));
+      file_.fail(dataset_name, "bad-number", fmt::format("attribute {}: not numbers", quote(name)));
     }
     return values;
   }
@@ -258,7 +265,7 @@ void ObjectSet::copy(std::string_view scan, std::string_view viewpoint, std::siz
   EN_CHECK_LE(out.size(), dimensions());
   const auto row = found->numbers.subspan(i * dimensions() * sizeof(float), out.size_bytes());
   if (!formats::copy_numbers(row.data(), DType::kFloat32, out)) {
-    refuse(file().string(), fmt::format("{:?}", found->name), "not-finite",
+    refuse(file().string(), formats::in_quotes(found->name), "not-finite",
            "a number that is infinite or NaN");
   }
 }

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/mapped_file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/features/formats/stored_arrays.h"
 #include "enfilade/scan/file_tree.h"
@@ -44,7 +46,7 @@ void read_array(const scan::FileTree& zip, const std::string& entry, formats::St
   const auto type = type_of(array);
   if (!type) {
     throw UnsupportedType(fmt::format(
-        "elements of type {:?}; f2, f4, f8, i4, i8, u1, u8 and b1 are read", array.type()));
+        "elements of type {}; f2, f4, f8, i4, i8, u1, u8 and b1 are read", quote(array.type())));
   }
   const auto to = into.allocate(array.size() * array.item_bytes());
   array.copy_elements(to);
@@ -71,11 +73,21 @@ formats::StoredArrays read_npz(const std::filesystem::path& file) {
   const auto zip = scan::FileTree::zip(file, scan::ZipNames::kPaths);
   formats::StoredArrays read;
   std::vector<Diagnostic> faults, unsupported;
+  std::error_code ignored;  // the file was opened
+  const std::uintmax_t most = std::max<std::uintmax_t>(
+      kAlwaysUnpacked, kMostPacking * std::filesystem::file_size(file, ignored));
+  std::uintmax_t bytes = 0;
   for (const std::string& entry : zip->names()) {
     if (faults.size() >= kMostFaultsKept) break;
+    if (bytes > most) {
+      refuse(file.string(), "", "too-large",
+             fmt::format("its arrays have more than {} bytes, {} times those of the file", most,
+                         kMostPacking));
+    }
     const std::string array = entry.substr(0, entry.size() - kEnding.size());
     try {
       read_array(*zip, entry, read);
+      bytes += read.arrays.back().bytes.size();
     } catch (const InvalidInput& damaged) {
       for (Diagnostic fault : damaged.diagnostics()) {
         fault.file = file.string();
@@ -196,8 +208,8 @@ void write_safetensors(const std::filesystem::path& file, std::span<const NamedA
   for (const NamedArray& array : arrays) {
     const std::size_t bytes = *formats::bytes_of_shape(array.shape, array.type);
     if (array.bytes.size() != bytes) {
-      throw ArgumentError(fmt::format("array {:?}: {} bytes, not the {} of its shape", array.name,
-                                      array.bytes.size(), bytes));
+      throw ArgumentError(fmt::format("array {}: {} bytes, not the {} of its shape",
+                                      quote(array.name, 100), array.bytes.size(), bytes));
     }
   }
   PartFile part(file);

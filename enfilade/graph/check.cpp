@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
 
 namespace enfilade::graph {
@@ -210,7 +211,7 @@ std::vector<Diagnostic> check_graph(const Connectivity& connectivity, const Chec
 std::vector<FileReport> check_folder(const std::filesystem::path& directory,
                                      const CheckOptions& options) {
   std::set<std::string> files = scans_with_files(directory);
-  const bool listed = std::filesystem::exists(directory / "scans.txt");
+  const bool listed = file_exists(directory / "scans.txt");
   const std::vector<std::string> scans = listed
                                              ? scan::load_scan_list(directory)
                                              : std::vector<std::string>(files.begin(), files.end());

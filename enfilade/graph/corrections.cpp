@@ -24,7 +24,10 @@ bool is_of_edge(Action action) {
   return action == Action::kAddEdge || action == Action::kRemoveEdge;
 }
 
-// An optional text; empty if absent.
+// Optional; empty if absent.
+std::string read_id(const std::optional<Element>& element, const Path& path, Faults& faults) {
+  return element ? std::string(json::id(*element, path, faults).value_or("")) : "";
+}
 std::string read_text(const std::optional<Element>& element, const Path& path, Faults& faults) {
   if (!element) return "";
   const auto text = json::string(*element, path, faults);
@@ -52,12 +55,15 @@ Correction read_correction(Element element, const Path& path, Faults& faults) {
       {{"action"}, {"from"}, {"who"}, {"why"}, {"to", false}, {"when", false}}};
   std::array<std::optional<Element>, 6> found;
   Correction c;
-  if (!json::fields(element, kFields, found, path, faults)) return c;
+  if (!json::refuse_others(element, kFields, path, faults) ||
+      !json::fields(element, kFields, found, path, faults)) {
+    return c;
+  }
   c.action = read_action(*found[0], Path(path, "action"), faults);
-  c.from = read_needed(found[1], Path(path, "from"), faults);
+  c.from = read_id(found[1], Path(path, "from"), faults);
   c.who = read_needed(found[2], Path(path, "who"), faults);
   c.why = read_needed(found[3], Path(path, "why"), faults);
-  c.to = read_text(found[4], Path(path, "to"), faults);
+  c.to = read_id(found[4], Path(path, "to"), faults);
   c.when = read_text(found[5], Path(path, "when"), faults);
   if (is_of_edge(c.action) && c.to.empty()) {
     faults.error(path, "missing-field", fmt::format("{} needs \"to\"", enum_name(c.action)));
@@ -65,7 +71,7 @@ Correction read_correction(Element element, const Path& path, Faults& faults) {
     faults.error(path, "unused-field",
                  fmt::format("{} is of one viewpoint; it has no \"to\"", enum_name(c.action)));
   } else if (!c.to.empty() && c.to == c.from) {
-    faults.error(path, "self-edge", fmt::format("an edge from {:?} to itself", c.from));
+    faults.error(path, "self-edge", fmt::format("an edge from {} to itself", quote(c.from)));
   }
   return c;
 }
@@ -110,15 +116,16 @@ void check_ids(const Corrections& corrections, const scan::Connectivity& graph,
                const std::string& file) {
   std::vector<Diagnostic> faults;
   if (corrections.scan != graph.scan) {
-    faults.push_back({Severity::kError, file, "$.scan", "other-scan",
-                      fmt::format("{:?}, and the graph is of {:?}", corrections.scan, graph.scan)});
+    faults.push_back(
+        {Severity::kError, file, "$.scan", "other-scan",
+         fmt::format("{}, and the graph is of {}", quote(corrections.scan), quote(graph.scan))});
   }
   for (std::size_t i = 0; i < corrections.list.size(); ++i) {
     const Correction& c = corrections.list[i];
     for (const auto& [name, id] : {std::pair("from", &c.from), std::pair("to", &c.to)}) {
       if (id->empty() || find(graph, *id)) continue;
       faults.push_back({Severity::kError, file, where(i) + "." + name, "unknown-viewpoint",
-                        fmt::format("{:?} is no viewpoint of {}", *id, graph.scan)});
+                        fmt::format("{} is no viewpoint of {}", quote(*id), graph.scan)});
     }
   }
   if (!faults.empty()) throw InvalidInput(std::move(faults));
@@ -137,8 +144,9 @@ Corrections parse_corrections(std::string_view json, const std::string& file) {
   constexpr std::array<json::Field, 2> kFields{{{"scan"}, {"corrections"}}};
   std::array<std::optional<Element>, 2> found;
   Corrections corrections;
+  json::refuse_others(document.root(), kFields, root, faults);
   if (json::fields(document.root(), kFields, found, root, faults)) {
-    corrections.scan = read_needed(found[0], Path(root, "scan"), faults);
+    corrections.scan = read_id(found[0], Path(root, "scan"), faults);
     const Path path(root, "corrections");
     if (const auto list = json::array(*found[1], path, faults)) {
       std::size_t i = 0;

@@ -49,6 +49,11 @@ TEST(Corrections, ReadsAll) {
   EXPECT_EQ(c.list[2].to, "");
 }
 
+TEST(Corrections, AMisspelledFieldIsRefused) {
+  EXPECT_EQ(fault(R"({"action": "exclude", "from": "v0", "who": "A", "why": "B", "wen": "C"})"),
+            "$.corrections[0] unknown-field: unknown field \"wen\"; the nearest is \"when\"");
+}
+
 TEST(Corrections, WhatIsWrittenReadsBack) {
   const Corrections c = parse_corrections(kFile, "c.json");
   const std::string text = to_json(c);
@@ -71,7 +76,7 @@ TEST(Corrections, RefusesWhatIsBroken) {
   EXPECT_THAT(fault("7"), HasSubstr("$.corrections[0]"));
   EXPECT_THAT(fault("{}"), HasSubstr("missing-field"));
   EXPECT_THAT(fault(whole, "5"), HasSubstr("$.scan"));
-  EXPECT_THAT(fault(whole, "\"\""), HasSubstr("$.scan empty-field"));
+  EXPECT_THAT(fault(whole, "\"\""), HasSubstr("$.scan bad-id"));
   EXPECT_THAT(fault(R"({"action":"move","from":"a","who":"me","why":"x"})"),
               HasSubstr("$.corrections[0].action bad-action: string \"move\", not add-edge"));
   EXPECT_THAT(fault(R"({"action":"add-edge","from":"a","to":"b","who":"","why":"x"})"),

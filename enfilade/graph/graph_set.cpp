@@ -5,10 +5,12 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/scan/connectivity.h"
 
@@ -38,7 +40,7 @@ std::shared_ptr<const GraphSet> GraphSet::open(const std::filesystem::path& dire
   std::set<std::string_view> seen;
   for (const std::string& scan : scans) {
     if (seen.insert(scan).second) continue;
-    throw ArgumentError(fmt::format("scans: {:?} twice; each may be named once", scan));
+    throw ArgumentError(fmt::format("scans: {} twice; each may be named once", quote(scan)));
   }
   return std::shared_ptr<const GraphSet>(new GraphSet(directory.string(), std::move(scans)));
 }
@@ -46,7 +48,9 @@ std::shared_ptr<const GraphSet> GraphSet::open(const std::filesystem::path& dire
 std::shared_ptr<const GraphSet> GraphSet::open_shared(const std::filesystem::path& directory) {
   static std::mutex mutex;
   static std::map<std::filesystem::path, std::weak_ptr<const GraphSet>> opened;
-  const std::filesystem::path key = std::filesystem::weakly_canonical(directory);
+  std::error_code unknown;  // open() says what is wrong
+  std::filesystem::path key = std::filesystem::weakly_canonical(directory, unknown);
+  if (unknown) key = directory;
   const std::scoped_lock lock(mutex);
   std::shared_ptr<const GraphSet> set = opened[key].lock();
   if (!set) opened[key] = set = open(directory);
@@ -59,7 +63,7 @@ std::shared_ptr<const GraphSet> GraphSet::of(std::vector<NavGraph> graphs) {
   std::shared_ptr<GraphSet> set(new GraphSet("<memory>", std::move(scans)));
   for (std::size_t i = 0; i < graphs.size(); ++i) {
     if (set->at(graphs[i].scan()) != ScanIndex(i)) {
-      throw ArgumentError(fmt::format("two graphs of scan {:?} in one set", graphs[i].scan()));
+      throw ArgumentError(fmt::format("two graphs of scan {} in one set", quote(graphs[i].scan())));
     }
     Slot& slot = set->slots_[i];
     slot.graph = std::make_unique<NavGraph>(std::move(graphs[i]));
@@ -79,7 +83,7 @@ std::optional<ScanIndex> GraphSet::find(std::string_view scan) const {
 ScanIndex GraphSet::at(std::string_view scan) const {
   if (const auto index = find(scan)) return *index;
   throw LookupError(
-      fmt::format("scan {:?} is not one of the {} scans of {}", scan, size(), origin_));
+      fmt::format("scan {} is not one of the {} scans of {}", quote(scan), size(), origin_));
 }
 
 const NavGraph& GraphSet::graph(ScanIndex scan) const {
@@ -105,12 +109,12 @@ Location GraphSet::locate(std::string_view scan, std::string_view viewpoint) con
   const NavGraph& nav = graph(index);
   const auto found = nav.find(viewpoint);
   if (!found) {
-    throw LookupError(
-        fmt::format("viewpoint {:?} is not one of the {} of scan {}", viewpoint, nav.size(), scan));
+    throw LookupError(fmt::format("viewpoint {} is not one of the {} of scan {}", quote(viewpoint),
+                                  nav.size(), scan));
   }
   if (!nav.included(*found)) {
     throw LookupError(
-        fmt::format("viewpoint {:?} of scan {} is excluded from its graph", viewpoint, scan));
+        fmt::format("viewpoint {} of scan {} is excluded from its graph", quote(viewpoint), scan));
   }
   return {index, *found};
 }

@@ -77,18 +77,19 @@ PathAnnotation hide_guide(PathAnnotation guide) {
   return guide;
 }
 
-// Test entries of REVERIE go by the number of the path, so that there is one for each.
+// Test entries of REVERIE go by the number of the path, so that there is one for each. Those with
+// their goals do so too: results name them by it, and it does not name the object.
 void keep_one_request(std::vector<PathAnnotation>& entries, std::string_view split) {
   if (split != "test") return;
   const auto same = [](const PathAnnotation& a, const PathAnnotation& b) {
     return a.path_id == b.path_id;
   };
   entries.erase(std::unique(entries.begin(), entries.end(), same), entries.end());
+  for (PathAnnotation& entry : entries) entry.id = fmt::to_string(entry.path_id);
 }
 
 PathAnnotation hide_request(PathAnnotation request) {
   request = start_of(std::move(request));
-  request.id = fmt::to_string(request.path_id);
   request.group.reset();
   return request;
 }

@@ -11,6 +11,7 @@
 #include "enfilade/capture/mesh_panoramas.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/corrections.h"
 #include "enfilade/graph/nav_graph.h"
@@ -199,16 +200,18 @@ void add_list(const fs::path& file, const fs::path& folder, const HomeSetOptions
 
 // Leaves a file that has this content already as it is, with its time: `enfilade demo` makes again
 // what is older than the list of its homes.
-void write_changed(const fs::path& file, const std::string& content) {
+void write_changed(const OutputFolder& out, const std::string& name, const std::string& content) {
+  const fs::path file = out.path() / name;
   std::error_code code;  // ignored: the size of a missing file is 2^64 - 1, unlike any content's
   if (fs::file_size(file, code) == content.size() && read_file(file) == content) return;
-  write_file_atomically(file, content);
+  out.write(name, content);
 }
 
-void write_list(const fs::path& file, const HomeSetOptions& options, const Homes& homes) {
+void write_list(const OutputFolder& out, const std::string& name, const HomeSetOptions& options,
+                const Homes& homes) {
   HomeList list{options, {}};
   for (const auto& [place, home] : homes) list.homes.push_back(home);
-  write_changed(file, sets::to_json(list));
+  write_changed(out, name, sets::to_json(list));
 }
 
 // Whether a folder has files, except those that another shard is about to put in place.
@@ -229,7 +232,7 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
   if (fs::exists(list_file, code)) {
     add_list(list_file, folder, options, homes);
     if (fs::is_directory(folder / kShards, code)) {
-      for (const auto& entry : fs::directory_iterator(folder / kShards)) {
+      for (const auto& entry : fs::directory_iterator(folder / kShards, code)) {
         if (entry.path().extension() == ".json") add_list(entry.path(), folder, options, homes);
       }
     }
@@ -242,16 +245,16 @@ Homes claim(const fs::path& folder, const HomeSetOptions& options) {
                       ": holds files that are not model homes; name a new or an empty folder");
     }
   }
-  make_folder(folder);
-  write_file_atomically(folder / "README.md", readme(options));
+  const OutputFolder out(folder);
+  out.write("README.md", readme(options));
   // Before any home is made: the list says with which options a killed run made its files.
-  write_list(list_file, options, homes);
+  write_list(out, "homes.json", options, homes);
   return homes;
 }
 
 // \param tell is called with how many of the home's kUnits are done
 void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivity,
-                   const HomeSetOptions& options, const fs::path& folder,
+                   const HomeSetOptions& options, const OutputFolder& out,
                    const std::function<void(std::size_t units)>& tell) {
   const mesh::BakeOptions bake = bake_options(options.light, options.threads);
   const auto lit = std::make_shared<mesh::LitMesh>(built.tracer, built.home.lights, bake);
@@ -265,7 +268,7 @@ void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivit
   const scan::PackOptions pack{.colour = scan::ColourCoding::kJpeg,
                                .jpeg_quality = options.jpeg_quality,
                                .threads = options.threads};
-  scan::pack(panoramas, folder / "store", pack, [&](std::size_t done, std::size_t total) {
+  scan::pack(panoramas, out.folder("store").path(), pack, [&](std::size_t done, std::size_t total) {
     tell(kLit + (kUnits - kLit) * done / std::max<std::size_t>(total, 1));
   });
 }
@@ -289,7 +292,7 @@ class HomeWriter {
   HomeSetReport run() {
     corrections_ = load_home_corrections(options_.corrections, options_.homes);
     homes_ = claim(folder_, options_);
-    for (const char* part : {"connectivity", "regions"}) make_folder(folder_ / part);
+    for (const char* part : {"connectivity", "regions"}) static_cast<void>(out().folder(part));
     if (whole()) gather();
     for (std::size_t i = options_.shard.index; i < options_.homes; i += options_.shard.count) {
       const auto found = homes_.find(i);
@@ -307,6 +310,7 @@ class HomeWriter {
   }
 
  private:
+  OutputFolder out() const { return OutputFolder(folder_); }
   bool whole() const { return options_.shard.count == 1; }
 
   const HomeCorrections* corrections_of(std::size_t home) const {
@@ -322,19 +326,14 @@ class HomeWriter {
   // lists and the unfinished files of killed runs.
   void gather() {
     if (!homes_.empty()) save_list();
-    std::error_code code;
-    fs::remove_all(folder_ / kShards, code);
-    if (code) {
-      throw FileError(
-          fmt::format("{}: cannot remove: {}", (folder_ / kShards).string(), code.message()));
-    }
+    out().remove_all(kShards);
     std::vector<std::string> parts = home_tasks();
     for (const std::string& task : home_tasks()) parts.push_back("hidden/" + task);
     for (const char* split : {"train", "val_seen", "val_unseen"}) {
       parts.push_back(std::string("rxr/pose_traces/rxr_") + split);
     }
-    parts.insert(parts.end(), {".", "connectivity", "regions", "r2r", "hidden"});
-    for (const std::string& part : parts) remove_unfinished(folder_ / part);
+    parts.insert(parts.end(), {"", "connectivity", "regions", "r2r", "hidden"});
+    for (const std::string& part : parts) out().remove_unfinished(part);
   }
 
   void make(std::size_t home) {
@@ -352,7 +351,7 @@ class HomeWriter {
     tell(kBuilt);
     if (options_.face_size > 0) {
       // At the viewpoints before corrections: people correct the graph after seeing the pictures.
-      take_pictures(built, found, picture_options(options_, home), folder_, tell);
+      take_pictures(built, found, picture_options(options_, home), out(), tell);
     }
     tell(kUnits);
     save(home, describe(built.home, plan, corrected), wanted(home));
@@ -414,8 +413,7 @@ class HomeWriter {
       report_.notes.insert(report_.notes.end(), corrected.notes.begin(), corrected.notes.end());
       graph = std::move(corrected.connectivity);
     }
-    write_file_atomically(scan::connectivity_file(folder_ / "connectivity", graph.scan),
-                          to_json(graph));
+    out().write(scan::connectivity_file("connectivity", graph.scan).string(), to_json(graph));
     return graph;
   }
 
@@ -425,8 +423,7 @@ class HomeWriter {
     if (whole()) {
       save_list();
     } else {
-      make_folder(folder_ / kShards);
-      write_list(folder_ / kShards / (scan_name(home) + ".json"), options_,
+      write_list(out(), fmt::format("{}/{}.json", kShards, scan_name(home)), options_,
                  {{home, homes_.at(home)}});
     }
   }
@@ -434,11 +431,10 @@ class HomeWriter {
   void save_list() const {
     std::string scans;
     for (const auto& [place, home] : homes_) scans += home.scan + "\n";
-    write_file_atomically(folder_ / "regions" / "region_to_panorama.json",
-                          to_json(regions_of(homes_)));
-    write_file_atomically(folder_ / "connectivity" / "scans.txt", scans);
-    sets::write_alias_graph(folder_ / "connectivity");
-    write_list(folder_ / "homes.json", options_, homes_);  // last: its homes are complete
+    out().write("regions/region_to_panorama.json", to_json(regions_of(homes_)));
+    out().write("connectivity/scans.txt", scans);
+    sets::write_alias_graph(out().folder("connectivity"));
+    write_list(out(), "homes.json", options_, homes_);  // last: its homes are complete
   }
 
   const fs::path& folder_;

@@ -95,7 +95,7 @@ TEST(HomeSet, GoesOnWhereItWasAndRefusesWhatIsNotItsOwn) {
 // A shard that begins beside another sees its first file half written, or what is left of a kill.
 TEST(HomeSet, AFolderWithNothingButUnfinishedFilesIsEmpty) {
   const TemporaryFolder folder("homes");
-  write_file_atomically(folder.path() / "README.md.part4711", "half");
+  write_file_atomically(folder.path() / "README.md.part999999999", "half");
   write_homes(folder.path(), tiny(1, 0));
   EXPECT_EQ(read_home_list(folder.path()).size(), 1U);
 }

@@ -28,6 +28,21 @@ inline constexpr std::uint32_t kLongestEdge = 65500;
 /// The largest number of pixels that a reader accepts.
 inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 29;
 
+/// Pixels of an edge after `halvings` halvings, rounded up.
+constexpr std::uint32_t halved(std::uint32_t edge, unsigned halvings) {
+  return static_cast<std::uint32_t>(((std::uint64_t{edge} - 1) >> halvings) + 1);
+}
+/// How often both edges have to be halved until there are at most `most` pixels. \pre most > 0
+constexpr unsigned halvings_to(std::uint32_t width, std::uint32_t height, std::uint64_t most) {
+  unsigned times = 0;
+  while (std::uint64_t{halved(width, times)} * halved(height, times) > most) ++times;
+  return times;
+}
+/// For readers that reduce large pictures. \param kind  of this one, that is decoded whole alone
+/// \throws InvalidInput
+[[noreturn]] void refuse_whole(const char* kind, std::uint32_t width, std::uint32_t height,
+                               std::uint64_t most, const std::string& file);
+
 /// Size and channels of a picture, as its file's header says.
 struct Shape {
   std::uint32_t width = 0, height = 0, channels = 0;
@@ -91,8 +106,11 @@ Image32 decode_ids(Bytes png, const std::string& file);
 
 /// Linear light, RGB, divided by the file's exposure. Reads uncompressed files and both run-length
 /// codings, in all eight orientations (`-Y h +X w`, ...); at most 2^27 pixels. Source: Radiance's
-/// `color.c`, which defines the format. \throws InvalidInput, also for XYZE
-ImageF decode_hdr(Bytes hdr, const std::string& file);
+/// `color.c`, which defines the format.
+/// \param most  pixels; edges of a larger picture are halved while it is read, by averages
+/// \param stored  takes the file's size  \throws InvalidInput, also for XYZE
+ImageF decode_hdr(Bytes hdr, const std::string& file, std::uint64_t most = kMostPixels,
+                  Shape* stored = nullptr);
 /// Linear light to sRGB: exposure (in stops, 0 leaves values as they are; default: the median
 /// luminance becomes mid-grey, 18 %), then the tone curve of tone.h.
 /// \throws ArgumentError unless there are 3 channels

@@ -9,6 +9,7 @@
 #include "enfilade/core/threads.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/detail/check_size.h"
+#include "enfilade/image/detail/row_shrinker.h"
 #include "enfilade/image/tone.h"
 
 namespace enfilade::image {
@@ -36,13 +37,16 @@ struct Resolution {
 
 class HdrReader {
  public:
-  HdrReader(Bytes bytes, const std::string& file) : rest_(bytes), file_(file) {}
+  HdrReader(Bytes bytes, const std::string& file, std::uint64_t most)
+      : rest_(bytes), file_(file), most_(most) {}
 
-  ImageF read() {
+  ImageF read(Shape* stored) {
     read_header();
     const Resolution resolution = parse_resolution(line());
+    if (stored != nullptr) *stored = {resolution.width, resolution.height, 3};
     if (rest_.size() / 4 < resolution.lines()) fail("truncated-hdr", "the file ends too early");
-    ImageF picture(resolution.width, resolution.height, 3);
+    halvings_ = halvings_to(resolution.width, resolution.height, most_);
+    ImageF picture(halved(resolution.width, halvings_), halved(resolution.height, halvings_), 3);
     std::vector<Rgbe> scan_line(resolution.length());
     for (line_ = 0; line_ < resolution.lines(); ++line_) {
       read_line(scan_line);
@@ -188,23 +192,33 @@ class HdrReader {
     }
   }
 
+  // Of a pixel in a mean: 1 over how many there are. The last cell of an edge may have fewer.
+  double share(std::size_t cell, std::uint32_t edge) const {
+    const std::size_t begin = cell << halvings_;
+    return 1.0 / static_cast<double>(std::min((cell + 1) << halvings_, std::size_t{edge}) - begin);
+  }
+
   // color.c adds half a step to each mantissa: the middle of the values that are rounded down to
   // it.
   void store(const std::vector<Rgbe>& pixels, const Resolution& r, ImageF& picture) const {
     for (std::size_t k = 0; k < pixels.size(); ++k) {
       const Rgbe& pixel = pixels[k];
-      const std::size_t along_x = r.columns ? line_ : k, along_y = r.columns ? k : line_;
-      float* rgb = picture.at(r.from_right ? r.width - 1 - along_x : along_x,
-                              r.from_below ? r.height - 1 - along_y : along_y);
       if (pixel[3] == 0) continue;  // black, whatever the mantissas say
-      const double unit = std::ldexp(scale_, pixel[3] - (128 + 8));
-      for (std::size_t c = 0; c < 3; ++c) rgb[c] = static_cast<float>((pixel[c] + 0.5) * unit);
+      const std::size_t along_x = r.columns ? line_ : k, along_y = r.columns ? k : line_;
+      const std::size_t x = (r.from_right ? r.width - 1 - along_x : along_x) >> halvings_;
+      const std::size_t y = (r.from_below ? r.height - 1 - along_y : along_y) >> halvings_;
+      float* rgb = picture.at(x, y);
+      const double unit =
+          std::ldexp(scale_, pixel[3] - (128 + 8)) * share(x, r.width) * share(y, r.height);
+      for (std::size_t c = 0; c < 3; ++c) rgb[c] += static_cast<float>((pixel[c] + 0.5) * unit);
     }
   }
 
   static constexpr std::size_t kInHeader = ~std::size_t{0};
   Bytes rest_;
   const std::string& file_;
+  std::uint64_t most_;
+  unsigned halvings_ = 0;
   double scale_ = 1;
   std::size_t line_ = kInHeader;
 };
@@ -232,7 +246,9 @@ std::uint8_t to_byte(double scaled) {
 
 }  // namespace
 
-ImageF decode_hdr(Bytes hdr, const std::string& file) { return HdrReader(hdr, file).read(); }
+ImageF decode_hdr(Bytes hdr, const std::string& file, std::uint64_t most, Shape* stored) {
+  return HdrReader(hdr, file, most).read(stored);
+}
 
 Image8 tone_map(const ImageF& linear, std::optional<double> exposure) {
   if (linear.channels != 3) {

@@ -4,56 +4,10 @@
 #include <cmath>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/image/detail/row_shrinker.h"
 
 namespace enfilade::image {
 namespace {
-
-// The source pixels that an output pixel covers along an axis. Units: a source pixel has `out` of
-// them and an output pixel `in`, which are whole numbers, so means are exact.
-struct Cover {
-  std::size_t first = 0, last = 0;  // source pixels, both included
-  std::uint32_t first_weight = 0, last_weight = 0;
-
-  std::uint32_t weight(std::size_t at, std::uint32_t out) const {
-    if (at == first) return first_weight;
-    return at == last ? last_weight : out;
-  }
-};
-
-std::vector<Cover> covers(std::uint32_t in, std::uint32_t out) {
-  std::vector<Cover> all(out);
-  for (std::uint64_t i = 0; i < out; ++i) {
-    const std::uint64_t begin = i * in, end = begin + in;  // units
-    Cover& cover = all[i];
-    cover.first = begin / out;
-    cover.last = (end - 1) / out;
-    cover.first_weight =
-        static_cast<std::uint32_t>(std::min(end, (cover.first + 1) * std::uint64_t{out}) - begin);
-    cover.last_weight = static_cast<std::uint32_t>(end - cover.last * std::uint64_t{out});
-  }
-  return all;
-}
-
-// Adds weight * row to sums. 255 * kLongestEdge fits into 32 bits.
-void add_row(const std::uint8_t* row, std::uint32_t weight, std::vector<std::uint32_t>& sums) {
-  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += weight * row[k];
-}
-
-// Averages columns of weighted sums down to one output row.
-void reduce_row(const std::vector<std::uint32_t>& sums, const Image8& from,
-                const std::vector<Cover>& columns, std::uint8_t* row) {
-  const std::uint64_t area = std::uint64_t{from.width} * from.height;
-  const auto out = static_cast<std::uint32_t>(columns.size());
-  for (const Cover& cover : columns) {
-    for (std::size_t c = 0; c < from.channels; ++c) {
-      std::uint64_t sum = area / 2;
-      for (std::size_t x = cover.first; x <= cover.last; ++x) {
-        sum += std::uint64_t{cover.weight(x, out)} * sums[x * from.channels + c];
-      }
-      *row++ = static_cast<std::uint8_t>(sum / area);
-    }
-  }
-}
 
 // The faces' width. \throws ArgumentError unless they are square and alike
 template <class T>
@@ -165,16 +119,9 @@ Image8 shrink(const Image8& picture, std::uint32_t width, std::uint32_t height) 
   }
   if (width == picture.width && height == picture.height) return picture;
   Image8 small(width, height, picture.channels);
-  const std::vector<Cover> columns = covers(picture.width, width);
-  const std::vector<Cover> rows = covers(picture.height, height);
-  std::vector<std::uint32_t> sums(std::size_t{picture.width} * picture.channels);
-  for (std::size_t y = 0; y < height; ++y) {
-    std::ranges::fill(sums, 0U);
-    for (std::size_t from = rows[y].first; from <= rows[y].last; ++from) {
-      add_row(picture.at(0, from), rows[y].weight(from, height), sums);
-    }
-    reduce_row(sums, picture, columns, small.at(0, y));
-  }
+  detail::RowShrinker rows({picture.width, picture.height}, {width, height}, picture.channels,
+                           small.pixels.data());
+  for (std::size_t y = 0; y < picture.height; ++y) rows.add(picture.at(0, y));
   return small;
 }
 

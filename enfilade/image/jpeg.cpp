@@ -9,6 +9,7 @@
 #include "enfilade/image/detail/baseline_jpeg.h"
 #include "enfilade/image/detail/check_size.h"
 #include "enfilade/image/detail/libjpeg.h"
+#include "enfilade/image/detail/row_shrinker.h"
 
 namespace enfilade::image {
 
@@ -63,15 +64,16 @@ Header read_header(Bytes jpeg, const std::string& file) {
 // TurboJPEG decodes damaged data too, grey from the damage on, and reports the first warning alone.
 // A harmless one could hide that the file is cut off. So libjpeg decodes such a file once more.
 void decode(Bytes jpeg, const Header& header, std::uint8_t* rgb, const std::string& file,
-            std::vector<Diagnostic>* findings) {
-  if (header.is_plain() && tjDecompress2(thread_handle().get(), jpeg.data(), jpeg.size(), rgb,
-                                         static_cast<int>(header.width), 0,
-                                         static_cast<int>(header.height), TJPF_RGB, kFlags) == 0) {
+            std::vector<Diagnostic>* findings, unsigned halvings = 0) {
+  const bool plain = header.is_plain() && halvings == 0;
+  if (plain && tjDecompress2(thread_handle().get(), jpeg.data(), jpeg.size(), rgb,
+                             static_cast<int>(header.width), 0, static_cast<int>(header.height),
+                             TJPF_RGB, kFlags) == 0) {
     return;
   }
-  if (header.is_plain()) forget_failure();
+  if (plain) forget_failure();
   LibJpeg careful(jpeg, file);
-  careful.decode(rgb);
+  careful.decode(rgb, halvings);
   if (findings == nullptr) return;
   for (Diagnostic& one : careful.findings()) findings->push_back(std::move(one));
 }
@@ -107,11 +109,20 @@ Shape jpeg_shape(Bytes jpeg, const std::string& file) {
   return {header.width, header.height, header.channels == 1 ? 1U : 3U, 8};
 }
 
-Image8 decode_jpeg(Bytes jpeg, const std::string& file, std::vector<Diagnostic>* findings) {
+Image8 detail::decode_jpeg(Bytes jpeg, const std::string& file, std::uint64_t most,
+                           std::vector<Diagnostic>* findings) {
   const Header header = read_header(jpeg, file);
-  Image8 picture(header.width, header.height, 3);
-  decode(jpeg, header, picture.pixels.data(), file, findings);
+  const unsigned halvings = halvings_to(header.width, header.height, most);
+  if (halvings > 0 && LibJpeg(jpeg, file).has_several_scans()) {
+    refuse_whole("a progressive JPEG", header.width, header.height, most, file);
+  }
+  Image8 picture(halved(header.width, halvings), halved(header.height, halvings), 3);
+  decode(jpeg, header, picture.pixels.data(), file, findings, halvings);
   return picture;
+}
+
+Image8 decode_jpeg(Bytes jpeg, const std::string& file, std::vector<Diagnostic>* findings) {
+  return detail::decode_jpeg(jpeg, file, kMostPixels, findings);
 }
 
 void decode_jpeg(Bytes jpeg, std::uint32_t width, std::uint32_t height, std::span<std::uint8_t> rgb,

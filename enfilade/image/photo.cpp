@@ -12,10 +12,14 @@
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/written_lists.h"
 #include "enfilade/geometry/angle.h"
+#include "enfilade/image/detail/libjpeg.h"
 #include "enfilade/image/detail/photo_notes.h"
 
 namespace enfilade::image {
 namespace {
+
+// Incompressible pictures of the largest size that cameras write have less.
+constexpr std::size_t kMostPhotoBytes = std::size_t{1} << 30U;
 
 // Grey becomes three equal channels, an alpha channel is dropped.
 Image8 to_rgb(Image8 picture) {
@@ -116,12 +120,33 @@ void turn(Photo& photo, int orientation, const std::string& file) {
   photo.orientation = orientation;
   if (orientation == 1) return;
   photo.picture = upright(std::move(photo.picture), orientation);
+  if (orientation >= 5) std::swap(photo.stored_width, photo.stored_height);
   photo.findings.push_back(
       {Severity::kNote, file, "", "orientation",
        fmt::format("EXIF orientation {}: {}", orientation, turn_of(orientation))});
 }
 
+// Before it is turned.
+void note_size(Photo& photo, const Shape& stored, const std::string& file) {
+  photo.stored_width = stored.width;
+  photo.stored_height = stored.height;
+  const Image8& picture = photo.picture;
+  if (picture.width == stored.width && picture.height == stored.height) return;
+  photo.findings.push_back(
+      {Severity::kNote, file, "", "reduced-picture",
+       fmt::format("{} x {} pixels, reduced to {} x {} while they are read", stored.width,
+                   stored.height, picture.width, picture.height)});
+}
+
 }  // namespace
+
+void refuse_whole(const char* kind, std::uint32_t width, std::uint32_t height, std::uint64_t most,
+                  const std::string& file) {
+  refuse(file, "", "too-many-pixels",
+         fmt::format("{} of {} x {} pixels; at most {} are allowed, as it cannot be reduced while "
+                     "it is read",
+                     kind, width, height, most));
+}
 
 Image8 upright(Image8 stored, int orientation) {
   EN_CHECK(orientation >= 1 && orientation <= 8);
@@ -152,15 +177,17 @@ Mat3d level_from_picture(const SphereNotes& sphere) {
   return pitched * rolled;
 }
 
-Photo decode_photo(Bytes bytes, const std::string& file) {
+Photo decode_photo(Bytes bytes, const std::string& file, std::uint64_t most) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   Photo photo;
   detail::PhotoNotes notes;
   if (text.starts_with("\xff\xd8")) {
-    photo.picture = decode_jpeg(bytes, file, &photo.findings);
+    photo.picture = detail::decode_jpeg(bytes, file, most, &photo.findings);
     notes = detail::jpeg_notes(bytes);
+    note_size(photo, jpeg_shape(bytes, file), file);
   } else if (text.starts_with("\x89PNG")) {
-    photo.picture = detail::decode_png8(bytes, file, &notes);
+    photo.picture = detail::decode_png8(bytes, file, most, &notes);
+    note_size(photo, png_shape(bytes, file), file);
   } else {
     refuse(file, "", "unknown-picture", "neither a JPEG nor a PNG");
   }
@@ -169,29 +196,32 @@ Photo decode_photo(Bytes bytes, const std::string& file) {
   return photo;
 }
 
-Photo upright_by_exif(Image8 stored, Bytes exif, const std::string& file) {
+Photo upright_by_exif(Image8 stored, Bytes exif, const Shape& shape, const std::string& file) {
   detail::PhotoNotes notes;
   detail::read_exif(exif, notes);
   Photo photo;
   photo.picture = std::move(stored);
+  note_size(photo, shape, file);
   turn(photo, notes.orientation, file);
   return photo;
 }
 
-Photo load_photo(const std::string& path, std::optional<double> exposure) {
-  const std::string content = read_file(path);
+Photo load_photo(const std::string& path, std::optional<double> exposure, std::uint64_t most) {
+  const std::string content = read_file(path, kMostPhotoBytes);
   const std::string_view text = content;
   const Bytes bytes = bytes_of(text);
   if (text.starts_with("#?")) {
     Photo photo;
-    photo.picture = tone_map(decode_hdr(bytes, path), exposure);
+    Shape stored;
+    photo.picture = tone_map(decode_hdr(bytes, path, most / 2, &stored), exposure);
+    note_size(photo, stored, path);
     return photo;
   }
   if (!text.starts_with("\xff\xd8") && !text.starts_with("\x89PNG")) {
     refuse(path, "", "unknown-picture",
            text.empty() ? "the file is empty" : "neither JPEG, nor PNG, nor Radiance HDR");
   }
-  Photo photo = decode_photo(bytes, path);
+  Photo photo = decode_photo(bytes, path, most);
   photo.picture = to_rgb(std::move(photo.picture));
   return photo;
 }

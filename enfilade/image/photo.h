@@ -37,22 +37,35 @@ Mat3d level_from_picture(const SphereNotes& sphere);
 
 /// A picture, and what its file says about it.
 struct Photo {
-  Image8 picture;       ///< upright
+  Image8 picture;  ///< upright
+  /// Upright too, in pixels; the picture is smaller if it was reduced.
+  std::uint32_t stored_width = 0, stored_height = 0;
   int orientation = 1;  ///< EXIF's, 1 .. 8, which was applied
   SphereNotes sphere;
   /// Harmless oddities of the file, a note on an orientation, GPano's fields that cannot be used.
   std::vector<Diagnostic> findings;
 };
 
-/// A JPEG or PNG with 1 to 4 channels. \throws InvalidInput, also for other content
-Photo decode_photo(Bytes bytes, const std::string& file);
+/// More pixels than a texture or a panorama of 2048 x 2048 texels a face needs. Such a picture with
+/// the copies that its readers make takes less than 1 GB.
+inline constexpr std::uint64_t kMostPhotoPixels = std::uint64_t{1} << 26U;
+
+/// A JPEG or PNG with 1 to 4 channels.
+/// \param most  pixels. Edges of a larger picture are halved while it is read, by averages, which
+/// takes no memory for the whole picture. A finding says so.
+/// \throws InvalidInput, also for other content, and for more pixels in a progressive JPEG or an
+/// interlaced PNG: they cannot be reduced while they are read
+Photo decode_photo(Bytes bytes, const std::string& file, std::uint64_t most = kMostPhotoPixels);
 /// A JPEG, PNG or HDR (tone-mapped with that exposure) with 3 channels, recognised by its first
-/// bytes. \throws FileError; InvalidInput
-Photo load_photo(const std::string& path, std::optional<double> exposure = std::nullopt);
+/// bytes. \param most  as for decode_photo(); half of it for HDR, whose pixels are larger
+/// \throws FileError; InvalidInput
+Photo load_photo(const std::string& path, std::optional<double> exposure = std::nullopt,
+                 std::uint64_t most = kMostPhotoPixels);
 
 /// A picture of another format, made upright by its file's EXIF data (TIFF's, with or without
 /// "Exif" before them; empty: none). Data that cannot be read say nothing.
-Photo upright_by_exif(Image8 stored, Bytes exif, const std::string& file);
+/// \param shape  the file's; the picture may be reduced
+Photo upright_by_exif(Image8 stored, Bytes exif, const Shape& shape, const std::string& file);
 
 /// The upright picture of one stored with that orientation (EXIF 2.3, tag 0x0112).
 /// \pre 1 <= orientation <= 8

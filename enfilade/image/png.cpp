@@ -2,6 +2,7 @@
 #include <spng.h>
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 
 #include "enfilade/core/check.h"
@@ -9,6 +10,7 @@
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/detail/check_size.h"
 #include "enfilade/image/detail/photo_notes.h"
+#include "enfilade/image/detail/row_shrinker.h"
 
 namespace enfilade::image {
 
@@ -88,6 +90,28 @@ class Reader {
     check_png(spng_decode_chunks(context_.get()), file_);
   }
 
+  // The same row by row; an interlaced file is decoded whole before the first row.
+  template <class Take>
+  void read_rows(std::size_t row_bytes, spng_format format, int flags, const Take& take) {
+    const bool interlaced = header_.interlace_method != SPNG_INTERLACE_NONE;
+    std::vector<std::uint8_t> rows(row_bytes * (interlaced ? header_.height : 1));
+    if (interlaced) {
+      read(rows.data(), rows.size(), format, flags);
+    } else {
+      check_png(
+          spng_decode_image(context_.get(), nullptr, 0, format, flags | SPNG_DECODE_PROGRESSIVE),
+          file_);
+    }
+    for (std::size_t y = 0; y < header_.height; ++y) {
+      if (!interlaced) {
+        const int result = spng_decode_row(context_.get(), rows.data(), row_bytes);
+        if (result != SPNG_EOI) check_png(result, file_);
+      }
+      take(rows.data() + (interlaced ? y * row_bytes : 0));
+    }
+    if (!interlaced) check_png(spng_decode_chunks(context_.get()), file_);
+  }
+
   // Of a file that was read. A chunk that cannot be read says nothing.
   void read_notes(PhotoNotes& notes) const {
     spng_exif exif{};
@@ -157,29 +181,40 @@ Shape png_shape(Bytes png, const std::string& file) {
   return {header.width, header.height, reader.channels(), header.bit_depth == 16 ? 16U : 8U};
 }
 
-Image8 detail::decode_png8(Bytes png, const std::string& file, PhotoNotes* notes) {
+Image8 detail::decode_png8(Bytes png, const std::string& file, std::uint64_t most,
+                           PhotoNotes* notes) {
   Reader reader(png, file);
-  const spng_ihdr& header = reader.header();
-  const unsigned channels = reader.channels();
-  Image8 picture(header.width, header.height, channels);
-  if (header.bit_depth == 16) {
-    std::vector<std::uint16_t> wide(picture.pixels.size());
-    reader.read(wide.data(), 2 * wide.size(), SPNG_FMT_PNG, 0);
-    std::ranges::transform(wide, picture.pixels.begin(), [](std::uint32_t value) {
-      return static_cast<std::uint8_t>((value * 255 + 32767) / 65535);
-    });
-    if (notes != nullptr) reader.read_notes(*notes);
-    return picture;
+  const std::uint32_t width = reader.header().width, height = reader.header().height;
+  const unsigned channels = reader.channels(), halvings = halvings_to(width, height, most);
+  if (halvings > 0 && reader.header().interlace_method != SPNG_INTERLACE_NONE) {
+    refuse_whole("an interlaced PNG", width, height, most, file);
   }
-  const bool palette = header.color_type == SPNG_COLOR_TYPE_INDEXED;
-  reader.read(picture.pixels.data(), picture.pixels.size(), format_of(header, channels),
-              palette && channels == 4 ? SPNG_DECODE_TRNS : 0);
+  Image8 picture(halved(width, halvings), halved(height, halvings), channels);
+  RowShrinker rows({width, height}, {picture.width, picture.height}, channels,
+                   picture.pixels.data());
+  const std::size_t values = std::size_t{width} * channels;
+  if (reader.header().bit_depth == 16) {
+    reader.read_rows(2 * values, SPNG_FMT_PNG, 0, [&](const std::uint8_t* row) {
+      std::uint8_t* const to = rows.row();
+      for (std::size_t k = 0; k < values; ++k) {
+        std::uint16_t value = 0;
+        std::memcpy(&value, row + 2 * k, sizeof value);
+        to[k] = static_cast<std::uint8_t>((std::uint32_t{value} * 255 + 32767) / 65535);
+      }
+      rows.add(to);
+    });
+  } else {
+    const bool palette = reader.header().color_type == SPNG_COLOR_TYPE_INDEXED;
+    reader.read_rows(values, format_of(reader.header(), channels),
+                     palette && channels == 4 ? SPNG_DECODE_TRNS : 0,
+                     [&](const std::uint8_t* row) { rows.add(row); });
+  }
   if (notes != nullptr) reader.read_notes(*notes);
   return picture;
 }
 
 Image8 decode_png8(Bytes png, const std::string& file) {
-  return detail::decode_png8(png, file, nullptr);
+  return detail::decode_png8(png, file, kMostPixels, nullptr);
 }
 
 Image16 decode_png16(Bytes png, const std::string& file) {

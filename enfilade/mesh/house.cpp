@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "enfilade/core/names.h"
 #include "enfilade/mesh/readers/reader.h"
 
 namespace enfilade::mesh {
@@ -59,6 +60,14 @@ class RecordReader {
     if (out == "-") out.clear();
     std::ranges::replace(out, '#', ' ');
   }
+  /// A name of files.
+  void id(std::string& out) {
+    const std::string_view text = word();
+    out = text == "-" ? "" : text;
+    if (std::string fault = fault_of_id(text); text != "-" && !fault.empty()) {
+      error("bad-id", std::move(fault));
+    }
+  }
   void label(const char* field, char& out) {
     const std::string_view text = word();
     out = text.size() == 1 ? text[0] : '-';
@@ -95,7 +104,7 @@ class RecordReader {
     return otherwise;
   }
   void bad(const char* field, std::string_view text, const char* allowed) {
-    error("bad-value", fmt::format("{} {}, not {}", field, in_quotes(text), allowed));
+    error("bad-value", fmt::format("{} {}, not {}", field, quote(text), allowed));
   }
 
   std::vector<std::string_view> words_;
@@ -124,6 +133,7 @@ class RecordWriter {
       text_ += blank ? '#' : c;
     }
   }
+  void id(std::string_view value) { name(value); }
   void label(const char*, char value) { name({&value, 1}); }
   void vec(const char*, Vec3d v) {
     word(v.x);
@@ -205,7 +215,7 @@ constexpr auto kVertex = [](auto& io, auto& x, std::size_t i, const House& h) {
 };
 
 constexpr auto kPanorama = [](auto& io, auto& x, std::size_t i, const House& h) {
-  io.name(x.name);
+  io.id(x.name);
   io.place(i);
   io.index("region", x.region, h.regions.size());
   io.zeros(1);
@@ -216,7 +226,7 @@ constexpr auto kPanorama = [](auto& io, auto& x, std::size_t i, const House& h) 
 constexpr auto kImage = [](auto& io, auto& x, std::size_t i, const House& h) {
   io.place(i);
   io.index("panorama", x.panorama, h.panoramas.size());
-  io.name(x.name);
+  io.id(x.name);
   io.integer("camera", x.camera);
   io.integer("yaw", x.yaw);
   for (auto& value : x.camera_from_world) io.number("extrinsics", value);
@@ -337,9 +347,8 @@ class Parser {
     if (found.size() == 2 && found[0] == "ASCII" && found[1].starts_with("1.")) {
       return found[1] == "1.0";
     }
-    faults_.error(
-        "line 1", "bad-header",
-        fmt::format("{}, not \"ASCII 1.0\" or \"ASCII 1.1\"", in_quotes(line.value_or(""))));
+    faults_.error("line 1", "bad-header",
+                  fmt::format("{}, not \"ASCII 1.0\" or \"ASCII 1.1\"", quote(line.value_or(""))));
     faults_.throw_if_any();
     return false;
   }
@@ -351,7 +360,7 @@ class Parser {
       faults_.error(lines_.where(), "bad-header",
                     fmt::format("{}, not an H record of {} words",
                                 record ? fmt::format("a record {} of {} words",
-                                                     in_quotes(record->letter()), record->size())
+                                                     quote(record->letter()), record->size())
                                        : "the end of the file",
                                 wanted));
       return;
@@ -383,14 +392,14 @@ class Parser {
         record = next();
       }
       if (found == wanted) continue;
-      const std::string what = record ? "a record " + in_quotes(record->letter()) : "the end";
+      const std::string what = record ? "a record " + quote(record->letter()) : "the end";
       faults_.error(lines_.where(), "bad-count",
                     fmt::format("{} after {} {}, but H says {}", what, found, kind.name, wanted));
       return;
     }
     if (record) {
       record->error("bad-count", fmt::format("a record {} after all that H says there are",
-                                             in_quotes(record->letter())));
+                                             quote(record->letter())));
     }
   }
 

@@ -37,7 +37,7 @@ const Format& format_of(const std::string& name) {
   const auto at = std::ranges::find(kFormats, ending, &Format::ending);
   if (at == kFormats.end()) {
     throw ArgumentError(
-        fmt::format("{}: ending {:?}, not .glb, .gltf, .obj or .ply", name, ending));
+        fmt::format("{}: ending {}, not .glb, .gltf, .obj or .ply", name, quote(ending)));
   }
   return *at;
 }
@@ -75,6 +75,12 @@ ReadResult read(Source source, const ReadOptions& options) {
   std::vector<Diagnostic> found = check(out.mesh, source.name);
   if (count(found, Severity::kError) > 0) throw InvalidInput(std::move(found));
   std::ranges::move(found, std::back_inserter(out.warnings));
+  if (const std::size_t dropped = drop_copies(out.mesh); dropped > 0) {
+    warn(
+        out, source.name, "", "repeated-triangles",
+        fmt::format("{} triangles dropped: more than {} have the same corners, material and object",
+                    dropped, kMostCopies));
+  }
   return out;
 }
 

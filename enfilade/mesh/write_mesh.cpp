@@ -13,6 +13,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/mpcat40.h"
@@ -303,8 +304,7 @@ std::string material_name(const Mesh& mesh, std::size_t place) {
   return fmt::format("{}_{}", place, word(mesh.materials[place].name));
 }
 
-void write_materials(const Mesh& mesh, const std::filesystem::path& folder,
-                     const std::string& name) {
+void write_materials(const Mesh& mesh, const OutputFolder& folder, const std::string& name) {
   std::string out;
   for (std::size_t i = 0; i < mesh.materials.size(); ++i) {
     const Material& m = mesh.materials[i];
@@ -317,13 +317,13 @@ void write_materials(const Mesh& mesh, const std::filesystem::path& folder,
     if (!m.texture.pixels.empty()) {
       const EncodedTexture texture = encode_texture(m.texture);
       const std::string file = fmt::format("{}_{}.{}", name, i, texture.suffix);
-      write_file_atomically(folder / file, {reinterpret_cast<const char*>(texture.bytes.data()),
-                                            texture.bytes.size()});
+      folder.write(file,
+                   {reinterpret_cast<const char*>(texture.bytes.data()), texture.bytes.size()});
       out += fmt::format("map_Kd {}\n", file);
       if (m.cutout > 0) out += fmt::format("map_d {}\n", file);
     }
   }
-  write_file_atomically(folder / (name + ".mtl"), out);
+  folder.write(name + ".mtl", out);
 }
 
 void write_points(const Mesh& mesh, fmt::memory_buffer& out) {
@@ -375,13 +375,13 @@ void write_faces(const Mesh& mesh, fmt::memory_buffer& out) {
 }  // namespace
 
 void write_obj(const Mesh& mesh, const std::filesystem::path& folder, const std::string& name) {
-  make_folder(folder);
-  write_materials(mesh, folder, name);
+  const OutputFolder to(folder);
+  write_materials(mesh, to, name);
   fmt::memory_buffer out;
   fmt::format_to(std::back_inserter(out), "mtllib {}.mtl\n", name);
   write_points(mesh, out);
   write_faces(mesh, out);
-  write_file_atomically(folder / (name + ".obj"), {out.data(), out.size()});
+  to.write(name + ".obj", {out.data(), out.size()});
 }
 
 }  // namespace enfilade::mesh

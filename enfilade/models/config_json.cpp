@@ -243,7 +243,7 @@ ModelConfig load_model_config(const std::filesystem::path& file) {
     const Path format(path, "format");
     const auto found = json::field(root, {"format"}, path, faults);
     if (found && json::string(*found, format, faults) != kFormat) {
-      faults.error(format, "other-format", fmt::format("not {:?}", kFormat));
+      faults.error(format, "other-format", fmt::format("not {}", quote(kFormat)));
     }
     const FieldReader read{root, path, faults};
     read("agent", config.training.agent, false);

@@ -15,7 +15,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/detail/json.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/tasks/score_table.h"
 
 namespace enfilade::models {
@@ -64,9 +64,9 @@ AttentionStep read_step(Element element, std::size_t words, const Path& path, Fa
   step.action = json::string(*found[kAction], Path(path, "action"), faults).value_or("");
   step.attention =
       read_attention(*found[kAttention], words, Path(path, "attention"), "bad-weight", faults);
-  step.viewpoint = json::string(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("");
-  step.heading = json::number(*found[kHeading], Path(path, "heading"), faults).value_or(0);
-  step.elevation = json::number(*found[kElevation], Path(path, "elevation"), faults).value_or(0);
+  step.viewpoint = json::id(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("");
+  step.heading = json::angle(*found[kHeading], Path(path, "heading"), faults).value_or(0);
+  step.elevation = json::angle(*found[kElevation], Path(path, "elevation"), faults).value_or(0);
   return step;
 }
 
@@ -115,11 +115,7 @@ Choice read_choice(Element element, const Path& path, Faults& faults) {
   Choice choice;
   if (!json::fields(element, kWanted, found, path, faults)) return choice;
   if (!found[kViewpoint]->is_null()) {
-    const Path place(path, "viewpoint");
-    choice.viewpoint = json::string(*found[kViewpoint], place, faults).value_or("?");
-    if (choice.viewpoint.empty()) {
-      faults.error(place, "no-viewpoint", "an empty name, not a viewpoint's or null (stop)");
-    }
+    choice.viewpoint = json::id(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("?");
   }
   choice.probability = read_probability(*found[kProbability], Path(path, "probability"), faults);
   choice.map = read_probability(found[kMap], Path(path, "map"), faults);
@@ -133,7 +129,7 @@ MapNode read_node(Element element, const Path& path, Faults& faults) {
   std::array<std::optional<Element>, kFields> found;
   MapNode node;
   if (!json::fields(element, kWanted, found, path, faults)) return node;
-  node.viewpoint = json::string(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("");
+  node.viewpoint = json::id(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("");
   node.visited = json::boolean(*found[kVisited], Path(path, "visited"), faults).value_or(false);
   node.stop = read_probability(found[kStop], Path(path, "stop"), faults);
   return node;
@@ -186,15 +182,15 @@ DecisionStep read_decision(Element element, std::size_t words, const Path& path,
   std::array<std::optional<Element>, kFields> found;
   DecisionStep step;
   if (!json::fields(element, kWanted, found, path, faults)) return step;
-  step.viewpoint = json::string(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("");
-  step.heading = json::number(*found[kHeading], Path(path, "heading"), faults).value_or(0);
-  step.elevation = json::number(*found[kElevation], Path(path, "elevation"), faults).value_or(0);
+  step.viewpoint = json::id(*found[kViewpoint], Path(path, "viewpoint"), faults).value_or("");
+  step.heading = json::angle(*found[kHeading], Path(path, "heading"), faults).value_or(0);
+  step.elevation = json::angle(*found[kElevation], Path(path, "elevation"), faults).value_or(0);
   read_choices(*found[kChoices], *found[kChosen], path, faults, step);
   if (found[kAttention]) {
     step.attention = read_attention(*found[kAttention], words, Path(path, "attention"),
                                     "bad-probability", faults);
   }
-  if (found[kWay]) step.way = json::strings(*found[kWay], Path(path, "way"), faults);
+  if (found[kWay]) step.way = json::ids(*found[kWay], Path(path, "way"), faults);
   step.map_share = read_probability(found[kMapShare], Path(path, "map_share"), faults);
   if (found[kNodes]) {
     each(*found[kNodes], Path(path, "nodes"), faults, [&](Element one, const Path& place) {
@@ -202,7 +198,7 @@ DecisionStep read_decision(Element element, std::size_t words, const Path& path,
     });
   }
   if (found[kObject]) {
-    step.object = json::string(*found[kObject], Path(path, "object"), faults).value_or("");
+    step.object = json::id(*found[kObject], Path(path, "object"), faults).value_or("");
   }
   return step;
 }
@@ -232,7 +228,12 @@ std::map<std::string, Episode> read_all(const json::Document& document,
   const Path root;
   if (const auto episodes = json::object(document.root(), root, faults)) {
     for (const auto& [id, episode] : *episodes) {
-      file.insert_or_assign(std::string(id), read(episode, Path(root, id), faults));
+      const Path path(root, id);
+      if (std::string fault = fault_of_id(id, kLongestInstructionId); !fault.empty()) {
+        faults.error(path, "bad-id", std::move(fault));
+        continue;
+      }
+      file.insert_or_assign(std::string(id), read(episode, path, faults));
     }
   }
   faults.throw_if_errors();
@@ -427,8 +428,7 @@ void DecisionRecorder::write(const std::filesystem::path& file, const tasks::Epi
   for (const std::size_t i : shown_episodes(trajectories, episodes, count)) {
     shown.emplace_back(episodes.episodes[i].instruction_id, episode(i, episodes));
   }
-  make_folder(file.parent_path());
-  write_file_atomically(file, decisions_json(shown));
+  OutputFolder(file.parent_path()).write(file.filename().string(), decisions_json(shown));
 }
 
 std::set<std::size_t> shown_episodes(const std::vector<tasks::Trajectory>& trajectories,

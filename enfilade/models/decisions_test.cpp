@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{EN_STEP(R"("chosen": 0)"), "missing-field", "steps[0]"},
         Bad{EN_STEP(R"("choices": [], "chosen": 0)"), "no-choice", "steps[0].choices"},
         Bad{EN_STEP(R"("choices": [{"viewpoint": "", "probability": 1}], "chosen": 0)"),
-            "no-viewpoint", "choices[0].viewpoint"},
+            "bad-id", "choices[0].viewpoint"},
         Bad{EN_STEP(R"("choices": [{"viewpoint": "w"}], "chosen": 0)"), "missing-field",
             "choices[0]"},
         Bad{EN_STEP(R"("choices": [{"viewpoint": "w", "probability": 1.5}], "chosen": 0)"),

@@ -10,7 +10,10 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/output_folder.h"
 
 namespace enfilade::models {
 
@@ -118,7 +121,7 @@ std::vector<Diagnostic> differences(const DataFingerprint& trained, const DataFi
 ModelFiles require_model(const fs::path& folder) {
   ModelFiles files{folder};
   for (const fs::path& file : {files.config(), files.weights()}) {
-    if (fs::exists(file)) continue;
+    if (file_exists(file)) continue;
     throw FileError(fmt::format("{}: no {} in it, so it is no model; `enfilade train` makes one",
                                 folder.string(), file.filename().string()));
   }
@@ -173,10 +176,15 @@ const features::FeatureSet* usable_features(const ModelConfig& config,
   return features;
 }
 
+void write_file(const ModelFiles& files, const fs::path& file, std::string_view content) {
+  OutputFolder(files.folder).write(file.lexically_relative(files.folder).string(), content);
+}
+
 void write_state(const fs::path& file, std::span<const features::NamedArray> arrays,
                  std::uint64_t iteration) {
   features::write_safetensors(
-      file, arrays, {{"iteration", std::to_string(iteration)}, {"hash", hash_of_arrays(arrays)}});
+      OutputFolder(file.parent_path()).file(file.filename().string()), arrays,
+      {{"iteration", std::to_string(iteration)}, {"hash", hash_of_arrays(arrays)}});
 }
 
 StateFile open_state(const fs::path& path) {
@@ -189,7 +197,8 @@ StateFile open_state(const fs::path& path) {
   const std::string& digits = iteration->second;
   const auto number = parse_number<std::uint64_t>(digits);
   if (!number) {
-    refuse(path, "", "bad-iteration", fmt::format("iteration {:?}, not a whole number", digits));
+    refuse(path, "", "bad-iteration",
+           fmt::format("iteration {}, not a whole number", quote(digits)));
   }
   state.iteration = *number;
   if (hash->second != hash_of_arrays(state.file.arrays())) {

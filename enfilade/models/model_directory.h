@@ -50,6 +50,10 @@ struct ModelFiles {
   }
 };
 
+/// Writes one of its files, and its folder; a link in its place is replaced. \throws FileError
+void write_file(const ModelFiles& files, const std::filesystem::path& file,
+                std::string_view content);
+
 /// The files of a model directory. \throws FileError if it is none, naming the file that is missing
 ModelFiles require_model(const std::filesystem::path& folder);
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 
 namespace enfilade::models {
 namespace {
@@ -74,7 +75,7 @@ DuetConfig duet_preset(std::string_view name) {
   DuetConfig config;
   if (name == "duet") return config;
   if (name != "duet-s") {
-    throw ArgumentError(fmt::format("{:?} is no size of DUET; there are duet, duet-s", name));
+    throw ArgumentError(fmt::format("{} is no size of DUET; there are duet, duet-s", quote(name)));
   }
   config.hidden = 128;
   config.heads = 4;

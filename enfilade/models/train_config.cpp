@@ -6,6 +6,7 @@
 #include <array>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/models/train_options.h"
 
 namespace enfilade::models {
@@ -150,7 +151,7 @@ void validate_speaker(const TrainConfig& config) {
 void refuse_name(std::string_view what, std::string_view name,
                  std::span<const std::string_view> allowed) {
   throw ArgumentError(
-      fmt::format("{} {:?}: {} is allowed", what, name, fmt::join(allowed, " or ")));
+      fmt::format("{} {}: {} is allowed", what, quote(name), fmt::join(allowed, " or ")));
 }
 
 TrainConfig recipe(AgentKind agent, Recipe source, Stage stage) {
@@ -215,13 +216,13 @@ Inputs parse_inputs(std::string_view name) {
     if (kInputs[i] == name) return {(i & 1U) != 0, (i & 2U) != 0};
   }
   throw ArgumentError(
-      fmt::format("inputs {:?}: one of {} is allowed", name, fmt::join(kInputs, ", ")));
+      fmt::format("inputs {}: one of {} is allowed", quote(name), fmt::join(kInputs, ", ")));
 }
 
 Feedback parse_feedback(std::string_view name) {
   if (name == "student") return Feedback::kSample;
   if (name == "teacher") return Feedback::kTeacher;
-  throw ArgumentError(fmt::format("feedback {:?}: student or teacher is allowed", name));
+  throw ArgumentError(fmt::format("feedback {}: student or teacher is allowed", quote(name)));
 }
 
 void validate(const TrainConfig& config) {

@@ -13,6 +13,7 @@
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/models/detail/event_file.h"
 
 namespace enfilade::models {
@@ -167,7 +168,9 @@ void cut(const fs::path& log, std::uint64_t iteration) {
   for_each_line(text, log.string(), [&](Line& line, std::string_view line_text) {
     if (line.whole("iteration") <= iteration) kept.append(line_text).append("\n");
   });
-  if (kept.size() != text.size()) write_file_atomically(log, kept);
+  if (kept.size() != text.size()) {
+    OutputFolder(log.parent_path()).write(log.filename().string(), kept);
+  }
 }
 
 detail::EventFile new_events(const fs::path& folder) {

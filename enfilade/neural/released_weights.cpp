@@ -230,7 +230,7 @@ class Import {
     prepare_folder(file);
     try {
       agent == AgentKind::kDuet ? read_duet(file) : read_listener(file);
-      write_file_atomically(files_.config(), to_json(imported_.config));
+      write_file(files_, files_.config(), to_json(imported_.config));
     } catch (...) {
       clean();
       throw;
@@ -335,7 +335,7 @@ class Import {
     }
     training().network.vocabulary = entries;
     imported_.vocabulary = files_.text(training().text);
-    write_file_atomically(imported_.vocabulary, content);
+    write_file(files_, imported_.vocabulary, content);
   }
 
   void write(const core::Weights& weights) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/neural/continuous_agent.h"
@@ -181,6 +182,7 @@ class Training {
                                files_, listener.gathering})) {}
 
   bool run() {
+    if (ranks_.is_first()) remove_left();
     if (!ranks_.alone()) ranks_.agree(facts());
     if (fs::exists(files_.config())) {
       check_same_model(files_, model_, words_);
@@ -213,6 +215,12 @@ class Training {
     if (!ranks_.is_first()) return std::nullopt;
     make_folder(files_.folder);
     return std::optional<FolderLock>(std::in_place, files_.lock());
+  }
+
+  // What killed runs left. The lock is held.
+  void remove_left() const {
+    const OutputFolder out(files_.folder);
+    for (const char* folder : {"", "results"}) out.remove_unfinished(folder);
   }
 
   // By field, so that what differs is named.
@@ -252,16 +260,16 @@ class Training {
     }
     // After the vocabulary, so that there is no config.json without one. Always written, as the
     // iterations may have changed.
-    write_file_atomically(files_.config(), to_json(model_));
+    write_file(files_, files_.config(), to_json(model_));
   }
 
   void save_words() const {
     if (words_.vocabulary() != nullptr) return words_.vocabulary()->save(files_.vocabulary());
-    write_file_atomically(files_.text(config().text), read_file(origin_->text()));
+    write_file(files_, files_.text(config().text), read_file(origin_->text()));
   }
   void save_encoder() const {
     const fs::path& weights = data_.continuous()->sight.encoder.weights;
-    if (!weights.empty()) write_file_atomically(files_.encoder(), read_file(weights));
+    if (!weights.empty()) write_file(files_, files_.encoder(), read_file(weights));
   }
   bool is_last() const { return iteration_ == config().iterations; }
   bool is_due(std::size_t every) const {

@@ -14,6 +14,8 @@
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/numbers.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/written_lists.h"
 
 namespace enfilade::scan {
@@ -39,8 +41,7 @@ void read_pose(Element element, const Path& path, Faults& faults, std::array<dou
   std::size_t i = 0;
   for (const Element number : *numbers) {
     pose[i] = json::number(number, Path(path, i), faults).value_or(0);
-    // Positions are also kept in single precision, where a larger number would be infinite.
-    if (std::abs(pose[i]) > 1e30) {
+    if (std::abs(pose[i]) > kMostMetres) {
       faults.error(Path(path, i), "bad-pose", fmt::format("{} is no length in metres", pose[i]));
     }
     ++i;
@@ -72,17 +73,17 @@ ConnectivityEntry read_entry(Element element, std::size_t n, const Path& path, F
   ConnectivityEntry entry;
   Found found;
   if (!json::fields(element, kWanted, found, path, faults)) return entry;
-  const Path id_path(path, "image_id");
-  if (const auto id = json::string(*found[kId], id_path, faults)) {
-    entry.id = *id;
-    if (id->empty()) faults.error(id_path, "bad-id", "an empty id");
-  }
+  entry.id = json::id(*found[kId], Path(path, "image_id"), faults).value_or("");
   read_pose(*found[kPose], Path(path, "pose"), faults, entry.pose);
   entry.included = json::boolean(*found[kIncluded], Path(path, "included"), faults).value_or(false);
   entry.visible = read_row(*found[kVisible], n, Path(path, "visible"), faults);
   entry.unobstructed = read_row(*found[kUnobstructed], n, Path(path, "unobstructed"), faults);
   if (found[kHeight]) {
-    entry.height = json::number(*found[kHeight], Path(path, "height"), faults).value_or(0);
+    const Path place(path, "height");
+    entry.height = json::number(*found[kHeight], place, faults).value_or(0);
+    if (std::abs(entry.height) > kMostMetres) {
+      faults.error(place, "bad-height", fmt::format("{} is no length in metres", entry.height));
+    }
   }
   return entry;
 }
@@ -103,7 +104,7 @@ Connectivity read(const json::Document& document, std::string scan) {
       const std::string& id = result.entries.back().id;
       if (const auto [at, fresh] = first.emplace(id, i); !fresh && !id.empty()) {
         faults.error(Path(path, "image_id"), "repeated-id",
-                     fmt::format("{:?} stands at $[{}] already", id, at->second));
+                     fmt::format("{} stands at $[{}] already", quote(id), at->second));
       }
     }
   }
@@ -122,11 +123,10 @@ std::vector<std::string> parse_scan_list(std::string_view text, const std::strin
   Faults faults(file);
   const Path root;
   const auto add = [&](std::string_view scan) {
-    if (!is_scan_id(scan)) {
-      faults.error(root, "bad-scan-id",
-                   fmt::format("{:?} is not a scan id (letters, digits, _ and -)", scan));
+    if (std::string fault = fault_of_id(scan); !fault.empty()) {
+      faults.error(root, "bad-id", std::move(fault));
     } else if (!seen.emplace(scan).second) {
-      faults.error(root, "repeated-scan", fmt::format("{:?} stands in the list twice", scan));
+      faults.error(root, "repeated-scan", fmt::format("{} stands in the list twice", quote(scan)));
     }
     scans.emplace_back(scan);
   };
@@ -157,17 +157,12 @@ ScanList read_scan_list(const std::filesystem::path& file) {
 
 }  // namespace
 
-bool is_scan_id(std::string_view scan) {
-  constexpr std::string_view kAllowed =
-      "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-.";
-  constexpr std::size_t kLongest = 255;  // of a file name, and of the store's names
-  return !scan.empty() && scan.size() <= kLongest && scan[0] != '.' && scan[0] != '-' &&
-         scan.find_first_not_of(kAllowed) == std::string_view::npos;
-}
+bool is_scan_id(std::string_view scan) { return is_id(scan); }
 
 void require_scan_id(std::string_view scan) {
-  if (is_scan_id(scan)) return;
-  throw LookupError(fmt::format("scan {:?}: not a scan id (letters, digits, _ and -)", scan));
+  if (const std::string fault = fault_of_id(scan); !fault.empty()) {
+    throw LookupError("scan: " + fault);
+  }
 }
 
 std::string_view name_in_hm3d(std::string_view scan) noexcept {
@@ -226,11 +221,11 @@ std::string to_json(const Connectivity& connectivity) {
 void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity) {
   const std::filesystem::path file = scan_list_file(directory);
   auto [scans, text] = read_scan_list(file);
-  make_folder(directory);
-  write_file_atomically(connectivity_file(directory, connectivity.scan), to_json(connectivity));
+  const OutputFolder out(directory);
+  out.write(connectivity_file({}, connectivity.scan).string(), to_json(connectivity));
   if (std::ranges::find(scans, connectivity.scan) != scans.end()) return;
   if (!text.empty() && !text.ends_with('\n')) text += '\n';
-  write_file_atomically(file, text + connectivity.scan + "\n");
+  out.write(file.filename().string(), text + connectivity.scan + "\n");
 }
 
 void check_scan_list(const std::filesystem::path& directory) {

@@ -32,9 +32,8 @@ struct Connectivity {
   std::vector<ConnectivityEntry> entries;
 };
 
-/// Whether a text may be a scan id: 1 to 255 letters, digits, '_', '-' and '.', the first neither
-/// '-' nor '.'. So an id is safe in file names, command lines and URLs. Examples: `17DRP5sb8fy`
-/// (Matterport3D), `00000-kfPV7w3FaU5` (HM3D). The one rule for all readers and writers of scans.
+/// Whether a text may be a scan id: is_id() (core/names.h). So an id is safe in file names, command
+/// lines and URLs. Examples: `17DRP5sb8fy` (Matterport3D), `00000-kfPV7w3FaU5` (HM3D).
 bool is_scan_id(std::string_view scan);
 /// \throws LookupError naming `scan` if it is not a scan id
 void require_scan_id(std::string_view scan);
@@ -48,7 +47,8 @@ std::string_view name_in_hm3d(std::string_view scan) noexcept;
 /// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
 /// - not JSON; a missing, repeated or wrongly typed field
 /// - a pose that isn't 16 numbers; `unobstructed` or `visible` of another length than the file
-/// - an id twice
+/// - numbers beyond kMostMetres (core/numbers.h)
+/// - a viewpoint's id that is none (`bad-id`, core/names.h), or is there twice
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan);
 
 /// The same for a file of any name. \throws FileError; InvalidInput

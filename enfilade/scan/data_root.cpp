@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 
 namespace enfilade::scan {
 namespace {
@@ -65,7 +66,7 @@ fs::path DataRoot::connectivity() const {
 }
 
 fs::path DataRoot::annotations(std::string_view split) const {
-  return first_of(fmt::format("annotations of split {:?}", split), annotation_files(split));
+  return first_of(fmt::format("annotations of split {}", quote(split)), annotation_files(split));
 }
 
 fs::path DataRoot::regions() const { return first_of("region map", kRegionMaps); }

@@ -19,13 +19,16 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/names.h"
 
 namespace enfilade::scan {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kShownPath = 255;  // in messages, bytes
 constexpr std::size_t kWhole = std::numeric_limits<std::size_t>::max();
+// Of those that are packed like gzip's bombs fewer bytes are read (core/gzip.h).
 constexpr std::uint64_t kLargestEntry = std::uint64_t{1} << 30;
 
 [[noreturn]] void fail(const std::string& path, const char* doing, int reason) {
@@ -155,7 +158,8 @@ class Zip final : public FileTree {
     if (entry.twice) {
       refuse(path_of(name), "", "repeated-name",
              names_ == ZipNames::kBare
-                 ? fmt::format("lies in two folders of the zip, one of them {:?}", entry.path)
+                 ? fmt::format("lies in two folders of the zip, one of them {}",
+                               quote(entry.path, kShownPath))
                  : std::string("comes twice in the zip"));
     }
     Handle handle = take();
@@ -189,7 +193,7 @@ class Zip final : public FileTree {
   struct Entry {
     std::string path;  ///< in the zip
     std::uint64_t index = 0;
-    std::uint64_t size = 0;
+    std::uint64_t size = 0, packed = 0;
     bool twice = false;
   };
 
@@ -230,9 +234,10 @@ class Zip final : public FileTree {
       if (bare(stat.name).empty()) continue;  // a folder
       if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE) {
         refuse(name_, "", "encrypted",
-               fmt::format("{:?} is encrypted, which is not read", stat.name));
+               fmt::format("{} is encrypted, which is not read", quote(stat.name, kShownPath)));
       }
-      entries_.push_back({stat.name, i, (stat.valid & ZIP_STAT_SIZE) != 0 ? stat.size : 0});
+      entries_.push_back({stat.name, i, (stat.valid & ZIP_STAT_SIZE) != 0 ? stat.size : 0,
+                          (stat.valid & ZIP_STAT_COMP_SIZE) != 0 ? stat.comp_size : 0});
     }
     index_.reserve(entries_.size());
     for (std::size_t i = 0; i < entries_.size(); ++i) {
@@ -259,9 +264,12 @@ class Zip final : public FileTree {
     if (name == nullptr || name != entry.path) {
       throw FileError(fmt::format("{}: the zip file was changed while it was read", path));
     }
-    if (entry.size > kLargestEntry) {
+    const std::uint64_t most = std::min(
+        kLargestEntry, std::max<std::uint64_t>(kAlwaysUnpacked, kMostPacking * entry.packed));
+    if (entry.size > most) {
       refuse(path, "", "too-large",
-             fmt::format("{} bytes, at most {} (1 GiB) are read", entry.size, kLargestEntry));
+             fmt::format("{} bytes from {} packed ones; at most {} are read", entry.size,
+                         entry.packed, most));
     }
     const std::unique_ptr<zip_file_t, Discard> file(zip_fopen_index(zip, entry.index, 0));
     if (!file) fail_read(zip_get_error(zip), path);
@@ -321,8 +329,7 @@ std::shared_ptr<const FileTree> FileTree::folder(const fs::path& path) {
 }
 
 std::shared_ptr<const FileTree> FileTree::zip(const fs::path& path, ZipNames names) {
-  std::error_code code;
-  if (fs::is_directory(path, code)) fail(path.string(), "open", EISDIR);
+  check_plain_file(path);
   return std::make_shared<Zip>(path, std::string(), path.string(), names);
 }
 
@@ -364,7 +371,7 @@ void check(std::span<const ZipEntry> entries) {
                                       entry.name.size(), kMost16));
     }
     if (!names.insert(entry.name).second) {
-      throw ArgumentError(fmt::format("{:?} is twice in a zip", entry.name));
+      throw ArgumentError(fmt::format("{} is twice in a zip", quote(entry.name, kShownPath)));
     }
   }
 }

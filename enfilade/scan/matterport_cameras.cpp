@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/scan/matterport_images.h"
 
@@ -131,13 +132,8 @@ Words words_of(std::string_view line) {
   return words;
 }
 
-/// A value for a message: escaped, and shortened to less than a line.
-std::string shown(std::string_view value) {
-  constexpr std::size_t kLongest = 40;
-  if (value.size() <= kLongest) return fmt::format("{:?}", value);
-  return fmt::format("{:?}...", value.substr(0, kLongest));
-}
-
+/// Name of a picture's file: a viewpoint's id, and `_d<cam>_<yaw>.png`.
+constexpr std::size_t kLongestPicture = kLongestId + 16;
 /// A file with this many faults is of another kind; more would only take memory.
 constexpr std::size_t kMostFaults = 100;
 
@@ -170,7 +166,7 @@ class Parser {
   bool has_fields(const Words& words, std::size_t fields) {
     if (words.size() == fields + 1) return true;
     fault("wrong-length",
-          fmt::format("{} has {} fields, not {}", shown(words[0]), words.size() - 1, fields));
+          fmt::format("{} has {} fields, not {}", quote(words[0]), words.size() - 1, fields));
     return false;
   }
 
@@ -179,7 +175,7 @@ class Parser {
     const std::string_view command = words[0];
     if (command == "dataset") {
       if (has_fields(words, 1) && words[1] != "matterport") {
-        fault("bad-dataset", fmt::format("dataset {}, not \"matterport\"", shown(words[1])));
+        fault("bad-dataset", fmt::format("dataset {}, not \"matterport\"", quote(words[1])));
       }
     } else if (command == "n_images") {
       read_count(words);
@@ -200,7 +196,7 @@ class Parser {
             fmt::format("{} is no command; allowed: dataset, n_images, depth_directory, "
                         "color_directory, intrinsics_matrix, scan, image, and, without effect, "
                         "rectangle, mesh, texture_directory",
-                        shown(command)));
+                        quote(command)));
     }
   }
 
@@ -209,7 +205,7 @@ class Parser {
     expected_ = parse_number<std::uint64_t>(words[1]);
     if (!expected_) {
       fault("bad-number",
-            fmt::format("n_images {}, not a whole number from 0 on", shown(words[1])));
+            fmt::format("n_images {}, not a whole number from 0 on", quote(words[1])));
     }
   }
 
@@ -218,7 +214,7 @@ class Parser {
       const auto value = parse_number<double>(words[first + i]);
       if (!value || !std::isfinite(*value)) {
         fault("bad-number",
-              fmt::format("field {}: {}, not a number", first + i, shown(words[first + i])));
+              fmt::format("field {}: {}, not a number", first + i, quote(words[first + i])));
         return false;
       }
       values[i] = *value;
@@ -254,8 +250,16 @@ class Parser {
     camera.depth_file = words[1];
     camera.colour_file = words[2];
     if (camera.viewpoint().empty()) {
-      fault("bad-name", fmt::format("{}, not <viewpoint>_d<cam>_<yaw>.png", shown(words[1])));
+      fault("bad-name", fmt::format("{}, not <viewpoint>_d<cam>_<yaw>.png", quote(words[1])));
       return;
+    }
+    for (const auto& [id, most] : {std::pair(camera.viewpoint(), kLongestId),
+                                   {words[1], kLongestPicture},
+                                   {words[2], kLongestPicture}}) {
+      if (std::string wrong = fault_of_id(id, most); !wrong.empty()) {
+        fault("bad-id", std::move(wrong));
+        return;
+      }
     }
     camera.fx = intrinsics_[0], camera.fy = intrinsics_[1];
     camera.cx = intrinsics_[2], camera.cy = intrinsics_[3];
@@ -265,7 +269,7 @@ class Parser {
         p[15] != 1) {
       fault("bad-pose", fmt::format("the pose of {} is no rotation and place, row by row: 12 "
                                     "numbers, then 0 0 0 1",
-                                    shown(words[1])));
+                                    quote(words[1])));
       return;
     }
     result_.push_back(std::move(camera));

@@ -10,6 +10,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/scan/detail/panorama_files.h"
 
@@ -97,8 +98,8 @@ class MatterportImages final : public PanoramaSource {
   template <class Read>
   auto with_context(ViewpointIndex viewpoint, const Read& read) const -> decltype(read()) {
     EN_CHECK_LT(viewpoint.at(), size());
-    const std::string place =
-        fmt::format("scan {:?}, viewpoint {:?}", scan(), poses()[viewpoint.at()].viewpoint);
+    const std::string place = fmt::format("scan {}, viewpoint {}", quote(scan()),
+                                          quote(poses()[viewpoint.at()].viewpoint));
     try {
       return read();
     } catch (const InvalidInput& error) {
@@ -174,8 +175,8 @@ std::shared_ptr<const PanoramaSource> open_matterport_images(const fs::path& roo
   std::string tried;
   KindOfFiles skybox = find_kind(root, scan, "matterport_skybox_images", &tried);
   if (skybox.empty()) {
-    throw LookupError(
-        fmt::format("scan {:?}: no panoramas; tried as folders and zip files:{}", scan, tried));
+    throw LookupError(fmt::format("scan {}: no panoramas; tried as folders and zip files:{}",
+                                  quote(scan), tried));
   }
   return std::make_shared<MatterportImages>(root, connectivity, scan, std::move(skybox));
 }

@@ -11,6 +11,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/half.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/utf8.h"
 
@@ -62,9 +63,9 @@ class NpyHeader {
       shape = tuple();
     } else {
       throw Error(
-          fmt::format("the header has the key {:?}; \"descr\", \"fortran_order\" and "
+          fmt::format("the header has the key {}; \"descr\", \"fortran_order\" and "
                       "\"shape\" are known",
-                      key));
+                      quote(key)));
     }
   }
 
@@ -157,9 +158,9 @@ NpyKind kind_of(const std::string& type) {
   const std::size_t kind = type.size() < 3 ? kLetters.npos : kLetters.find(type[1]);
   if (kind != kLetters.npos) return static_cast<NpyKind>(kind);
   throw Error(
-      fmt::format("elements of type {:?}; numbers, bools and texts (\"<f4\", \"|b1\", "
+      fmt::format("elements of type {}; numbers, bools and texts (\"<f4\", \"|b1\", "
                   "\"<U32\") are read",
-                  type));
+                  quote(type)));
 }
 
 std::size_t bytes_of_item(const std::string& type, NpyKind kind) {
@@ -171,7 +172,7 @@ std::size_t bytes_of_item(const std::string& type, NpyKind kind) {
                                          : std::has_single_bit(*count) && *count <= 8 &&
                                                (kind != NpyKind::kFloat || *count > 1));
   if (!fits || std::string_view("<>|=").find(type[0]) == std::string_view::npos) {
-    throw Error(fmt::format("elements of type {:?}, whose size is not read", type));
+    throw Error(fmt::format("elements of type {}, whose size is not read", quote(type)));
   }
   return kind == NpyKind::kText ? *count * 4 : *count;
 }
@@ -253,8 +254,8 @@ NpyArray NpyArray::parse(std::string bytes) {
   array.data_ = data;
   const std::size_t there = array.bytes_.size() - data, wanted = array.size_ * array.item_;
   if (there != wanted) {
-    throw Error(fmt::format("{} bytes of elements, not the {} of shape {} and type {:?}", there,
-                            wanted, shape_of(array.shape_), array.type_));
+    throw Error(fmt::format("{} bytes of elements, not the {} of shape {} and type {}", there,
+                            wanted, shape_of(array.shape_), quote(array.type_)));
   }
   array.put_in_order(*header.fortran, array.type_[0] == '>');
   return array;

@@ -10,6 +10,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/store.h"
 
@@ -19,7 +20,7 @@ namespace {
 
 LookupError not_found(const std::string& scan, const std::string& tried) {
   return LookupError(
-      fmt::format("scan {:?}: no panoramas found; {}", scan,
+      fmt::format("scan {}: no panoramas found; {}", quote(scan),
                   tried.empty() ? "no folder to look in was named (--images)" : "tried:" + tried));
 }
 
@@ -56,7 +57,7 @@ PanoramaSet::PanoramaSet(PanoramaPlaces places, std::vector<std::string> scans)
   std::set<std::string_view> seen;
   for (const std::string& scan : scans_) {
     if (!seen.insert(scan).second) {
-      throw ArgumentError(fmt::format("scans: {:?} twice; each may be named once", scan));
+      throw ArgumentError(fmt::format("scans: {} twice; each may be named once", quote(scan)));
     }
   }
 }
@@ -95,7 +96,7 @@ std::optional<ScanIndex> PanoramaSet::find(std::string_view scan) const {
 
 ScanIndex PanoramaSet::at(std::string_view scan) const {
   if (const auto found = find(scan)) return *found;
-  throw LookupError(fmt::format("scan {:?}: not one of the {} of this set", scan, size()));
+  throw LookupError(fmt::format("scan {}: not one of the {} of this set", quote(scan), size()));
 }
 
 const PanoramaSource* PanoramaSet::find_source(ScanIndex scan) const {

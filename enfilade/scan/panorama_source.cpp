@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/names.h"
 
 namespace enfilade::scan {
 namespace {
@@ -27,10 +28,10 @@ void check_map(const image::CubeMap<T>& map, std::uint32_t channels, Layer layer
       continue;
     }
     throw ArgumentError(
-        fmt::format("panoramas: viewpoint {:?}, {}, face {}: {} x {} pixels of {} channels in {} "
+        fmt::format("panoramas: viewpoint {}, {}, face {}: {} x {} pixels of {} channels in {} "
                     "values; faces must be square, as face 0 ({} pixels wide), of {} channels",
-                    viewpoint, to_string(layer), k, f.width, f.height, f.channels, f.pixels.size(),
-                    n, channels));
+                    quote(viewpoint), to_string(layer), k, f.width, f.height, f.channels,
+                    f.pixels.size(), n, channels));
   }
 }
 
@@ -99,8 +100,9 @@ PanoramaSource::PanoramaSource(std::string scan, std::string origin,
   for (std::size_t i = 0; i < poses_.size(); ++i) {
     const auto [at, fresh] = by_id_.emplace(poses_[i].viewpoint, i);
     if (fresh) continue;
-    throw ArgumentError(fmt::format("scan {:?}: viewpoint {:?} is number {} and number {} of {}",
-                                    scan_, poses_[i].viewpoint, at->second.at(), i, origin_));
+    throw ArgumentError(fmt::format("scan {}: viewpoint {} is number {} and number {} of {}",
+                                    quote(scan_), quote(poses_[i].viewpoint), at->second.at(), i,
+                                    origin_));
   }
 }
 
@@ -112,8 +114,8 @@ std::optional<ViewpointIndex> PanoramaSource::find(std::string_view viewpoint) c
 
 ViewpointIndex PanoramaSource::at(std::string_view viewpoint) const {
   if (const auto found = find(viewpoint)) return *found;
-  throw LookupError(fmt::format("viewpoint {:?}: not one of the {} of scan {:?} in {}", viewpoint,
-                                size(), scan_, origin_));
+  throw LookupError(fmt::format("viewpoint {}: not one of the {} of scan {} in {}",
+                                quote(viewpoint), size(), quote(scan_), origin_));
 }
 
 std::optional<std::array<std::string, kCubeFaces>> PanoramaSource::colour_jpegs(
@@ -138,8 +140,8 @@ std::string PanoramaSource::tried(Layer /*layer*/, ViewpointIndex /*viewpoint*/)
 }
 
 LookupError PanoramaSource::lacks(Layer layer, ViewpointIndex viewpoint) const {
-  return LookupError(fmt::format("scan {:?}, viewpoint {:?}: no {}{}", scan_,
-                                 poses_.at(viewpoint.at()).viewpoint, to_string(layer),
+  return LookupError(fmt::format("scan {}, viewpoint {}: no {}{}", quote(scan_),
+                                 quote(poses_.at(viewpoint.at()).viewpoint), to_string(layer),
                                  tried(layer, viewpoint)));
 }
 
@@ -161,9 +163,9 @@ std::vector<PanoramaPose> poses_of(const Connectivity& connectivity) {
     if (!is_rotation(rotation)) {
       faults.push_back({Severity::kError, connectivity.file, fmt::format("$[{}].pose", i),
                         "bad-pose",
-                        fmt::format("viewpoint {:?}: the upper left 3 x 3 part is no rotation "
+                        fmt::format("viewpoint {}: the upper left 3 x 3 part is no rotation "
                                     "(orthonormal to {}, right-handed)",
-                                    entry.id, kRotationTolerance)});
+                                    quote(entry.id), kRotationTolerance)});
     }
     poses.push_back({entry.id, rotation, entry.position(), entry.included});
   }

@@ -25,12 +25,12 @@ void read_region(Element element, std::uint32_t region, const Path& path, Faults
   std::size_t i = 0;
   for (const Element id : *ids) {
     const Path here(path, i++);
-    const auto text = json::string(id, here, faults);
+    const auto text = json::id(id, here, faults);
     if (!text) continue;
     const auto [at, fresh] = viewpoints.emplace(*text, region);
     if (!fresh) {
       faults.error(here, "repeated-viewpoint",
-                   fmt::format("viewpoint {:?} is in region {} already", *text, at->second));
+                   fmt::format("viewpoint {} is in region {} already", quote(*text), at->second));
     }
   }
 }
@@ -50,6 +50,10 @@ RegionMap RegionMap::parse(std::string_view text, const std::string& file) {
   faults.throw_if_errors();
   for (const auto scan : *scans) {
     const Path scan_path(root, scan.key);
+    if (std::string fault = fault_of_id(scan.key); !fault.empty()) {
+      faults.error(scan_path, "bad-id", std::move(fault));
+      continue;
+    }
     const auto regions = json::object(scan.value, scan_path, faults);
     if (!regions) continue;
     Viewpoints& viewpoints = map.scans_[std::string(scan.key)];
@@ -58,7 +62,7 @@ RegionMap RegionMap::parse(std::string_view text, const std::string& file) {
       const auto index = parse_number<std::uint32_t>(region.key);
       if (!index) {
         faults.error(path, "bad-region",
-                     fmt::format("region {:?}, not a whole number from 0 on", region.key));
+                     fmt::format("region {}, not a whole number from 0 on", quote(region.key)));
         continue;
       }
       read_region(region.value, *index, path, faults, viewpoints);

@@ -16,8 +16,8 @@ namespace enfilade::scan {
 /// `region_to_panorama.json`: {scan: {region index: [viewpoint ids]}}. Immutable: any thread.
 class RegionMap {
  public:
-  /// \throws FileError, InvalidInput (with JSON paths: wrong types, a region that is not a whole
-  /// number >= 0, a viewpoint in two regions)
+  /// \throws FileError, InvalidInput (with JSON paths: wrong types, bad ids, a region that is not a
+  /// whole number >= 0, a viewpoint in two regions)
   static RegionMap load(const std::filesystem::path& file);
   static RegionMap parse(std::string_view json, const std::string& file);
 

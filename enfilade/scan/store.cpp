@@ -8,6 +8,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/mapped_file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/scan/detail/face_coding.h"
@@ -34,9 +35,9 @@ constexpr const char* kChanged = "its bytes differ from those that were packed";
 
 Diagnostic fault(const FaceName& name, std::string code, std::string message) {
   return {Severity::kError, name.store.origin(),
-          fmt::format("scan {:?}, viewpoint {:?}, {}, face {}", name.store.scan(),
-                      name.store.poses()[name.viewpoint.at()].viewpoint, to_string(name.layer),
-                      name.face),
+          fmt::format("scan {}, viewpoint {}, {}, face {}", quote(name.store.scan()),
+                      quote(name.store.poses()[name.viewpoint.at()].viewpoint),
+                      to_string(name.layer), name.face),
           std::move(code), std::move(message)};
 }
 

@@ -4,6 +4,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/names.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/image/jpeg_rows.h"
@@ -29,12 +31,11 @@ void validate(const PackOptions& options) {
   }
 }
 
-// Checks the limits of the format.
 void validate(const PanoramaSource& source) {
   for (const PanoramaPose& pose : source.poses()) {
-    if (!pose.viewpoint.empty() && pose.viewpoint.size() <= detail::kLongestName) continue;
-    throw ArgumentError(fmt::format("scan {:?}: a viewpoint's id of {} bytes, not 1 to {}",
-                                    source.scan(), pose.viewpoint.size(), detail::kLongestName));
+    const std::string fault = fault_of_id(pose.viewpoint);
+    if (fault.empty()) continue;
+    throw ArgumentError(fmt::format("scan {}: a viewpoint: {}", quote(source.scan()), fault));
   }
 }
 
@@ -95,14 +96,14 @@ std::vector<PlannedPanorama> make_plan(const PanoramaSource& source, const PackO
     const std::uint32_t largest = std::ranges::max(plan.back().sizes);
     if (largest > image::kLargestCellFace) {
       throw ArgumentError(
-          fmt::format("face_size: viewpoint {:?} has faces of {} texels; a store "
+          fmt::format("face_size: viewpoint {} has faces of {} texels; a store "
                       "holds at most {}",
-                      source.poses()[i].viewpoint, largest, image::kLargestCellFace));
+                      quote(source.poses()[i].viewpoint), largest, image::kLargestCellFace));
     }
   }
   if (!colour) {
-    throw ArgumentError(
-        fmt::format("scan {:?}: no panorama has colour in {}", source.scan(), source.origin()));
+    throw ArgumentError(fmt::format("scan {}: no panorama has colour in {}", quote(source.scan()),
+                                    source.origin()));
   }
   return plan;
 }
@@ -229,8 +230,8 @@ Jpegs encoded(const image::CubeMap<std::uint8_t>& faces, int quality) {
 }
 
 std::string face_of(const PanoramaSource& source, const PlannedPanorama& planned, std::size_t k) {
-  return fmt::format("viewpoint {:?}, colour, face {}",
-                     source.poses()[planned.viewpoint.at()].viewpoint, k);
+  return fmt::format("viewpoint {}, colour, face {}",
+                     quote(source.poses()[planned.viewpoint.at()].viewpoint), k);
 }
 
 // With restart markers, which make reading quicker (image/jpeg_rows.h), where that is possible.
@@ -333,7 +334,7 @@ PackReport pack(const PanoramaSource& source, const std::filesystem::path& direc
   if (const auto store = complete_store(report.file, fingerprint)) return report_of(*store);
 
   const std::vector<PlannedPanorama> plan = make_plan(source, options);
-  make_folder(directory);
+  static_cast<void>(OutputFolder(directory).file(report.file.filename().string()));
   detail::StoreWriter writer(report.file, fingerprint, plan);
   report.resumed = writer.panoramas();
   write_panoramas(source, options, plan, writer, progress);

@@ -56,6 +56,28 @@ TEST(Store, ReleasedPicturesLeaveTheMemoryAndCanBeReadAgain) {
   }
 }
 
+// Packing refuses them; another program may have written the file.
+TEST(Store, RefusesIdsThatAreNone) {
+  const TemporaryFolder folder("store_ids");
+  const auto opened = [&](const std::string& scan, const std::string& viewpoint) -> std::string {
+    Connectivity graph{scan, "", {}};
+    graph.entries.resize(1);
+    graph.entries[0].id = viewpoint;
+    graph.entries[0].pose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    detail::StoreWriter(folder.path() / "s.enfilade", 0, {}).finish(graph);
+    try {
+      Store::open(folder.path() / "s.enfilade");
+    } catch (const InvalidInput& refused) {
+      return refused.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(opened("one", "v0"), "accepted");
+  EXPECT_THAT(opened("../one", "v0"), HasSubstr("catalogue: \"../one\" is not an id"));
+  EXPECT_THAT(opened("one", "../../x"), HasSubstr("viewpoint 0: \"../../x\" is not an id"));
+  EXPECT_THAT(opened("one", std::string(100'000, 'a')), HasSubstr("(100000 bytes) is not an id"));
+}
+
 // A thread that reads what another one releases goes on.
 TEST(Store, ReleasingDisturbsNoReader) {
   const TemporaryFolder folder("store_release");

@@ -1,4 +1,4 @@
-// What people might try, and what they get. docs/service_attacks.md has the table.
+// What people might try, and what they get. docs/threats.md has the table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <atomic>
@@ -13,13 +13,13 @@
 namespace enfilade::service {
 namespace EN_UNIT {
 
-using testing::connect_to;
-using testing::exchange;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::read_to_end;
 using testing::row_results;
 using testing::Served;
+using tests::connect_to;
+using tests::exchange;
+using tests::read_to_end;
 
 std::string percent_encoded(const std::string& text) {
   std::string coded;
@@ -119,6 +119,10 @@ TEST(Attacks, WhatIsRefusedBeforeItIsReadHasThemToo) {
        {"OPTIONS /healthz" + host, "TRACE /" + host, "FOO /" + host, "GET /a%0ab" + host,
         "GET /" + std::string(3000, 'a') + host, "GET /healthz" + host + "Range: bytes=9-2\r\n",
         "POST /api/v1/teams" + host + "Content-Type: multipart/form-data\r\nContent-Length: 0\r\n",
+        "POST /api/v1/teams" + host + "Content-Length: -5\r\n",
+        "GET /healthz" + host + "Folded: a\r\n b\r\n",
+        "POST /api/v1/teams" + host + "Transfer-Encoding: chunked\r\n\r\n-5\r\n",
+        std::string("GET /healthz HTTP/1.1\r\n"), std::string("GET /healthz HTTP/1.1\nHost: a\n"),
         std::string("GARBAGE\r\n")}) {
     const std::string answer = exchange(served.port(), {request + "\r\n"}, 10);
     EXPECT_THAT(answer, HasSubstr("HTTP/1.1 4")) << request;
@@ -127,7 +131,6 @@ TEST(Attacks, WhatIsRefusedBeforeItIsReadHasThemToo) {
   }
 }
 
-// cpp-httplib 0.11 would send as many bytes as the client names, its own memory after the answer.
 TEST(Attacks, APartOfAnAnswerIsNeverMoreThanTheAnswer) {
   Served served;
   const std::string whole = served.get("/api/v1/splits")->body;
@@ -149,14 +152,16 @@ std::size_t count_answers(const std::string& text) {
 // Behind a proxy that keeps its connection, the second answer would be another client's.
 TEST(Attacks, NoRequestHidesInAnother) {
   Served served;
-  const std::string hidden = "GET /api/v1/phases HTTP/1.1\r\nConnection: close\r\n\r\n";
+  const std::string hidden =
+      "GET /api/v1/phases HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
   const std::string size = std::to_string(hidden.size());
   const std::string length = "Content-Length: " + size + "\r\n";
-  const std::string teams = "POST /api/v1/teams HTTP/1.1\r\n";
+  const std::string host = " HTTP/1.1\r\nHost: localhost\r\n";
+  const std::string teams = "POST /api/v1/teams" + host;
   for (const std::string& head :
-       {"GET /healthz HTTP/1.1\r\n" + length, "HEAD /healthz HTTP/1.1\r\n" + length,
-        "OPTIONS /healthz HTTP/1.1\r\n" + length, "FOO /healthz HTTP/1.1\r\n" + length,
-        "POST /" + std::string(3000, 'a') + " HTTP/1.1\r\n" + length,
+       {"GET /healthz" + host + length, "HEAD /healthz" + host + length,
+        "OPTIONS /healthz" + host + length, "FOO /healthz" + host + length,
+        "POST /" + std::string(3000, 'a') + host + length,
         fmt::format("{}Content-Length: 0\r\n{}", teams, length),
         fmt::format("{}{}Transfer-Encoding: chunked\r\n", teams, length),
         fmt::format("{}Content-Length : {}\r\n", teams, size),
@@ -169,7 +174,7 @@ TEST(Attacks, NoRequestHidesInAnother) {
   }
   // No body, and none announced: the next request is one.
   const std::string both =
-      exchange(served.port(), {"DELETE /api/v1/session HTTP/1.1\r\n\r\n", hidden}, 50);
+      exchange(served.port(), {"DELETE /api/v1/session" + host + "\r\n", hidden}, 50);
   EXPECT_EQ(count_answers(both), 2U) << both;
   EXPECT_EQ(
       count_answers(exchange(served.port(), {teams + "Content-Length: 3\r\n\r\n[1]", hidden}, 50)),
@@ -199,9 +204,24 @@ TEST(Attacks, ABodyThatDripsIsCutOff) {
   EXPECT_THAT(exchange(served.port(), pieces, 50), HasSubstr("408"));
 }
 
+// A monitor that asks every second must not think that the server is gone.
+TEST(Attacks, HealthIsAnsweredBesideHundredsOfHalfSentRequests) {
+  Served served;
+  const std::string head = "POST /api/v1/teams HTTP/1.1\r\nHost: localhost\r\n";
+  for (const std::string& half :
+       {std::string("GET /healthz HTTP/1.1\r\nHost: loc"), head + "Content-Length: 50\r\n\r\n{",
+        head + "Transfer-Encoding: chunked\r\n\r\n5\r\n{"}) {
+    const tests::HalfSent others(served.port(), 600, half);
+    double seconds = 0;
+    EXPECT_THAT(tests::timed_get(served.port(), "/healthz", seconds), HasSubstr(" 200 OK"));
+    EXPECT_LT(seconds, 1) << half;
+  }
+}
+
 TEST(Attacks, ABodyThatBreaksOffIsNotTaken) {
   Served served;
-  const std::string head = "POST /api/v1/teams HTTP/1.1\r\nConnection: close\r\n";
+  const std::string head =
+      "POST /api/v1/teams HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n";
   const std::string body = R"({"name": "A"})";
   const auto cut = [&](const std::string& headers, const std::string& part) {
     const int socket_of = connect_to(served.port());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -18,6 +19,8 @@ namespace {
 constexpr int kAnswerSeconds = 60;  // enough for a large file on a slow line, and its check
 constexpr int kMostTries = 12;      // when the server has no room for a large file
 constexpr int kLongestWait = 30;    // seconds, before another one
+// A file with 1,000 faults is answered in a hundredth of that.
+constexpr std::size_t kMostAnswer = std::size_t{16} << 20U;  // bytes, unpacked
 
 std::string text_of(const nlohmann::json& object, const char* name) {
   const auto found = object.find(name);
@@ -84,6 +87,35 @@ struct Client::Impl {
     http.set_write_timeout(kAnswerSeconds);
   }
 
+  /// \throws Error for an answer without an end
+  httplib::Result send(const char* method, std::string path, std::string_view body = {}) {
+    using Clock = std::chrono::steady_clock;
+    std::string answer;
+    std::optional<Clock::time_point> latest;
+    const auto late = [&latest] { return latest && Clock::now() > *latest; };
+    httplib::Request request;
+    request.method = method;
+    request.path = std::move(path);
+    request.headers = headers;
+    if (!body.empty()) request.set_header("Content-Type", "application/json");
+    request.body = body;
+    request.content_receiver = [&](const char* data, std::size_t size, std::uint64_t,
+                                   std::uint64_t) {
+      if (!latest) latest = Clock::now() + std::chrono::seconds(kAnswerSeconds);
+      answer.append(data, size);
+      return answer.size() <= kMostAnswer && !late();
+    };
+    httplib::Result result = http.send(request);
+    if (answer.size() > kMostAnswer) {
+      throw Error(fmt::format("{}: its answer has more than {} MiB", server, kMostAnswer >> 20U));
+    }
+    if (late()) {
+      throw Error(fmt::format("{}: its answer took more than {} s", server, kAnswerSeconds));
+    }
+    if (result) result->body = std::move(answer);
+    return result;
+  }
+
   SubmissionStatus read(const httplib::Result& result) const {
     if (!result) {
       throw Error(
@@ -117,8 +149,7 @@ SubmissionStatus Client::submit(const std::string& phase, const std::string& met
   const std::string target =
       httplib::append_query_params("/api/v1/submissions", {{"phase", phase}, {"method", method}});
   for (int tries = 1;; ++tries) {
-    const auto result = impl_->http.Post(target, impl_->headers, results.data(), results.size(),
-                                         "application/json");
+    const auto result = impl_->send("POST", target, results);
     if (!result || result->status != 503 || tries == kMostTries) return impl_->read(result);
     const std::string wait = result->get_header_value("Retry-After");
     std::this_thread::sleep_for(
@@ -127,8 +158,7 @@ SubmissionStatus Client::submit(const std::string& phase, const std::string& met
 }
 
 SubmissionStatus Client::status(std::int64_t submission) {
-  return impl_->read(
-      impl_->http.Get(fmt::format("/api/v1/submissions/{}", submission), impl_->headers));
+  return impl_->read(impl_->send("GET", fmt::format("/api/v1/submissions/{}", submission)));
 }
 
 }  // namespace enfilade::service

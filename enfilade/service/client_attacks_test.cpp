@@ -1,5 +1,5 @@
 // What clients say of themselves and of their requests, and what of it is believed.
-// docs/service_attacks.md has the table.
+// docs/threats.md has the table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <chrono>
@@ -18,11 +18,11 @@
 namespace enfilade::service {
 namespace EN_UNIT {
 
-using testing::exchange;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::row_results;
 using testing::Served;
+using tests::exchange;
 
 std::string token_in(const httplib::Headers& headers) {
   return headers.find("Authorization")->second.substr(std::string("Bearer ").size());

@@ -192,6 +192,23 @@ TEST_F(Collect, EveryFaultOfACollectionIsShown) {
   EXPECT_EQ(create(collection_body("pilot", "write")).at("status"), 409);
 }
 
+TEST_F(Collect, MisspelledFieldsAreRefused) {
+  json body = collection_body("pilot", "write");
+  body["tasks_per_vist"] = 3;
+  EXPECT_THAT(create(body).dump(), HasSubstr("the nearest is \\\"tasks_per_visit\\\""));
+  body = collection_body("pilot", "write");
+  body["sources"][0]["practise"] = true;
+  EXPECT_THAT(create(body).dump(), HasSubstr("the nearest is \\\"practice\\\""));
+  body = collection_body("pilot", "write");
+  body["platform"] = {{"kind", "mturk"}, {"origin", json::array()}};
+  EXPECT_THAT(create(body).dump(), HasSubstr("the nearest is \\\"origins\\\""));
+  EXPECT_EQ(create(collection_body("pilot", "write")).at("status"), 201);
+  const auto changed = served_.client().Patch("/api/v1/collections/pilot", organiser_,
+                                              R"({"stat": "closed"})", "application/json");
+  EXPECT_EQ(changed->status, 422);
+  EXPECT_THAT(changed->body, HasSubstr("the nearest is \\\"state\\\""));
+}
+
 TEST_F(Collect, StrangersSeeATitleAndNoKey) {
   create(collection_body("pilot", "write"));
   const json seen = served_.json("/api/v1/collections/pilot");

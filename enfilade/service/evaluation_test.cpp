@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/net/server.h"
 #include "enfilade/service/client.h"
 #include "enfilade/service/server.h"
 #include "tests/support/refusal.h"
@@ -215,6 +217,26 @@ TEST(Evaluation, TheClientHandsIn) {
   EXPECT_THAT(tests::refusal([&] { Client(server, "wrong").status(1); }), HasSubstr("401"));
   EXPECT_THAT(tests::refusal([] { Client("http://127.0.0.1:1", "x").status(1); }),
               HasSubstr("cannot be reached"));
+}
+
+// 17 MiB are 20 kB of gzip.
+TEST(Evaluation, TheClientTakesNoAnswerWithoutAnEnd) {
+  net::ServerConfig config;
+  config.answer = [](const net::Request& request, const net::BodyReader& /*none*/) {
+    net::Response response;
+    const std::string text(17U << 20U, ' ');
+    const bool packed = request.path.ends_with('2');
+    if (packed) response.add_header("Content-Encoding", "gzip");
+    response.body = std::make_shared<const std::string>(packed ? gzip(text, 9) : text);
+    return response;
+  };
+  config.refuse = [](const net::HttpError&) { return net::Response(); };
+  const net::Server server(config);
+  Client client("http://127.0.0.1:" + std::to_string(server.port()), "token");
+  for (const int id : {1, 2}) {
+    EXPECT_THAT(tests::refusal([&] { client.status(id); }),
+                HasSubstr("its answer has more than 16 MiB"));
+  }
 }
 
 }  // namespace EN_UNIT

@@ -1,5 +1,5 @@
 // Pages of other sites, names that are resolved to this machine, cookies of other servers, and
-// secret goals where they should not be. docs/service_attacks.md has the table.
+// secret goals where they should not be. docs/threats.md has the table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

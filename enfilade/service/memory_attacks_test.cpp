@@ -1,4 +1,4 @@
-// Requests that are made to take memory, and what they get. docs/service_attacks.md has the table.
+// Requests that are made to take memory, and what they get. docs/threats.md has the table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
@@ -87,7 +87,8 @@ class Raw {
 
 std::string head(const httplib::Headers& team, const std::string& headers,
                  const std::string& target = "/api/v1/submissions?phase=open&method=m") {
-  std::string text = fmt::format("POST {} HTTP/1.1\r\nConnection: close\r\n{}", target, headers);
+  std::string text = fmt::format("POST {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n{}",
+                                 target, headers);
   for (const auto& [name, value] : team) text += fmt::format("{}: {}\r\n", name, value);
   return text + "\r\n";
 }
@@ -322,21 +323,23 @@ TEST(MemoryAttacks, LinesAndHeadsHaveAnEnd) {
   };
   EXPECT_THAT(answer("GET /" + endless), HasSubstr("HTTP/1.1 414"));
   EXPECT_THAT(answer(endless), HasSubstr("Content-Security-Policy"));
-  EXPECT_THAT(answer("GET / HTTP/1.1\r\nX: " + endless), HasSubstr("HTTP/1.1 400"));
-  std::string many = "GET / HTTP/1.1\r\n";
+  EXPECT_THAT(answer("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + endless),
+              HasSubstr("HTTP/1.1 400"));
+  std::string many = "GET / HTTP/1.1\r\nHost: localhost\r\n";
   for (int k = 0; k < 3000; ++k) many += fmt::format("X-{}: {}\r\n", k, std::string(20, 'a'));
   EXPECT_THAT(answer(many + "\r\n"), HasSubstr("HTTP/1.1 400"));
   // The length of a chunk may have an extension.
   EXPECT_THAT(answer(head(team, "Transfer-Encoding: chunked\r\n") + "5;" + endless),
               HasSubstr("HTTP/1.1 400"));
-  // What cpp-httplib has no handler for, it would read to its end, and keep.
+  // A body that no route reads is not kept.
   EXPECT_THAT(answer(head({}, length(40 * kMega), "/a%0ab")), HasSubstr("HTTP/1.1 400"));
-  EXPECT_THAT(answer("PRI / HTTP/1.1\r\n\r\n" + endless), HasSubstr("HTTP/1.1 400"));
+  EXPECT_THAT(answer("PRI / HTTP/1.1\r\nHost: localhost\r\n\r\n" + endless),
+              HasSubstr("HTTP/1.1 400"));
   // A head by the byte.
   Raw slow(served.port());
   const auto began = Clock::now();
   for (int k = 0; k < 20; ++k) {
-    slow.send(k == 0 ? "GET / HTTP/1.1\r\nX: " : "a");
+    slow.send(k == 0 ? "GET / HTTP/1.1\r\nHost: localhost\r\nX: " : "a");
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   slow.answer();

@@ -94,6 +94,15 @@ TEST_F(Health, ADatabaseThatWasOverwrittenIsTold) {
   EXPECT_THAT(asked_until(served, 503), HasSubstr("\"database-unreadable\""));
 }
 
+TEST_F(Health, ATableThatWasRemovedIsTold) {
+  Served served(config());
+  EXPECT_EQ(served.get("/healthz")->status, 200);
+  testing::run_sql(served.config().database, "DROP TABLE play_call");
+  EXPECT_THAT(asked_until(served, 503),
+              AllOf(HasSubstr("\"table-missing\""), HasSubstr("play_call")));
+  EXPECT_THAT(told(), ElementsAre(HasSubstr("its table play_call is missing")));
+}
+
 /// While it lives, no file of this process can grow or be written beyond its first byte: like a
 /// disk that fails to take more.
 class NoWriting {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <ranges>
 #include <set>
@@ -11,6 +12,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/dataset/dataset.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/tasks/benchmark.h"
@@ -21,6 +23,10 @@ namespace {
 constexpr int kMostPerDay = 1000;
 constexpr int kMostInAll = 1'000'000;
 constexpr int kMostTeams = 10'000;
+constexpr std::size_t kMostPhases = 100;
+// A phase has 15 fields: 30 names and values, and its place in the list.
+constexpr json::Limits kFileLimits{kMostPhases * 40, 8};
+constexpr std::size_t kShownIds = 3;
 // Default for secret goals. Twenty submissions are enough for the runs of a paper and its
 // ablations; each more lets a team learn more of the goals.
 constexpr int kPerTeam = 20;
@@ -127,19 +133,37 @@ void read_experts(const detail::Fields& fields, Phase& phase, json::Faults& faul
                "of its own; with open goals the data set's are used");
 }
 
+/// A part of URLs that is an id, too: no - at its beginning.
+std::string read_name(const detail::Fields& fields, std::string_view name, json::Faults& faults) {
+  const std::string text =
+      fields.text(name, detail::is_name, "1 to 40 of a-z, 0-9, - and _", "bad-name");
+  if (detail::is_name(text)) json::id(fields[name], fields.path(name), faults);
+  return text;
+}
+
+/// What would change nothing for open goals. Whoever writes it means secret ones.
+void check_use(const detail::Fields& fields, const Phase& phase, json::Faults& faults) {
+  if (phase.goals_secret()) return;
+  for (const char* name : {"step", "teams"}) {
+    if (!fields.has(name)) continue;
+    faults.error(fields.path(name), "field-without-use",
+                 "this is for secret goals, and the phase has no \"annotations\" of its own");
+  }
+}
+
 /// Reads one entry of "phases"; none if it has faults.
 std::optional<Phase> read_phase(json::Element element, const json::Path& path,
                                 json::Faults& faults) {
-  constexpr const char* kNames = "1 to 40 of a-z, 0-9, - and _";
   const std::size_t before = faults.errors();
   const detail::Fields fields(
       element, path, faults, {"name", "split"},
       {"title", "rules", "task", "scorer", "annotations", "experts", "scores", "primary", "step",
        "ends", "per_day", "per_team", "per_address_day", "per_address", "teams"});
-  if (!fields.complete()) return std::nullopt;
+  // A misspelled field is the reason of other faults, which would hide it.
+  if (!fields.refuse_others() || !fields.complete()) return std::nullopt;
   Phase phase;
-  phase.name = fields.text("name", detail::is_name, kNames, "bad-name");
-  phase.split = fields.text("split", detail::is_name, kNames, "bad-name");
+  phase.name = read_name(fields, "name", faults);
+  phase.split = read_name(fields, "split", faults);
   phase.title = fields.has("title") ? nonempty(fields, "title", faults) : phase.name;
   if (fields.has("rules")) {
     phase.rules = fields.text("rules", is_rules, "1 to 20000 characters of Markdown", "bad-text");
@@ -147,7 +171,9 @@ std::optional<Phase> read_phase(json::Element element, const json::Path& path,
   if (fields.has("annotations")) phase.annotations = nonempty(fields, "annotations", faults);
   phase.scores = read_scores(fields, fields.has("annotations"), faults);
   read_task(fields, phase, faults);
+  phase.split = std::string(tasks::split_name(*phase.benchmark, phase.split));
   read_experts(fields, phase, faults);
+  check_use(fields, phase, faults);
   if (fields.has("step")) phase.step = fields.number("step", kLeastStep, kMostStep);
   if (fields.has("ends")) {
     phase.ends = detail::parse_time(
@@ -172,7 +198,54 @@ void check_openness(const std::vector<Phase>& phases, const json::Path& list,
   }
 }
 
+/// A split's ids by what identifies an episode in results. Lines of RxR without a path_id have only
+/// the last part.
+std::set<std::string> ids_of(const tasks::Split& split) {
+  const bool of_rxr = split.benchmark().name == "rxr";
+  std::set<std::string> ids;
+  for (std::size_t k = 0; k < split.size(); ++k) {
+    const std::string id = split.id(k);
+    ids.insert(of_rxr ? id.substr(id.rfind('_') + 1) : id);
+  }
+  return ids;
+}
+
+/// "2 only here, such as "1_0", "1_1"": ids that the other split lacks; empty if there are none.
+std::string only_in(const std::set<std::string>& ids, const std::set<std::string>& others,
+                    std::string_view where) {
+  std::vector<std::string> only;
+  std::ranges::set_difference(ids, others, std::back_inserter(only));
+  if (only.empty()) return {};
+  std::vector<std::string> shown;
+  for (const std::string& id : only | std::views::take(kShownIds)) shown.push_back(quote(id));
+  return fmt::format("; {} of {} only {}, such as {}", only.size(), ids.size(), where,
+                     fmt::join(shown, ", "));
+}
+
 }  // namespace
+
+void check_public_file(const Phase& phase, const tasks::Split& goals,
+                       const dataset::Dataset& data) {
+  if (!phase.goals_secret()) return;
+  const auto refuse = [&phase](const char* code, std::string text) {
+    throw InvalidInput(
+        {{Severity::kError, phase.annotations.string(), "$", code, std::move(text)}});
+  };
+  const auto file = data.find_episodes(*phase.benchmark, phase.split);
+  if (!file) {
+    refuse("no-public-file",
+           fmt::format("phase {}: {} has no file of split {:?} with starts and instructions for "
+                       "teams; {} is expected",
+                       phase.name, data.folder().string(), phase.split,
+                       tasks::episode_places(*phase.benchmark, phase.split).front().string()));
+  }
+  const auto secret = ids_of(goals);
+  const auto open = ids_of(data.split(*phase.benchmark, phase.split, {.experts = false}));
+  const std::string differ = only_in(secret, open, "here") + only_in(open, secret, "there");
+  if (differ.empty()) return;
+  refuse("ids-differ", fmt::format("phase {}: the ids are not those of the public file {}{}",
+                                   phase.name, file->string(), differ));
+}
 
 const tasks::Measure& Phase::primary_measure() const {
   const tasks::Measure* measure = tasks::find_measure(measures(), primary);
@@ -189,13 +262,22 @@ const Phase* find_secret(std::span<const Phase> phases, std::string_view split,
 }
 
 std::vector<Phase> parse_phases(std::string_view text, const std::string& file) {
-  const json::Document document = json::Document::parse(text, file);
   json::Faults faults(file);
   const json::Path root;
-  const detail::Fields fields(document.root(), root, faults, {"phases"});
   const json::Path list_path(root, "phases");
+  if (const std::string excess = json::excess(text, kFileLimits); !excess.empty()) {
+    faults.error(root, "too-large", fmt::format("{}; {} phases are allowed", excess, kMostPhases));
+    faults.throw_if_errors();
+  }
+  const json::Document document = json::Document::parse(text, file);
+  const detail::Fields fields(document.root(), root, faults, {"phases"});
+  fields.refuse_others();
   const auto list =
       fields.complete() ? json::array(fields["phases"], list_path, faults) : std::nullopt;
+  if (list && list->size() > kMostPhases) {
+    faults.error(list_path, "too-many",
+                 fmt::format("{} phases; {} are allowed", list->size(), kMostPhases));
+  }
   faults.throw_if_errors();
   std::vector<Phase> phases;
   std::set<std::string> names;

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/dataset/dataset.h"
 #include "enfilade/tasks/benchmark.h"
+#include "enfilade/tasks/split.h"
 
 namespace enfilade::service {
 
@@ -31,7 +33,7 @@ constexpr std::array<std::string_view, 4> names_of(Scores /*enum*/) {
 /// A split to score on, and its rules. The limits count submissions that were accepted, withdrawn
 /// ones too.
 struct Phase {
-  std::string name;   ///< 1 to 40 of a-z, 0-9, - and _: a part of URLs
+  std::string name;   ///< 1 to 40 of a-z, 0-9, - and _, the first not -: a part of URLs
   std::string title;  ///< for people
   std::string rules;  ///< for people, in Markdown: rules, dates, whom to ask; may be empty
   std::string split;  ///< "val_unseen"; its instructions are served without their goals if secret
@@ -76,10 +78,19 @@ inline bool share_paths(const tasks::Benchmark& one, const tasks::Benchmark& oth
 const Phase* find_secret(std::span<const Phase> phases, std::string_view split,
                          const tasks::Benchmark& benchmark) noexcept;
 
-/// Reads {"phases": [{"name", "split", ...}]}; docs/service.md has the fields and their defaults,
-/// of which some depend on whether the goals are secret. A relative path of annotations begins at
-/// the file's folder, and so does one of experts.
-/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths
+/// Compares the episodes of a phase with secret goals with those of the split's public file, from
+/// which teams get starts and instructions. Open goals: does nothing.
+/// \param goals  the phase's episodes
+/// \throws InvalidInput "no-public-file"; "ids-differ" with the first ids that one of them lacks;
+/// as Dataset::split()
+void check_public_file(const Phase& phase, const tasks::Split& goals, const dataset::Dataset& data);
+
+/// Reads {"phases": [{"name", "split", ...}]}; docs/service_evaluation.md has the fields and their
+/// defaults, of which some depend on whether the goals are secret. A relative path of annotations
+/// begins at the file's folder, and so does one of experts. The split has the name that
+/// tasks::split_name() gives.
+/// \throws FileError; InvalidInput listing its faults (up to 1000) with their JSON paths; fields of
+/// other names and more than 100 phases are faults
 std::vector<Phase> load_phases(const std::filesystem::path& file);
 std::vector<Phase> parse_phases(std::string_view json, const std::string& file);
 

@@ -1,8 +1,10 @@
 #include "enfilade/service/phases.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
@@ -13,7 +15,9 @@
 namespace enfilade::service {
 namespace EN_UNIT {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(Phases, AreReadWithTheirDefaults) {
   const auto phases = parse_phases(
@@ -110,6 +114,72 @@ TEST(Phases, EveryFaultIsNamedWithItsPath) {
                               "\"ladder\" or \"hidden\""));
   EXPECT_THAT(said, HasSubstr("$.phases[3].per_day: 0, not from 1 to 1000"));
   EXPECT_THAT(said, HasSubstr("$.phases[5]: \"c\" is there twice"));
+}
+
+TEST(Phases, MisspelledFieldsAreNamedWithTheNearestRightOne) {
+  const std::string said =
+      fault_of(R"({"name": "a", "split": "test", "annotations": "a.json", "per_taem": 1, "team": 1,
+                   "socres": "hidden", "endss": "2027-03-31T23:59:59Z", "comment": ""},
+                  {"name": "b", "split": "b"})");
+  for (const auto& [wrong, right] : {std::pair("per_taem", "per_team"),
+                                     {"team", "teams"},
+                                     {"socres", "scores"},
+                                     {"endss", "ends"}}) {
+    EXPECT_THAT(said, HasSubstr(fmt::format("$.phases[0]: unknown field \"{}\"; the nearest is "
+                                            "\"{}\" [unknown-field]",
+                                            wrong, right)));
+  }
+  EXPECT_THAT(fault_of(R"({"name": "a", "split": "b", "score": "hidden"})"),
+              HasSubstr("unknown field \"score\"; the nearest are \"scorer\", \"scores\""));
+  EXPECT_THAT(said, HasSubstr("unknown field \"comment\"; allowed are name, split, title, rules"));
+  EXPECT_THAT(tests::refusal<InvalidInput>([] { parse_phases(R"({"phase": []})", "phases.json"); }),
+              HasSubstr("$: unknown field \"phase\"; the nearest is \"phases\""));
+}
+
+TEST(Phases, AMisspelledFieldIsTheOnlyReasonGiven) {
+  const std::string said = fault_of(
+      R"({"name": "a", "split": "test", "annotation": "a.json", "scores": "ladder", "step": 0.1})");
+  EXPECT_THAT(said, HasSubstr("unknown field \"annotation\"; the nearest is \"annotations\""));
+  EXPECT_THAT(said, Not(HasSubstr("secret goals")));
+}
+
+TEST(Phases, FieldsForSecretGoalsAreNotForOpenOnes) {
+  const std::string said = fault_of(R"({"name": "a", "split": "b", "step": 0.1, "teams": 3})");
+  EXPECT_THAT(said, HasSubstr("$.phases[0].step: this is for secret goals, and the phase has no "
+                              "\"annotations\" of its own [field-without-use]"));
+  EXPECT_THAT(said, HasSubstr("$.phases[0].teams: this is for secret goals"));
+}
+
+TEST(Phases, AreAHundredAtMost) {
+  const auto many = [](std::size_t count) {
+    std::string list;
+    for (std::size_t k = 0; k < count; ++k) {
+      list += fmt::format(R"({}{{"name": "p{}", "split": "b"}})", k == 0 ? "" : ", ", k);
+    }
+    return list;
+  };
+  EXPECT_EQ(parse_phases(R"({"phases": [)" + many(100) + "]}", "phases.json").size(), 100U);
+  EXPECT_THAT(fault_of(many(101)), HasSubstr("$.phases: 101 phases; 100 are allowed [too-many]"));
+  EXPECT_THAT(fault_of(many(100'000)),
+              HasSubstr("$: more than 4000 values and keys; 100 phases are allowed [too-large]"));
+}
+
+TEST(Phases, NamesAreIds) {
+  EXPECT_THAT(fault_of(R"({"name": "-a", "split": "--help"})"),
+              AllOf(HasSubstr("$.phases[0].name: \"-a\" is not an id"),
+                    HasSubstr("$.phases[0].split: \"--help\" is not an id")));
+}
+
+TEST(Phases, ASplitOfTwoNamesHasOne) {
+  const auto phases = parse_phases(
+      R"({"phases": [{"name": "a", "split": "test_cleaned", "task": "cvdn"},
+                     {"name": "b", "split": "test_cleaned", "task": "r2r"}]})",
+      "phases.json");
+  EXPECT_EQ(phases[0].split, "test");
+  EXPECT_EQ(phases[1].split, "test_cleaned");
+  EXPECT_THAT(fault_of(R"({"name": "a", "split": "test", "task": "cvdn"},
+                {"name": "b", "split": "test_cleaned", "task": "cvdn", "annotations": "a.json"})"),
+              HasSubstr("\"test\" has secret goals in phase \"b\""));
 }
 
 TEST(Phases, RulesForSecretGoalsAreChecked) {

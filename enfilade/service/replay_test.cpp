@@ -309,7 +309,7 @@ TEST_F(ReplayTest, IdsAndTextsThatTellGoalsStayHidden) {
   const auto [status, message] = refused("/hidden/episodes/1_1");
   EXPECT_EQ(status, 404);
   EXPECT_THAT(message, Not(HasSubstr("GOAL")));
-  EXPECT_EQ(get("/hidden/episodes/2_0").at("scan"), "row");
+  EXPECT_EQ(get("/hidden/episodes/2_0").at("scan"), "wing");
 }
 
 // The texts of R4R tell where paths of R2R end, so a site with secret goals leaves its split out.

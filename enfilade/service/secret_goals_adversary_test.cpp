@@ -122,9 +122,9 @@ class Adversary {
   std::size_t known_goals() const { return known_paths().size(); }
 
   /// Submits at the ladder's limits, as one team after another.
-  void climb(std::size_t teams, std::size_t submissions) {
+  void climb(std::size_t teams, std::size_t submissions, std::string_view names = "climber") {
     for (std::size_t t = 0; t < teams; ++t) {
-      const auto team = target_.served().team(fmt::format("climber {}", t));
+      const auto team = target_.served().team(fmt::format("{} {}", names, t));
       std::optional<double> best;
       for (std::size_t k = 0; k < submissions; ++k) {
         const Question question = best_question(best);
@@ -372,6 +372,30 @@ TEST(SecretGoalsAdversary, WhoClimbsALadderLearnsLessThanIsStated) {
     adversary.climb(2, 8);
     expect_within(adversary, goals, target.used_bits());
   }
+}
+
+// The same goals by another benchmark's ladder, and by the same one under a new name: what is
+// stated is of all of them together.
+TEST(SecretGoalsAdversary, WhoAsksAllBenchmarksAndNamesLearnsLessThanIsStated) {
+  const std::string guides = R"(, "scores": "ladder", "per_team": 6, "teams": 1},
+    {"name": "guides", "task": "rxr", "split": "hidden", "annotations": "guides.json",
+     "scores": "ladder", "primary": "spl", "per_day": 1000, "per_team": 6, "teams": 2)";
+  const Goals goals = draw_goals(1);
+  Target target(goals, guides);
+  Adversary adversary(target, 0.01);
+  adversary.climb(1, 6);
+  const double of_one = target.used_bits();
+  target.ask("guides", true);
+  adversary.climb(2, 6, "guide");
+  const double of_two = target.used_bits();
+  EXPECT_GT(of_two, 2 * of_one);
+  target.ask("test", false);
+  target.serve("again", R"(, "scores": "ladder", "per_team": 6, "teams": 1)");
+  EXPECT_EQ(target.used_bits(), of_two) << "a new name takes nothing back";
+  adversary.climb(1, 6, "renamed");
+  expect_within(adversary, goals, target.used_bits());
+  const json phases = target.served().json("/api/v1/phases").at("phases");
+  EXPECT_EQ(phases[0].at("leakage").at("phases"), (json{"again", "test", "guides"}));
 }
 
 TEST(SecretGoalsAdversary, WhoWaitsForTheEndLearnsLessThanIsStated) {

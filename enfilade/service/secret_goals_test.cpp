@@ -16,6 +16,7 @@ namespace EN_UNIT {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::row_results;
 using testing::Served;
 
@@ -332,6 +333,7 @@ TEST_F(SecretGoals, WhatIsGivenAwayIsToldInBits) {
             std::ceil(2 * (std::log2(4'598'126) + 2 + 6 * std::log2(101) + std::log2(301))));
   EXPECT_FALSE(told.contains("used_bits"));
   EXPECT_EQ(phase(organiser_).at("leakage").at("used_bits"), 0);
+  EXPECT_THAT(served_.get("/api/v1/phases", organiser_)->body, Not(HasSubstr("-0")));
   submit(served_.team("A"), 3, "walks");
   EXPECT_EQ(phase(organiser_).at("leakage").at("used_bits"), std::ceil(std::log2(101)));
   const auto phases = served_.json("/api/v1/phases", organiser_).at("phases");

@@ -57,6 +57,12 @@ struct ServerConfig {
   /// theirs, or one of them. Empty: none.
   std::filesystem::path runs = {};
   bool open_registration = false;  ///< anyone can make a team; else only organisers
+  /// Serve phases whose limits give away more bits than their secret goals have. Otherwise such
+  /// phases are refused.
+  bool accept_leak = false;
+  /// Called at the start with sentences for the organiser, about leaks of secret goals; may be
+  /// empty.
+  std::function<void(std::string_view)> warn;
   /// Called after each request and each failure of scoring, from many threads at once. Must not
   /// throw; may be empty.
   std::function<void(const RequestRecord&)> log;
@@ -70,6 +76,7 @@ class Server {
  public:
   /// Opens the database, bringing its schema up to date, binds the port and starts serving.
   /// \throws FileError for the database and for runs that are not a folder
+  /// \throws InvalidInput for phases with limits that give their goals away (accept_leak)
   /// \throws ArgumentError if the address can't be bound, or for an invalid value of `config`
   Server(const std::shared_ptr<const Site>& site, const ServerConfig& config);
   /// Calls stop(), waits until the submission that is being scored is stored, and closes the

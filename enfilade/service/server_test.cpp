@@ -21,7 +21,7 @@ using testing::Served;
 TEST(Server, ListsScans) {
   Served served;
   const auto list = served.json("/api/v1/scans");
-  ASSERT_EQ(list.at("scans").size(), 1U);
+  ASSERT_EQ(list.at("scans").size(), 2U);
   EXPECT_EQ(list["scans"][0]["scan"], "row");
   EXPECT_EQ(list["scans"][0]["viewpoints"], 6);
   EXPECT_EQ(list["scans"][0]["edges"], 5);

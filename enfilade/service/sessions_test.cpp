@@ -205,7 +205,9 @@ TEST_F(PlayingTest, BadRequestsAreToldWhatIsAllowed) {
       {{{"split", "val_seen"}, {"episode", "1_0"}, {"task", "chess"}}, "chess"},
       {{{"split", "val_seen"}, {"episode", "1_0"}, {"steps", 0}}, "steps: not a whole number"},
       {{{"split", "val_seen"}, {"episode", "1_0"}, {"mistakes", "9"}}, "mistakes"},
-      {{{"split", 3}, {"episode", "1_0"}}, "split"}};
+      {{{"split", 3}, {"episode", "1_0"}, {"steps", 0}, {"mistakes", "9"}},
+       "split: must be there, and a text; steps: not a whole number from 1 to 1000; "
+       "mistakes: not a whole number from 1 to 1000"}};
   for (const auto& [body, said] : wrong) {
     const auto [status, answer] = post("/api/v1/sessions", body.dump());
     EXPECT_THAT(status, ::testing::AnyOf(400, 404, 422)) << body.dump();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <set>
 #include <system_error>
@@ -65,19 +66,22 @@ void check_ids_are_silent(const tasks::Annotations& annotations) {
   if (!faults.empty()) throw InvalidInput(std::move(faults));
 }
 
-/// Whether it is a split of R4R with the paths of another benchmark's secret phase. Its texts are
-/// those of two paths, one after the other, and the second starts near the end of the first.
-bool tells_ends(const PublicSplit& split, const std::vector<Phase>& phases) {
-  using tasks::Task;
-  if (split.annotations.task != Task::kR4r) return false;
-  bool own = false, others = false;
-  for (const Phase& phase : phases) {
-    if (!phase.goals_secret() || phase.split != split.annotations.split) continue;
-    const bool of_r4r = phase.benchmark->task == Task::kR4r;
-    own = own || of_r4r;
-    others = others || (!of_r4r && share_paths(*phase.benchmark, tasks::benchmark(Task::kR4r)));
+/// Paths of the instances of CVDN with which dialogues begin: later ones start on the way.
+std::vector<tasks::ReferencePath> first_of_games(const tasks::Annotations& annotations,
+                                                 std::span<const tasks::ReferencePath> paths) {
+  std::vector<tasks::ReferencePath> first;
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const auto& details = annotations.paths[k].details;
+    const bool later =
+        !details.empty() && std::ranges::any_of(details.front().turns,
+                                                [](const auto& turn) { return turn.nav_step > 0; });
+    if (!later) first.push_back(paths[k]);
   }
-  return others && !own;  // teams need the starts and texts of a phase of R4R
+  return first;
+}
+
+std::string share_text(const SharedKeys& keys) {
+  return fmt::format("{} of {}", keys.shared, keys.smaller);
 }
 
 /// Absolute and without links; of what cannot be looked up, its name as it is written.
@@ -264,22 +268,150 @@ void Site::read_phases() {
       phase.name = phase.title = phase.split = name;
     }
   }
-  for (const Phase& phase : phases_) secret_.push_back(read_goals(phase, data_, graphs_));
-}
-
-// The annotations of a secret phase may be in the data set too, by mistake; and what R2R says of a
-// path's end tells what REVERIE asks for there.
-void Site::hide_goals() {
-  std::erase_if(splits_, [this](const PublicSplit& split) { return tells_ends(split, phases_); });
-  for (PublicSplit& split : splits_) {
-    if (find_secret(phases_, split.annotations.split, tasks::benchmark(split.annotations.task))) {
-      std::ranges::for_each(split.annotations.paths, hide_goal);
-    }
-    split.goals_hidden = has_hidden_goal(split.annotations);
+  for (const Phase& phase : phases_) {
+    SecretEpisodes& read = secret_.emplace_back(read_goals(phase, data_, graphs_));
+    if (phase.goals_secret()) read.keys = goal_keys(read.split, *graphs_);
+    check_public_file(phase, read.split, data_);
   }
 }
 
+// The annotations of a secret phase may be in the data set too, by mistake. So may another
+// benchmark's with the same goals, and what R2R says of a path's end tells what REVERIE asks for
+// there.
+void Site::hide_goals() {
+  std::set<std::string, std::less<>> scans;  // of secret goals
+  for (std::size_t k = 0; k < phases_.size(); ++k) {
+    if (!phases_[k].goals_secret()) continue;
+    const tasks::Split& split = secret_[k].split;
+    for (std::size_t e = 0; e < split.size(); ++e) scans.insert(split.path_size(e).scan);
+  }
+  std::vector<PublicSplit> kept;
+  for (PublicSplit& split : splits_) {
+    if (!scans.empty() && !hide_in(split, scans)) continue;
+    split.goals_hidden = has_hidden_goal(split.annotations);
+    kept.push_back(std::move(split));
+  }
+  splits_ = std::move(kept);
+  if (scans.empty()) return;
+  look_at_continuous();
+  check_open_phases();
+}
+
+/// Takes secret goals out of a split. \returns whether the rest of it may be public
+bool Site::hide_in(PublicSplit& split, const std::set<std::string, std::less<>>& scans) {
+  tasks::Annotations& annotations = split.annotations;
+  const tasks::Benchmark& benchmark = tasks::benchmark(annotations.task);
+  const auto paths = tasks::look_up_paths(annotations, *graphs_);
+  // R4R's training split has some 20 million pairs, none of them in scans of a test split.
+  std::vector<tasks::ReferencePath> near;
+  std::ranges::copy_if(paths, std::back_inserter(near), [&](const tasks::ReferencePath& path) {
+    return scans.contains(graphs_->graph(path.scan).scan());
+  });
+  const SharedSecret shared = find_shared(goal_keys(near, annotations.task, *graphs_));
+  const std::string name = fmt::format("{} {}", benchmark.name, annotations.split);
+  if (const auto reason = reason_to_leave_out(annotations, paths, shared); !reason.empty()) {
+    notices_.push_back(fmt::format("{} is left out: {}", name, reason));
+    return false;
+  }
+  const Phase* named = find_secret(phases_, annotations.split, benchmark);
+  if (shared.keys.shared > 0) {
+    const bool hidden = named != nullptr || shared.keys.tells();
+    notices_.push_back(fmt::format("{} {}: {} goals are secret in phase {}{} ({})", name,
+                                   hidden ? "is shown without goals" : "is shown whole",
+                                   share_text(shared.keys), shared.phase->name,
+                                   hidden ? ", and the data set has them" : ", less than a tenth",
+                                   annotations.file));
+  }
+  if (named != nullptr || shared.keys.tells()) std::ranges::for_each(annotations.paths, hide_goal);
+  return true;
+}
+
+/// Why starts and texts alone give secret ends away; empty where they do not.
+std::string Site::reason_to_leave_out(const tasks::Annotations& annotations,
+                                      std::span<const tasks::ReferencePath> paths,
+                                      const SharedSecret& shared) const {
+  using tasks::Task;
+  const bool own = std::ranges::any_of(phases_, [&annotations](const Phase& phase) {
+    return phase.split == annotations.split && !phase.benchmark->continuous() &&
+           phase.benchmark->task == annotations.task;
+  });
+  if (own) return {};  // teams need its starts and texts
+  if (annotations.task == Task::kR4r) {
+    const Phase* named = find_secret(phases_, annotations.split, tasks::benchmark(Task::kR4r));
+    if (named == nullptr && shared.keys.tells()) named = shared.phase;
+    // Its texts are those of two paths, and the second starts near the end of the first.
+    if (named == nullptr) return {};
+    return fmt::format("its joined texts tell secret goals of phase {}", named->name);
+  }
+  if (annotations.task != Task::kCvdn) return {};
+  const GoalKeys starts = start_keys(first_of_games(annotations, paths), *graphs_);
+  for (const Phase& phase : phases_) {
+    const auto& secret = secret_episodes(phase).split.on_graph();
+    if (!phase.goals_secret() || secret == nullptr) continue;
+    const SharedKeys same = shared_keys(starts, start_keys(secret->paths, *graphs_));
+    if (!same.tells()) continue;
+    return fmt::format("{} dialogues begin where secret paths of phase {} do, and go on along them",
+                       share_text(same), phase.name);
+  }
+  return {};
+}
+
+/// Says which continuous files have secret goals. Pages compare again what they show. The training
+/// splits are large, and left to the pages.
+void Site::look_at_continuous() {
+  for (const tasks::Benchmark& benchmark : tasks::benchmarks()) {
+    if (!benchmark.continuous()) continue;
+    std::set<std::string> names(benchmark.splits.begin(), benchmark.splits.end());
+    for (const Phase& phase : phases_) names.insert(phase.split);
+    names.erase("train");
+    for (const std::string& name : names) {
+      if (!data_.has_split(benchmark, name)) continue;
+      SharedSecret shared;
+      try {
+        const auto split = data_.split(benchmark, name, {.experts = false});
+        shared = find_shared(goal_keys(split, *graphs_));
+      } catch (const Error&) {
+        continue;  // told where it is needed
+      }
+      if (!shared.keys.tells()) continue;
+      notices_.push_back(
+          fmt::format("{} {} is shown without goals: {} goals are secret in phase {}, and the data "
+                      "set has them "
+                      "({})",
+                      benchmark.name, name, share_text(shared.keys), shared.phase->name,
+                      data_.episodes_file(benchmark, name).string()));
+    }
+  }
+}
+
+void Site::check_open_phases() const {
+  for (std::size_t k = 0; k < phases_.size(); ++k) {
+    if (phases_[k].goals_secret()) continue;
+    const SharedSecret shared = find_shared(goal_keys(secret_[k].split, *graphs_));
+    if (!shared.keys.tells()) continue;
+    throw InvalidInput(
+        {{Severity::kError, data_.episodes_file(*phases_[k].benchmark, phases_[k].split).string(),
+          "$", "open-and-secret",
+          fmt::format("phase {} has open goals, and {} are secret in phase {}; give this phase "
+                      "\"annotations\" too, or leave one of them out",
+                      phases_[k].name, share_text(shared.keys), shared.phase->name)}});
+  }
+}
+
+SharedSecret Site::find_shared(const GoalKeys& keys) const {
+  SharedSecret most;
+  for (std::size_t k = 0; k < phases_.size(); ++k) {
+    const SharedKeys found = shared_keys(keys, secret_[k].keys);
+    if (found.shared * most.keys.smaller > most.keys.shared * found.smaller ||
+        (most.phase == nullptr && found.shared > 0)) {
+      most = {&phases_[k], found};
+    }
+  }
+  return most;
+}
+
 const PublicSplit* Site::find_split(std::string_view name, tasks::Task task) const noexcept {
+  name = tasks::split_name(tasks::benchmark(task), name);
   const auto found = std::ranges::find_if(splits_, [name, task](const PublicSplit& split) {
     return split.annotations.split == name && split.annotations.task == task;
   });

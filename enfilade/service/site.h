@@ -2,9 +2,13 @@
 #pragma once
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +16,7 @@
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/panorama_set.h"
+#include "enfilade/service/goal_keys.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/split.h"
@@ -29,11 +34,21 @@ struct PublicSplit {
 struct SecretEpisodes {
   tasks::Split split;
   std::shared_ptr<const continuous::Buildings> buildings = {};  ///< null on graphs
+  GoalKeys keys = {};                                           ///< empty for open goals
+};
+
+/// The phase with secret goals that shares the most with other goals.
+struct SharedSecret {
+  const Phase* phase = nullptr;  ///< null: none shares any
+  SharedKeys keys = {};
 };
 
 /// Graphs, panoramas and annotations of a data set, and the phases of an evaluation. Immutable:
 /// any thread may read it. Secret annotations are in secret_episodes() only, which only scoring
-/// uses.
+/// uses. A split that gives secret goals away (SharedKeys::tells()) is public without its goals,
+/// and so is one of a secret phase's split and paths (find_secret()). Left out are splits of R4R
+/// whose texts tell secret ends, and of CVDN whose dialogues begin where secret paths do: later
+/// ones start on the way. Those that are a phase themselves stay.
 class Site {
  public:
   /// Opens a data set in a layout of dataset::Dataset: graphs, the splits train, val_seen,
@@ -44,8 +59,10 @@ class Site {
   /// \throws FileError
   /// \throws InvalidInput for files that can't be used, goals off the floor, and secret goals of
   /// REVERIE whose ids name the objects
+  /// \throws InvalidInput for secret goals that check_public_file() refuses
   /// \throws InvalidInput for secret goals in a folder of the data set, links followed, as people
   /// copy data sets to others
+  /// \throws InvalidInput for a phase with open goals that gives secret ones away
   /// \throws LookupError for a continuous episode in a building without a graph or a navigation
   /// mesh
   static std::shared_ptr<const Site> open(const std::filesystem::path& data,
@@ -62,6 +79,10 @@ class Site {
   const Phase* find_phase(std::string_view name) const noexcept;  ///< null for an unknown phase
   /// With goals. Never to be shown. \pre phase is one of phases()
   const SecretEpisodes& secret_episodes(const Phase& phase) const;
+  /// Of public goals; the largest share.
+  SharedSecret find_shared(const GoalKeys& keys) const;
+  /// For the organiser: a sentence for each file of the data set that has secret goals.
+  const std::vector<std::string>& notices() const noexcept { return notices_; }
   /// How many rooms of a scan have viewpoints; no value if the data set has no regions.
   std::optional<std::size_t> rooms(ScanIndex scan) const;
   /// Objects by the viewpoints that see them, read at the first call; null if the data set has
@@ -84,6 +105,12 @@ class Site {
   void check_goals_are_elsewhere() const;
   void read_phases();
   void hide_goals();
+  bool hide_in(PublicSplit& split, const std::set<std::string, std::less<>>& scans);
+  std::string reason_to_leave_out(const tasks::Annotations& annotations,
+                                  std::span<const tasks::ReferencePath> paths,
+                                  const SharedSecret& shared) const;
+  void look_at_continuous();
+  void check_open_phases() const;
   void count_rooms();
 
   dataset::Dataset data_;
@@ -96,6 +123,7 @@ class Site {
   std::vector<SecretEpisodes> secret_;  // as phases_
   std::vector<std::size_t> rooms_;      // by ScanIndex; empty if unknown
   std::vector<std::filesystem::path> image_folders_;
+  std::vector<std::string> notices_;
   bool synthetic_;
 };
 

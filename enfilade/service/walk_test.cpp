@@ -243,5 +243,17 @@ TEST_F(Walk, GoalsOfASecretPhaseAreSecretHereToo) {
   EXPECT_THAT(all, Not(HasSubstr("error_m")));
 }
 
+// Whoever brings the paths, under whatever name.
+TEST_F(Walk, HowNearAWorkerComesToASecretGoalIsNotTold) {
+  json paths = json::parse(to_json(testing::row_annotations("test", true)));
+  json body = collection_body("pilot", "walk");
+  body["sources"] = json::array({{{"split", "mine"}, {"paths", json::array({paths[0]})}}});
+  EXPECT_EQ(create(body).at("splits")[0].at("goals_hidden"), true);
+  paths[0]["path"].erase(3);  // another goal
+  body["name"] = "other";
+  body["sources"][0]["paths"][0] = paths[0];
+  EXPECT_EQ(create(body).at("splits")[0].at("goals_hidden"), false);
+}
+
 }  // namespace EN_UNIT
 }  // namespace enfilade::service

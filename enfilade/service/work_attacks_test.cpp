@@ -1,4 +1,4 @@
-// What people might try against collections, and what they get. docs/service_attacks.md has the
+// What people might try against collections, and what they get. docs/threats.md has the
 // table.
 #include <fmt/format.h>
 #include <gmock/gmock.h>

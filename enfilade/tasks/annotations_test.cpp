@@ -87,7 +87,7 @@ TEST(Annotations, NamesFieldPlaceAndWhatIsAllowed) {
   EXPECT_THAT(parse_faults("[NaN]"), HasSubstr("$[0]: line 1, column 2"));
   EXPECT_THAT(parse_faults(edited("\"scan\":\"square\",", "")), HasSubstr("$[0]: has no field"));
   EXPECT_THAT(parse_faults(edited("\"path_id\":7", "\"path_id\":\"\"")),
-              HasSubstr("$[0].path_id: an empty text"));
+              HasSubstr("$[0].path_id: an empty id"));
   EXPECT_THAT(parse_faults(edited("\"path_id\":7", "\"path_id\":null")),
               HasSubstr("$[0].path_id: null, not a whole number"));
   EXPECT_THAT(parse_faults(edited("\"path_id\":7", "\"path_id\":7.5")),

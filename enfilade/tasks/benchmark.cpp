@@ -6,8 +6,10 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/continuous_results.h"
@@ -21,8 +23,6 @@ using Texts = std::string_view;
 constexpr auto kSplits = std::to_array<Texts>({"train", "val_seen", "val_unseen", "test"});
 constexpr auto kRxrSplits = std::to_array<Texts>(
     {"train", "val_seen", "val_unseen", "test_standard_public", "test_challenge_public", "test"});
-constexpr auto kCvdnSplits =
-    std::to_array<Texts>({"train", "val_seen", "val_unseen", "test_cleaned", "test"});
 constexpr auto kSoonSplits =
     std::to_array<Texts>({"train", "val_seen_instrs", "val_unseen_instrs", "val_unseen_house",
                           "val_seen", "val_unseen", "test"});
@@ -133,7 +133,8 @@ constexpr auto kBenchmarks = std::to_array<Benchmark>({
      .task = Task::kCvdn,
      .paths = Task::kCvdn,
      .goal = GoalKind::kRegion,
-     .splits = kCvdnSplits,
+     .splits = kSplits,
+     .test_file = "test_cleaned",
      .files = kCvdnFiles,
      .scorers = scorers::kCvdn,
      .table_scorer = "hamt",
@@ -194,7 +195,7 @@ const FilePlaces& files_of(const Benchmark& benchmark, std::string_view kind) {
   if (kind.empty()) return benchmark.files.front();
   const auto found = std::ranges::find(benchmark.files, kind, &FilePlaces::kind);
   if (found != benchmark.files.end()) return *found;
-  throw LookupError(fmt::format("{} has no files of kind {:?}", benchmark.title, kind));
+  throw LookupError(fmt::format("{} has no files of kind {}", benchmark.title, quote(kind)));
 }
 
 // Continuous: Enfilade's folder, those of the public code, the same where that has them, none.
@@ -236,7 +237,7 @@ const Scorer& Benchmark::scorer(std::string_view scorer_name) const {
   if (found != scorers.end()) return *found;
   std::vector<std::string_view> names;
   for (const Scorer& one : scorers) names.push_back(one.name);
-  throw LookupError(fmt::format("no scorer {:?} for {}; there are {}", scorer_name, title,
+  throw LookupError(fmt::format("no scorer {} for {}; there are {}", quote(scorer_name), title,
                                 fmt::join(names, ", ")));
 }
 
@@ -249,8 +250,8 @@ const Benchmark* find_benchmark(std::string_view name) noexcept {
 
 const Benchmark& benchmark(std::string_view name) {
   if (const Benchmark* found = find_benchmark(name)) return *found;
-  throw LookupError(
-      fmt::format("no task {:?}; there are {}", name, fmt::join(names_of(std::nullopt), ", ")));
+  throw LookupError(fmt::format("no task {}; there are {}", quote(name),
+                                fmt::join(names_of(std::nullopt), ", ")));
 }
 
 const Benchmark& benchmark(std::string_view name, WorldKind world) {
@@ -258,7 +259,7 @@ const Benchmark& benchmark(std::string_view name, WorldKind world) {
   if (found != nullptr && found->world == world) return *found;
   const std::string_view what = world == WorldKind::kGraph ? "task" : "continuous benchmark";
   throw LookupError(
-      fmt::format("no {} {:?}; there are {}", what, name, fmt::join(names_of(world), ", ")));
+      fmt::format("no {} {}; there are {}", what, quote(name), fmt::join(names_of(world), ", ")));
 }
 
 const Benchmark& benchmark(Task task) noexcept {
@@ -267,7 +268,12 @@ const Benchmark& benchmark(Task task) noexcept {
 
 std::vector<std::filesystem::path> episode_places(const Benchmark& benchmark,
                                                   std::string_view split, std::string_view kind) {
-  return fill(patterns_of(files_of(benchmark, kind), ""), split);
+  const std::vector<std::string> patterns = patterns_of(files_of(benchmark, kind), "");
+  std::vector<std::filesystem::path> places = fill(patterns, split);
+  if (split == "test" && !benchmark.test_file.empty()) {
+    for (auto& place : fill(patterns, benchmark.test_file)) places.push_back(std::move(place));
+  }
+  return places;
 }
 
 std::vector<std::filesystem::path> expert_places(const Benchmark& benchmark, std::string_view split,

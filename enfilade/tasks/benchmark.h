@@ -43,9 +43,10 @@ struct Benchmark {
   Task paths = Task::kR2r;  ///< whose paths its own were made from: equal paths tell equal goals
   GoalKind goal = GoalKind::kNearEnd;
   AnswerKind answer = AnswerKind::kNone;
-  /// The splits that its public files have, in their order, by the names in those files. Any other
-  /// name may be asked for, too.
+  /// The splits that its public files have, in their order. Any other name may be asked for, too.
   std::span<const std::string_view> splits;
+  /// What files call the split "test"; empty: "test". Both names find it.
+  std::string_view test_file = {};
   std::span<const FilePlaces> files;   ///< the usual kind first
   std::span<const Scorer> scorers;     ///< the default first
   std::string_view table_scorer = {};  ///< behind the columns of its table (report/)
@@ -77,8 +78,14 @@ const Benchmark& benchmark(std::string_view name, WorldKind world);
 /// The benchmark on graphs.
 const Benchmark& benchmark(Task task) noexcept;
 
+/// The one name of a split: "test" for CVDN's "test_cleaned"; any other name is its own.
+inline std::string_view split_name(const Benchmark& benchmark, std::string_view name) noexcept {
+  return !name.empty() && name == benchmark.test_file ? "test" : name;
+}
+
 /// Where a split's episodes may be in a folder of data, relative to it, in the order in which they
-/// are looked for. Each is looked for packed (".gz") and plain.
+/// are looked for. Each is looked for packed (".gz") and plain. For "test" the places of
+/// Benchmark::test_file follow.
 /// \param kind  of FilePlaces; empty: the usual one \throws LookupError for another
 std::vector<std::filesystem::path> episode_places(const Benchmark& benchmark,
                                                   std::string_view split,

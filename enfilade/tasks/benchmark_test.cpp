@@ -72,6 +72,18 @@ TEST(Benchmarks, FilesLieWhereThePublicCodeHasThem) {
   EXPECT_THROW(episode_places(r2r, "train", "follower"), LookupError);
 }
 
+TEST(Benchmarks, TheTestSplitIsFoundByOneNameWhateverItsFileIsCalled) {
+  const Benchmark& cvdn = benchmark("cvdn");
+  const auto places = texts_of(episode_places(cvdn, "test"));
+  EXPECT_EQ(places.front(), "cvdn/test.json");
+  EXPECT_THAT(places, Contains("cvdn/test_cleaned.json.gz"));
+  EXPECT_EQ(episode_places(cvdn, "test_cleaned").front(), "cvdn/test_cleaned.json");
+  EXPECT_EQ(split_name(cvdn, "test_cleaned"), "test");
+  EXPECT_EQ(split_name(cvdn, "val_seen"), "val_seen");
+  EXPECT_EQ(split_name(benchmark("r2r"), "test_cleaned"), "test_cleaned");
+  EXPECT_EQ(split_name(benchmark("r2r"), ""), "");
+}
+
 TEST(Benchmarks, FilesArePackedOrPlainWhereverTheyLie) {
   for (const Benchmark& of : benchmarks()) {
     for (const auto& places : {episode_places(of, "val_seen"), expert_places(of, "val_seen")}) {

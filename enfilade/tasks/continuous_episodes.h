@@ -129,9 +129,9 @@ bool goals_hidden(const ContinuousEpisodes& episodes) noexcept;
 /// \throws FileError
 /// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
 ///   - not JSON; missing, repeated or wrongly typed fields
-///   - an id that is empty, that another episode has, or that is neither a whole number nor a text
+///   - an id that another episode has, or that is neither a whole number nor an id (core/names.h)
 ///   - a scene without a name
-///   - points of other than three numbers
+///   - points of other than three numbers, or beyond kMostMetres (core/numbers.h)
 ///   - a rotation that is not one about the vertical axis
 ///   - an empty list of goals or path
 ///   - a negative distance, radius or token

@@ -62,7 +62,7 @@ enum class ContinuousForm : std::uint8_t {
 /// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
 /// - not JSON, missing, repeated or wrongly typed fields
 /// - an unknown episode or instruction, one answered twice or (Coverage::kAll) not at all
-/// - no pose, a position that is not three numbers, poses after stop
+/// - no pose, a position that is not three numbers or beyond 1e6 m, poses after stop
 /// - a start that is more than 1 cm off the episode's
 std::vector<ContinuousResult> load_continuous_results(const std::filesystem::path& file,
                                                       const ContinuousEpisodes& episodes,

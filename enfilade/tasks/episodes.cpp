@@ -35,8 +35,8 @@ class LookUp {
       const auto one = viewpoint(ids[k], place);
       if (along_edges && one && last && graph_.edge(*last, *one) == nullptr) {
         faults_.error(place, "not-adjacent",
-                      fmt::format("no edge leads from {:?} to {:?} in scan {}", ids[k - 1], ids[k],
-                                  entry_.scan));
+                      fmt::format("no edge leads from {} to {} in scan {}", quote(ids[k - 1]),
+                                  quote(ids[k]), entry_.scan));
       }
       last = one;
       if (one) found.push_back(*one);
@@ -56,12 +56,12 @@ class LookUp {
     const auto found = graph_.find(id);
     if (!found) {
       faults_.error(place, "unknown-viewpoint",
-                    fmt::format("viewpoint {:?} is not one of the {} of scan {}", id, graph_.size(),
-                                entry_.scan));
+                    fmt::format("viewpoint {} is not one of the {} of scan {}", quote(id),
+                                graph_.size(), entry_.scan));
     } else if (!graph_.included(*found)) {
-      faults_.error(
-          place, "excluded-viewpoint",
-          fmt::format("viewpoint {:?} of scan {} is excluded from its graph", id, entry_.scan));
+      faults_.error(place, "excluded-viewpoint",
+                    fmt::format("viewpoint {} of scan {} is excluded from its graph", quote(id),
+                                entry_.scan));
       return std::nullopt;
     }
     return found;
@@ -153,9 +153,9 @@ std::vector<ReferencePath> look_up(const Annotations& annotations, const graph::
     reference.group = groups.of(entry);
     const auto scan = graphs.find(entry.scan);
     if (!scan) {
-      faults.error(
-          Path(path, "scan"), "unknown-scan",
-          fmt::format("scan {:?} is not one of the {} with a graph", entry.scan, graphs.size()));
+      faults.error(Path(path, "scan"), "unknown-scan",
+                   fmt::format("scan {} is not one of the {} with a graph", quote(entry.scan),
+                               graphs.size()));
       continue;
     }
     reference.scan = *scan;

@@ -65,7 +65,7 @@ bool needs_boxes(const Annotations& annotations);
 std::vector<std::filesystem::path> object_places();
 
 /// RxR's followers, one trajectory per line.
-/// \throws as load_annotations(): missing or wrongly typed fields, a negative id, an empty path, a
+/// \throws as load_annotations(): missing or wrongly typed fields, a bad id, an empty path, a
 /// repeated demonstration_id
 std::vector<Demonstration> load_demonstrations(const std::filesystem::path& file);
 std::vector<Demonstration> parse_demonstrations(std::string_view lines, const std::string& file);

@@ -43,7 +43,7 @@ class ObjectBoxes {
   /// have underscores. The first form tells where the viewpoint's begins; the other is searched by
   /// the whole key. Fields of objects other than `name`, `visible_pos` and `bbox2d` are ignored.
   /// \throws InvalidInput listing its faults with JSON paths:
-  /// - not JSON, missing, repeated or wrongly typed fields, other keys than those
+  /// - not JSON, missing, repeated or wrongly typed fields, other keys, bad ids
   /// - a view beyond 35 or given twice
   /// - a box without four numbers or of negative size, another number of boxes than of views
   static ObjectBoxes parse(std::string_view json, const std::string& file);

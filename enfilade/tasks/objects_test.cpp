@@ -157,10 +157,10 @@ TEST(ObjectBoxes, NamesKeyPlaceAndWhatIsAllowed) {
       {edited("494", "NaN"), "NaN and Infinity are not JSON"},
       {edited("494", "1e999"), "[not-json]"},
       {R"({"sv": {}})", "$.sv: not <scan>_<viewpoint>"},
-      {R"({"_v": {}})", "$._v: not <scan>_<viewpoint>"},
-      {R"({"s_": {}})", "$.s_: not <scan>_<viewpoint>"},
+      {R"({"_v": {}})", "$._v: an empty id"},
+      {R"({"s_": {}})", "$.s_: an empty id"},
       {R"({"": {}})", "$[\"\"]: not <scan>_<viewpoint>"},
-      {R"({"s_)" + long_key + R"(": {}})", "of at most 255 bytes"},
+      {R"({"s_)" + long_key + R"(": {}})", "(300 bytes) is not an id"},
       {R"({"s_v": {}, "s_v": {}})", "$.s_v: given twice in one object"},
       {R"({"s_v": []})", "$.s_v: array of 0, not an object"},
       {R"({"s_v": {"v": []}})", "$.s_v.v: array of 0, not an object"},
@@ -241,7 +241,7 @@ TEST(ObjectBoxes, DoesNotTakeWhatItCouldNotRead) {
   EXPECT_THAT(refusal("s", "", {}), HasSubstr("empty"));
   boxes.add("s", "v_1", {});
   EXPECT_THAT(refusal("s_v", "1", {}), HasSubstr("is there already"));
-  EXPECT_THAT(refusal("s", std::string(300, 'v'), {}), HasSubstr("too long"));
+  EXPECT_THAT(refusal("s", std::string(300, 'v'), {}), HasSubstr("(300 bytes) is not an id"));
   EXPECT_THAT(refusal("s", "w", {{-1, "", {}, {}}}), HasSubstr("object -1 around viewpoint \"w\""));
   EXPECT_THAT(refusal("s", "w", {{1, "", {}, {}}, {1, "", {}, {}}}), HasSubstr("there twice"));
   EXPECT_THAT(refusal("s", "w", {{1, "", {0}, {}}}), HasSubstr("0 boxes for 1 views"));

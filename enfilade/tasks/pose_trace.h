@@ -75,7 +75,7 @@ std::string pose_trace_name(TraceRole role, std::int64_t id);
 /// - no `pano`, `time`, `extrinsic_matrix` or `intrinsic_matrix`
 /// - arrays of more than 256 MiB or 1,048,576 snapshots, of other types or shapes, or whose lengths
 ///   differ
-/// - an empty viewpoint, an infinite or NaN number, or one beyond a float in a matrix or weight
+/// - a bad id, an infinite or NaN number, one beyond 1e6 in a matrix or beyond a float in a weight
 /// - decreasing time
 PoseTrace load_pose_trace(const std::filesystem::path& file);
 /// The same of a file in memory. \param name  for messages

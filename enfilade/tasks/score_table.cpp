@@ -11,6 +11,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/threads.h"
 
 namespace enfilade::tasks {
@@ -104,7 +105,7 @@ ScoreTable compute_score(const std::vector<Trajectory>& trajectories, const Epis
                          const Scorer& scorer, const ScoreOptions& options) {
   if (scorer.on_graph == nullptr || scorer.task.value_or(episodes.task) != episodes.task) {
     throw ArgumentError(fmt::format(
-        "scorer {:?} is of {}, the episodes are of {}", scorer.name,
+        "scorer {} is of {}, the episodes are of {}", quote(scorer.name),
         scorer.task ? benchmark(*scorer.task).title : std::string_view("continuous space"),
         benchmark(episodes.task).title));
   }

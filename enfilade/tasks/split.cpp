@@ -1,8 +1,10 @@
 #include "enfilade/tasks/split.h"
 
+#include <fmt/format.h>
 #include <utility>
 
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/names.h"
 #include "enfilade/tasks/score_table.h"
 
 namespace enfilade::tasks {
@@ -46,6 +48,15 @@ PathSize Split::path_size(std::size_t episode) const {
   size.places = points.size();
   for (std::size_t k = 1; k < points.size(); ++k) size.length += length(points[k] - points[k - 1]);
   return size;
+}
+
+void require_episodes(const Split& split, const std::string& file) {
+  if (split.size() > 0) return;
+  refuse(file, "$", "no-episodes",
+         fmt::format("split {}: the annotations have no episode, so there is nothing to run or "
+                     "score; the export of a collection has the paths whose every instruction was "
+                     "walked",
+                     quote(split.name())));
 }
 
 std::size_t size(const Trajectories& trajectories) noexcept {

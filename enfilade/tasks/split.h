@@ -64,6 +64,10 @@ class Split {
   std::shared_ptr<const ExpertWalks> experts_;
 };
 
+/// For whoever runs or scores a split: means over no episode are no numbers.
+/// \param file  of its episodes \throws InvalidInput if the split has none
+void require_episodes(const Split& split, const std::string& file);
+
 /// Results of a split of either world, in the order of its episodes.
 using Trajectories = std::variant<std::vector<Trajectory>, std::vector<ContinuousResult>>;
 std::size_t size(const Trajectories& trajectories) noexcept;

@@ -12,6 +12,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/written_lists.h"
 #include "enfilade/tasks/continuous_episodes.h"
 
@@ -120,14 +121,14 @@ Vocabulary Vocabulary::of(std::vector<std::string> words, const std::string& ori
     const std::string& word = words[i];
     const std::string where = fmt::format("line {}", i + 1);
     if (i < kSpecials.size() && word != kSpecials[i]) {
-      report(where, "bad-special", fmt::format("{:?}, not {:?}", word, kSpecials[i]));
+      report(where, "bad-special", fmt::format("{}, not {}", quote(word), quote(kSpecials[i])));
     } else if (word.empty()) {
       report(where, "empty-word", "no word; one word a line is expected");
     }
     const auto [at, fresh] = first.emplace(word, i);
     if (!fresh && !word.empty()) {
       report(where, "repeated-word",
-             fmt::format("{:?} stands in line {} already", word, at->second + 1));
+             fmt::format("{} stands in line {} already", quote(word), at->second + 1));
     }
   }
   if (words.size() < kSpecials.size()) {
@@ -214,7 +215,7 @@ InstructionEncoder::InstructionEncoder(const InstructionVocabulary& vocabulary)
     const auto [first, fresh] = ids_.emplace(word, static_cast<std::int32_t>(ids_.size()));
     if (!fresh) {
       throw ArgumentError(
-          fmt::format("word {:?} is there twice; the first is token {}", word, first->second));
+          fmt::format("word {} is there twice; the first is token {}", quote(word), first->second));
     }
   }
 }

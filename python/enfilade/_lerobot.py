@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enfilade import ArgumentError, FileError
+from enfilade._output import whole_file, write_whole
 
 LEROBOT_VERSIONS = ("3.0", "2.1")
 
@@ -47,14 +48,6 @@ _FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 _DATA_PATH = "data/" + _FILE + ".parquet"
 _VIDEO_PATH = "videos/{video_key}/" + _FILE + ".mp4"
 _EPISODES_PATH = "meta/episodes/" + _FILE + ".parquet"
-
-
-def write_whole(file: Path, content: bytes) -> None:
-    """Writes a file whole or not at all."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(file.name + ".part")
-    part.write_bytes(content)
-    part.replace(file)
 
 
 def write_lerobot(
@@ -111,6 +104,8 @@ class _Parts:
 
     def __init__(self, to: Path) -> None:
         self.to, self.folder = to, to / "enfilade_export.parts"
+        if self.folder.is_symlink():
+            raise FileError(f"{self.folder}: a link stands in the place of a folder")
         about = json.loads((self.folder / "episodes.json").read_text(encoding="utf-8"))
         self.split: str = about["split"]
         self.width: int = about["width"]
@@ -174,7 +169,7 @@ def _plan(parts: _Parts, version: str, videos: bool) -> list[_Table]:
                 raise FileError(f"{parts.to}: the folder has tables of version {other}; take another folder")
     tables = _tables_21(parts) if version == "2.1" else _tables_30(parts, videos)
     plan = {"version": version, "videos": videos, "tables": [asdict(table) for table in tables]}
-    write_whole(file, _line(plan).encode())
+    write_whole(parts.folder, file.name, _line(plan).encode())
     return tables
 
 
@@ -218,25 +213,23 @@ def _write_table(parts: _Parts, table: _Table, version: str) -> None:
     pa = importlib.import_module("pyarrow")
     videos = table.files[1:]
     schema = _schema(version, bool(videos))
-    file = parts.to / table.files[0]
-    file.parent.mkdir(parents=True, exist_ok=True)
-    written = file.with_name(file.name + ".part")
     # JPEG does not shrink further.
     packing = "snappy" if videos else "none"
-    with parquet.ParquetWriter(written, schema, compression=packing, use_dictionary=False) as writer:
-        for index in table.episodes:
-            data: dict[str, list[Any]] = {}
-            if not videos:
-                pictures = zip(parts.names(index), parts.pictures(index))
-                data[_PICTURES] = [{"bytes": content, "path": name} for name, content in pictures]
-            for name, column in _columns(parts, index).items():
-                data[name] = column.tolist()
-            # One row group per episode, as lerobot writes.
-            writer.write_table(pa.Table.from_pydict(data, schema=schema))
-    for name in videos:
-        contents = (one for index in table.episodes for one in parts.pictures(index))
-        _write_video(contents, parts, parts.to / name)
-    written.replace(file)
+    with whole_file(parts.to, table.files[0]) as part:
+        with parquet.ParquetWriter(part, schema, compression=packing, use_dictionary=False) as writer:
+            for index in table.episodes:
+                data: dict[str, list[Any]] = {}
+                if not videos:
+                    pictures = zip(parts.names(index), parts.pictures(index))
+                    data[_PICTURES] = [{"bytes": content, "path": name} for name, content in pictures]
+                for name, column in _columns(parts, index).items():
+                    data[name] = column.tolist()
+                # One row group per episode, as lerobot writes.
+                writer.write_table(pa.Table.from_pydict(data, schema=schema))
+        for name in videos:
+            contents = (one for index in table.episodes for one in parts.pictures(index))
+            with whole_file(parts.to, name) as video:
+                _write_video(contents, parts, video)
 
 
 def _columns(parts: _Parts, index: int) -> dict[str, NDArray[Any]]:
@@ -259,7 +252,7 @@ def _columns(parts: _Parts, index: int) -> dict[str, NDArray[Any]]:
         **{name: _statistics(column) for name, column in columns.items()},
     }
     entry = {"episode_index": index, "stats": statistics}
-    write_whole(parts.path(index, ".json"), _line(entry).encode())
+    write_whole(parts.folder, f"{index:06d}.json", _line(entry).encode())
     return columns
 
 
@@ -291,9 +284,7 @@ def _schema(version: str, videos: bool) -> Any:
 def _write_video(pictures: Iterable[bytes], parts: _Parts, file: Path) -> None:
     """An MP4 of JPEG files: AV1 with lerobot's usual quality and distance of key frames."""
     av = importlib.import_module("av")
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(file.name + ".part")
-    with av.open(str(part), "w", format="mp4") as container:
+    with av.open(str(file), "w", format="mp4") as container:
         stream = container.add_stream(
             "libsvtav1", rate=_STEPS_PER_SECOND, options={"g": "2", "crf": "30"}
         )
@@ -307,7 +298,6 @@ def _write_video(pictures: Iterable[bytes], parts: _Parts, file: Path) -> None:
             frame.pts, frame.time_base = number, Fraction(1, _STEPS_PER_SECOND)
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
-    part.replace(file)
 
 
 # --- what describes the tables --------------------------------------------------------------------
@@ -358,7 +348,7 @@ def _write_info(parts: _Parts, info: dict[str, Any], version: str, videos: bool)
         "features": _features(parts, version, videos),
     }
     text = json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
-    write_whole(parts.to / "meta/info.json", text.encode())
+    write_whole(parts.to, "meta/info.json", text.encode())
 
 
 def _write_meta_21(parts: _Parts) -> None:
@@ -378,7 +368,7 @@ def _write_meta_21(parts: _Parts) -> None:
         "tasks.jsonl": [_line({"task_index": k, "task": text}) for text, k in parts.tasks.items()],
     }
     for name, content in lines.items():
-        write_whole(parts.to / "meta" / name, "".join(content).encode())
+        write_whole(parts.to, f"meta/{name}", "".join(content).encode())
     info = {
         "total_videos": 0,
         "total_chunks": -(-len(parts.episodes) // parts.chunk),
@@ -399,7 +389,7 @@ def _write_meta_30(parts: _Parts, tables: Sequence[_Table], videos: bool) -> Non
         feature: _joined([of_episode[feature] for of_episode in statistics])
         for feature in (statistics[0] if statistics else {})
     }
-    write_whole(parts.to / "meta/stats.json", (json.dumps(whole, indent=2) + "\n").encode())
+    write_whole(parts.to, "meta/stats.json", (json.dumps(whole, indent=2) + "\n").encode())
     info = {
         "chunks_size": _FILES,
         "data_files_size_in_mb": _DATA_MEGABYTES,
@@ -461,7 +451,7 @@ def _write_episodes(parts: _Parts, rows: Sequence[dict[str, Any]], number: int) 
 
     schema = pa.schema([(name, kind(name)) for name in (rows[0] if rows else {})])
     table = pa.Table.from_pylist(list(rows), schema=schema)
-    _write_parquet(table, parts.to / _EPISODES_PATH.format(**_place(number)))
+    _write_parquet(table, parts.to, _EPISODES_PATH.format(**_place(number)))
 
 
 def _write_tasks(parts: _Parts) -> None:
@@ -483,15 +473,13 @@ def _write_tasks(parts: _Parts) -> None:
         [("task_index", pa.int64()), ("task", pa.string())], metadata={"pandas": json.dumps(about)}
     )
     data = {"task_index": list(parts.tasks.values()), "task": list(parts.tasks)}
-    _write_parquet(pa.Table.from_pydict(data, schema=schema), parts.to / "meta/tasks.parquet")
+    _write_parquet(pa.Table.from_pydict(data, schema=schema), parts.to, "meta/tasks.parquet")
 
 
-def _write_parquet(table: Any, file: Path) -> None:
+def _write_parquet(table: Any, folder: Path, name: str) -> None:
     parquet = importlib.import_module("pyarrow.parquet")
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(file.name + ".part")
-    parquet.write_table(table, part, compression="snappy")
-    part.replace(file)
+    with whole_file(folder, name) as part:
+        parquet.write_table(table, part, compression="snappy")
 
 
 # --- statistics -----------------------------------------------------------------------------------

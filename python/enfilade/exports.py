@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import Any, Optional, Union
 
 from enfilade import ArgumentError, FileError, Graph, Graphs, InvalidInput, UnknownNameError
-from enfilade._lerobot import LEROBOT_VERSIONS, write_lerobot, write_whole
+from enfilade._lerobot import LEROBOT_VERSIONS, write_lerobot
+from enfilade._output import write_whole
 
 __all__ = ["main", "networkx_graph", "write_lerobot", "write_networkx"]
 
@@ -51,7 +52,7 @@ def write_networkx(
 ) -> None:
     """Pickles {scan: networkx_graph()}, of the scans given or of all. Raises UnknownNameError."""
     whole = {scan: networkx_graph(graphs[scan]) for scan in (graphs.scans if scans is None else scans)}
-    write_whole(Path(file), pickle.dumps(whole, protocol=2))
+    write_whole(Path(file).parent, Path(file).name, pickle.dumps(whole, protocol=2))
 
 
 def _join_networkx(folder: Path) -> Path:
@@ -63,7 +64,7 @@ def _join_networkx(folder: Path) -> Path:
         positions = {name: found["position"] for name, found in viewpoints.items()}
         edges = {(a, b): n for a, found in viewpoints.items() for b, n in found["edges"].items()}
         whole[part.stem] = _networkx_graph(positions, edges)
-    write_whole(file, pickle.dumps(whole, protocol=2))
+    write_whole(folder, file.name, pickle.dumps(whole, protocol=2))
     shutil.rmtree(parts)
     return file
 

@@ -13,13 +13,13 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Callable, Dict, NamedTuple, Optional
 
 from enfilade._errors import FileError
+from enfilade._output import is_name, whole_file
 
 __all__ = ["LIST", "Copied", "fetch", "publish"]
 
@@ -76,8 +76,7 @@ def _read_list(store: Any, root: str, url: str) -> Optional[dict[str, _Entry]]:
         files = listed["files"]
         for name, entry in files.items():
             # The list is untrusted: nothing is written outside the folder.
-            parts = Path(name).parts
-            if not parts or Path(name).is_absolute() or ".." in parts:
+            if not is_name(name):
                 raise ValueError(f"{name!r} is no path below the folder")
             if not isinstance(entry["size"], int) or not isinstance(entry["sha256"], str):
                 raise ValueError(f"{name!r} has no size and SHA-256")
@@ -175,14 +174,11 @@ def fetch(url: str, folder: str, *, threads: int = 8, progress: bool = True) -> 
     new = [name for name in files if not there[name]]
 
     def copy(name: str) -> None:
-        file = to / name
-        file.parent.mkdir(parents=True, exist_ok=True)
-        part = file.with_name(file.name + ".part")
-        store.get_file(f"{root}/{name}", str(part))
-        if _described(part) != files[name]:
-            part.unlink()
-            raise FileError(f"{url}/{name}: other bytes than the list has; publish it again")
-        os.replace(part, file)
+        with whole_file(to, name) as part:
+            store.get_file(f"{root}/{name}", str(part))
+            if _described(part) != files[name]:
+                part.unlink()
+                raise FileError(f"{url}/{name}: other bytes than the list has; publish it again")
 
     try:
         _copy_all(new, copy, {name: files[name]["size"] for name in new}, threads, progress)

@@ -85,6 +85,23 @@ def test_other_bytes_than_the_list_has_are_not_kept(homes, tmp_path):
     assert not (tmp_path / "there/big.bin").exists()
 
 
+def test_nothing_is_fetched_out_of_the_folder(homes, tmp_path):
+    url = f"file://{tmp_path}/store"
+    stores.publish(str(homes), url, progress=False)
+    (tmp_path / "outside").mkdir()
+    (tmp_path / "copy").mkdir()
+    (tmp_path / "copy/connectivity").symlink_to(tmp_path / "outside")
+    with pytest.raises(FileError, match="connectivity: a link stands in the place of a folder"):
+        stores.fetch(url, str(tmp_path / "copy"), progress=False)
+    list_file = tmp_path / "store" / stores.LIST
+    listed = json.loads(list_file.read_text())
+    listed["files"]["a/../../outside/x"] = listed["files"]["empty"]
+    list_file.write_text(json.dumps(listed))
+    with pytest.raises(FileError, match="is no path below the folder"):
+        stores.fetch(url, str(tmp_path / "other"), progress=False)
+    assert not list((tmp_path / "outside").iterdir())
+
+
 def test_faults_are_told(homes, tmp_path, capsys):
     with pytest.raises(FileError, match="nothing was published there"):
         stores.fetch(f"file://{tmp_path}/none", str(tmp_path / "there"))

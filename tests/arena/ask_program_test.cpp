@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "enfilade/core/file.h"
+#include "tests/arena/evil_server.h"
 #include "tests/arena/listener.h"
 #include "tests/support/process.h"
 #include "tests/support/served_data.h"
@@ -45,14 +46,18 @@ class AskProgram : public ::testing::Test {
   std::string file(const std::string& name) const { return folder_.path() / name; }
   /// Its exit status.
   int ask(const std::vector<std::string>& options,
-          const std::map<std::string, std::string>& environment) const {
+          const std::map<std::string, std::string>& environment) {
     std::vector<std::string> words{EN_PROGRAM, "ask",     "--data", file("data"), "--split",
                                    "val_seen", "--model", "m",      "-o",         file("run")};
     words.insert(words.end(), options.begin(), options.end());
-    return Process(words, file("said"), environment, file("errors")).wait();
+    Process process(words, file("said"), environment, file("errors"));
+    const int status = process.wait();
+    memory_ = process.most_memory();
+    return status;
   }
 
   TemporaryFolder folder_;
+  std::size_t memory_ = 0;  // bytes that the last one took
 };
 
 // Case 3 by hand, and case 1: a model that does not answer is no model that walks badly.
@@ -103,6 +108,58 @@ TEST_F(AskProgram, SendsWhatOptionsSayAndCountsResponsesWithoutACall) {
                 "holds)\n"
                 "requests differ from the usual ones: max_completion_tokens takes the place of "
                 "max_tokens\n"));
+}
+
+// What takes the most memory of evil_servers_test, in a process of its own.
+TEST_F(AskProgram, NoAnswerTakesALotOfMemoryOrEndsTheProgram) {
+  const std::string answers[] = {
+      response(stop_answer(R"("sk-secret1 )" + std::string(30U << 20U, 'a') + '"')),
+      response(stop_answer("null", 120'000)),
+      response(R"({"choices":[{})" + repeated(",{\"a\":[{}]}", 31'000) + "]}"),
+  };
+  for (const std::string& answer : answers) {
+    EvilServer server([&answer](const Connection& to) { to.send(answer); });
+    EXPECT_EQ(ask({"--endpoint", server.url(), "--attempts", "2", "--longest-wait", "0"},
+                  {{"ENFILADE_MODEL_KEY", "sk-secret1"}}),
+              1)
+        << read_file(file("errors"));
+    EXPECT_THAT(read_file(file("errors")), HasSubstr("no answer in 2 attempts"));
+    EXPECT_THAT(read_file(file("errors")), HasSubstr("(left for the next run)"));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    EXPECT_LT(memory_, 300U << 20U);
+#endif
+  }
+}
+
+TEST_F(AskProgram, SaysAloudThatItWaits) {
+  EvilServer server([](const Connection& to) {
+    to.send(response("{}", "503 Busy", "Retry-After: 99999999\r\n"));
+  });
+  EXPECT_EQ(ask({"--endpoint", server.url(), "--attempts", "2", "--longest-wait", "0.01"}, {}), 1);
+  EXPECT_THAT(read_file(file("errors")),
+              HasSubstr("the server asks for a wait of 99999999 s; the next attempt is in 0.01 s"));
+}
+
+TEST_F(AskProgram, ReadsEveryFileBeforeItAsks) {
+  Listener server;
+  struct Row {
+    const char* prices;
+    int status;
+    const char* says;
+  };
+  const Row rows[] = {{R"({"m": {"prompt": -1e308, "answer": 1}})", 3, "not a number of 0 or more"},
+                      {R"({"m": {"prompt": 1, "answer": 1)", 3, "bad-price"},
+                      {R"({"other": {"prompt": 1, "answer": 1}})", 2, "has no \"m\""}};
+  for (const Row& row : rows) {
+    write_file_atomically(file("prices"), row.prices);
+    EXPECT_EQ(ask({"--endpoint", server.url(), "--prices", file("prices")}, {}), row.status);
+    EXPECT_THAT(read_file(file("errors")), HasSubstr(row.says));
+  }
+  write_file_atomically(file("prices"), std::string(300'000, '['));
+  EXPECT_EQ(ask({"--endpoint", server.url(), "--prices", file("prices")}, {}), 3);
+  write_file_atomically(file("p.txt"), "---\nGo.\n---\n{{> /etc/passwd}}\n");
+  EXPECT_EQ(ask({"--endpoint", server.url(), "--prompt", file("p.txt")}, {}), 3);
+  EXPECT_TRUE(server.requests().empty());
 }
 
 // Case 13: neither host exists; the proxy would know them.

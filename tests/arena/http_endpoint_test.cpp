@@ -65,8 +65,7 @@ class Tunnel {
     for (char c = 0; !head.ends_with("\r\n\r\n") && ::recv(client, &c, 1, 0) == 1;) head += c;
     constexpr std::string_view kOpen = "HTTP/1.1 200 OK\r\n\r\n";
     ::send(client, kOpen.data(), kOpen.size(), MSG_NOSIGNAL);
-    std::array<pollfd, 2> ends{
-        {{client, POLLIN, 0}, {service::testing::connect_to(to_), POLLIN, 0}}};
+    std::array<pollfd, 2> ends{{{client, POLLIN, 0}, {tests::connect_to(to_), POLLIN, 0}}};
     for (bool open = true; open && ::poll(ends.data(), ends.size(), -1) > 0;) {
       for (std::size_t k = 0; k < 2; ++k) {
         if (ends[k].revents == 0) continue;
@@ -188,7 +187,19 @@ TEST(HttpEndpoint, SendsOneHeaderOfTheKeysName) {
   EXPECT_EQ(listener.requests()[0].get_header_value("Authorization"), "Basic b3RoZXI=");
 }
 
-TEST(HttpEndpoint, HidesSecretsInWhatIsNoAnswer) {
+TEST(HttpEndpoint, SendsNoControlCharacterInAHeader) {
+  Listener listener;
+  const auto endpoint = arena::make_http_endpoint({.url = listener.url()});
+  for (const char* argument : {"B\r\nX: y", "B\n", "\x7f", "\u00e9"}) {
+    EXPECT_THAT(refusal<ArgumentError>([&] {
+                  endpoint->post("{}", {"e", {{"go_to", argument}}});
+                }),
+                HasSubstr("X-Enfilade-Calls: \"go_to "));
+  }
+  EXPECT_TRUE(listener.requests().empty());
+}
+
+TEST(HttpEndpoint, HidesSecretsInWhatAServerSays) {
   struct Row {
     std::string key, body, shown;
     int status;
@@ -198,9 +209,10 @@ TEST(HttpEndpoint, HidesSecretsInWhatIsNoAnswer) {
       // Keys of servers that need none, as "x", are in every text.
       {"x", R"({"error": "max_tokens"})", R"({"error": "max_tokens"})", 400},
       {"sk-secret1", far + "sk-secret1", far + "(key)", 400},
-      {"sk-secret1", R"({"error": "sk-secret1"})", R"-({"error": "(key)"})-", 200},
-      {"sk-secret1", "data: {\"error\": \"sk-secret1\"}\n\n", R"-({"error": "(key)"})-", 200},
-      {"sk-secret1", R"({"choices": ["sk-secret1"]})", R"({"choices": ["sk-secret1"]})", 200},
+      {"sk-secret1", R"({"error": "sk-secret1"})", R"-({"error":"(key)"})-", 200},
+      {"sk-secret1", "data: {\"error\": \"sk-secret1\"}\n\n", R"-({"error":"(key)"})-", 200},
+      {"sk-secret1", R"({"choices": ["sk-secret1"]})", R"-({"choices":["(key)"]})-", 200},
+      {"x", R"({"choices": ["x is x_x"]})", R"-({"choices":["(key) is x_x"]})-", 200},
   };
   for (const Row& row : rows) {
     Listener listener;
@@ -230,6 +242,16 @@ TEST(HttpEndpoint, AnswersHaveAnEnd) {
   Listener slow;
   slow.drips = true;
   EXPECT_THAT(fault(slow), HasSubstr("no whole answer in 0.4 s"));
+}
+
+TEST(HttpEndpoint, AnAddressHasAHostAndAPort) {
+  for (const char* url : {"http://127.0.0.1:0/v1", "http://127.0.0.1:70000/v1", "http://[::1/v1",
+                          "http://:80/v1", "https://host:x"}) {
+    EXPECT_THAT(refusal<ArgumentError>([&] { arena::make_http_endpoint({.url = url}); }),
+                HasSubstr("not a host and a port from 1 to 65535"))
+        << url;
+  }
+  EXPECT_NO_THROW(arena::make_http_endpoint({.url = "http://[::1]:8000/v1"}));
 }
 
 TEST(HttpEndpoint, JoinsResponsesInParts) {

@@ -1,6 +1,7 @@
 #include "tests/bad_input/harness.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <algorithm>
 #include <cstdlib>
@@ -160,7 +161,11 @@ Outcome run(const Case& one) {
   if (one.damage) one.damage(files);
   for (const auto& [name, content] : files.all()) {
     fs::create_directories((folder / name).parent_path());
-    write_file_atomically(folder / name, content);
+    if (content == kPipe) {
+      ::mkfifo((folder / name).c_str(), 0600);
+    } else {
+      write_file_atomically(folder / name, content);
+    }
   }
   const fs::path output = folder / "output.txt";
   if (!one.first.empty() && run_program(one.first, folder, output) != 0) {

@@ -33,6 +33,8 @@ inline constexpr const char* kAnnotations = "r2r/R2R_made.json";
 inline constexpr const char* kRegions = "regions/region_to_panorama.json";
 inline constexpr const char* kResults = "results.json";
 
+/// The content of a file that is a pipe, which no program writes to.
+inline constexpr const char* kPipe = "<a pipe>";
 /// ASCII as Windows' editors save "Unicode": little-endian, with a byte-order mark.
 std::string utf16(std::string_view ascii);
 /// A level square of 4 m, z up, as HM3D's files are: binary glTF.

@@ -68,6 +68,16 @@ std::vector<Case> files() {
               [](Files& f) { f.remove("m.obj"); }),
       scanned("a folder in the mesh's place", "", 3, "{}/m.obj: cannot read: Is a directory",
               [](Files& f) { f.remove("m.obj").write("m.obj/x", ""); }),
+      scanned("a pipe in the mesh's place", "", 3, "m.obj: cannot read: a pipe that no program",
+              mesh(kPipe)),
+      scanned("a face that goes round four points 10,000 times", "", 0,
+              "39742 triangles dropped: more than 64 have the same corners",
+              [](Files& f) {
+                std::string face = kFloor;
+                face.pop_back();
+                for (int k = 1; k < 10'000; ++k) face += " 1 2 3 4";
+                f.write("m.obj", face + "\n");
+              }),
       in_folder("a scan's folder in the mesh's place", "", "room", "room.obj", kFloor),
       in_folder("a scan's folder as HM3D has it", "hm3d/val/", "00800-one", "one.basis.glb",
                 glb_of_hm3d()),

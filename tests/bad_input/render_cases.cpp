@@ -76,7 +76,7 @@ std::vector<Case> cases_of_names() {
        {}},
       on_pictures("a scan that is none", "render three v0 --data {}", 2, "scan \"three\""),
       on_pictures("a scan id that is a path", "render ../one v0 --data {}", 2,
-                  "scan \"../one\": not a scan id"),
+                  "scan: \"../one\" is not an id"),
       on_pictures("a viewpoint that is none", "render one v9 --data {}", 2,
                   "viewpoint \"v9\": scan one has none whose id begins so"),
       on_pictures("an index past the last", "render one 6 --data {}", 2, "an index below 6"),
@@ -144,6 +144,9 @@ std::vector<Case> cases_of_files() {
                 const std::string whole = files.content(kStrip);
                 files.write(kStrip, whole.substr(0, whole.size() / 2));
               }),
+      damaged("a pipe in a store's place", "pack --check {}/one.enfilade",
+              "{}/one.enfilade: cannot be read: not a plain file",
+              [](Files& files) { files.write("one.enfilade", kPipe); }),
       damaged("text in a strip's place", "render one v0 --data {}", "v0_skybox_small.jpg",
               [](Files& files) { files.write(kStrip, "a picture"); }),
       damaged("a strip that is not six squares", "render one v0 --data {}", "v0_skybox_small.jpg",

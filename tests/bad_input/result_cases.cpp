@@ -15,6 +15,11 @@ Case edited(std::string input, std::string says, const std::string& from, const 
                  [=](Files& files) { files.edit(kResults, from, to); });
 }
 
+void empty_split(Files& files) {
+  files.write(kAnnotations, "[]");
+  files.write(kResults, "[]");
+}
+
 // Halves, each a gzip of its own.
 void pack(Files& files) {
   const std::string text = files.content(kResults);
@@ -49,6 +54,12 @@ std::vector<Case> result_cases() {
       edited("an entry that is a number", "$[0].trajectory[0]", "[\"v0\", 1.5, 0]", "7"),
       edited("an instr_id that is a number", "$[0].instr_id: number 10, not a string", "\"1_0\"",
              "10"),
+      edited("an instr_id that is a path", "$[0].instr_id: \"../1_0\" is not an id", "\"1_0\"",
+             "\"../1_0\""),
+      edited("a viewpoint that is a path", "$[0].trajectory[1][0]: \"../v1\" is not an id",
+             "\"v1\"", "\"../v1\""),
+      edited("a heading of 1e308",
+             "$[0].trajectory[0][1]: 1e+308 radians, not from -10000 to 10000", "1.5", "1e308"),
       edited("an unknown instr_id", "$[0].instr_id", "\"1_0\"", "\"7_0\""),
       edited("an instr_id twice", "$[1].instr_id", "\"1_1\"", "\"1_0\""),
       edited("a missing instr_id", "1_0", first, ""),
@@ -65,6 +76,15 @@ std::vector<Case> result_cases() {
        0, "made: 6 episodes", pack},
       {"Results", "a packed file, named without .gz", kScore, 0, "made: 6 episodes", pack},
       {"Results",
+       "a device without an end",
+       "score /dev/zero --data {} --split made",
+       3,
+       "/dev/zero: cannot read: more than 67108864 bytes",
+       {}},
+      {"Results", "a pipe that no program writes to", kScore, 3,
+       "{}/results.json: cannot read: a pipe that no program writes to",
+       [](Files& f) { f.write(kResults, kPipe); }},
+      {"Results",
        "no file",
        "score {}/none.json --data {} --split made",
        3,
@@ -77,12 +97,12 @@ std::vector<Case> result_cases() {
        "hidden",
        {}},
       {"Results", "annotations without an episode",
-       "score {}/results.json --data {} --annotations {}/r2r/R2R_made.json", 2,
-       "the annotations have no episode, so there is nothing to score",
-       [](Files& f) {
-         f.write("r2r/R2R_made.json", "[]");
-         f.write(kResults, "[]");
-       }},
+       "score {}/results.json --data {} --annotations {}/r2r/R2R_made.json", 3,
+       "split \"R2R_made\": the annotations have no episode, so there is nothing to run or score",
+       empty_split},
+      {"Results", "a split without an episode, scored", kScore, 3, "[no-episodes]", empty_split},
+      {"Results", "a split without an episode, run", "run --data {} --split made --agent shortest",
+       3, "[no-episodes]", empty_split},
   };
 }
 

@@ -237,7 +237,7 @@ std::vector<Case> cvdn() {
              "\"nav_idx\": 9"),
       edited(e, "another start than the steps'", "$[0].nav_steps[1]: \"v1\", not \"v2\", the start",
              "\"start_pano\": \"v1\"", "\"start_pano\": \"v2\""),
-      edited(e, "an empty instr_id", "$[0].instr_id: an empty text", "\"12\"", "\"\""),
+      edited(e, "an empty instr_id", "$[0].instr_id: an empty id", "\"12\"", "\"\""),
   };
 }
 
@@ -301,7 +301,7 @@ std::vector<Case> family() {
       edited(f, "a chunk that goes back", "$[0].chunk_view[0][1]", "[2, 3]", "[3, 2]"),
       edited(t, "a path_id given twice", "$[1].path_id: \"one_12\" stands at $[0] already",
              "one_13", "one_12"),
-      edited(t, "an empty path_id", "$[0].path_id: an empty text", "\"one_12\"", "\"\""),
+      edited(t, "an empty path_id", "$[0].path_id: an empty id", "\"one_12\"", "\"\""),
       edited(t, "a token that is a text", "$[0].instr_encodings[0][1]: string \"end\"", "102",
              "\"end\""),
       edited(p, "an instr_id without a number at its end", "not <path_id>_<k>", "one_12_0",

@@ -104,6 +104,9 @@ std::vector<Case> arrays_that_do_not_fit() {
               [](Files& f) {
                 f.write("w.safetensors", file_of({{"fc.weight", {2, 2}}}));
               }),
+      weights("a pipe in the weights' place", kVerb, 3,
+              "w.safetensors: cannot be read: not a plain",
+              [](Files& f) { f.write("w.safetensors", kPipe); }),
       weights("an array that is missing", kVerb, 3,
               "decoder.lstm.bias_hh: not in the file; shape [8] is expected [missing-array]",
               changed([](std::vector<Array>& arrays) { arrays.erase(arrays.begin() + 16); })),

@@ -29,10 +29,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"tbb/", {"enfilade/core/"}},
       {"nanoflann.hpp", {"enfilade/"}},
       {"zlib.h", {"enfilade/core/gzip", "apps/", "tests/"}},
-      {"httplib.h",
-       {"enfilade/arena/http_endpoint.cpp", "enfilade/arena/mcp_http.cpp",
-        "enfilade/arena/stand_in.cpp", "enfilade/service/client.cpp", "enfilade/service/http/",
-        "tests/"}},
+      {"httplib.h", {"enfilade/arena/bounded_client.cpp", "enfilade/service/client.cpp", "tests/"}},
       {"kainjow/", {"enfilade/arena/prompt.cpp"}},
       {"SQLiteCpp/", {"enfilade/service/store/", "tests/"}},
       {"libpq-fe.h", {"enfilade/service/store/"}},
@@ -81,16 +78,17 @@ bool is_standard(std::string_view name) {
 /// What a source may use of POSIX, but no public header.
 bool is_posix(std::string_view name) {
   static const std::set<std::string_view> kPosix{
-      "unistd.h", "fcntl.h", "signal.h",    "spawn.h",      "dirent.h",
-      "poll.h",   "dlfcn.h", "link.h",      "netinet/in.h", "netdb.h",
-      "malloc.h", "sched.h", "arpa/inet.h", "semaphore.h",  "pthread.h"};
+      "unistd.h",    "fcntl.h",     "signal.h",     "spawn.h",      "dirent.h", "poll.h",
+      "dlfcn.h",     "link.h",      "netinet/in.h", "netdb.h",      "malloc.h", "sched.h",
+      "arpa/inet.h", "semaphore.h", "pthread.h",    "netinet/tcp.h"};
   return kPosix.contains(name) || name.starts_with("sys/");
 }
 
 /// The header of all names, for users' short programs: may include every folder, and none may it.
 constexpr std::string_view kAllNames = "enfilade/enfilade.h";
 /// Recordings are compared with the parts of a library too, and tests of a library share helpers.
-constexpr std::array<std::string_view, 2> kTestsOfParts{"tests/conformance/", "tests/support/"};
+constexpr std::array<std::string_view, 3> kTestsOfParts{"tests/conformance/", "tests/fuzz/",
+                                                        "tests/support/"};
 constexpr std::array<std::string_view, 4> kBenchesOfParts{
     "bench/bench_cuda.cpp", "bench/bench_duet.cpp", "bench/bench_neural.cpp",
     "bench/products_test.cpp"};
@@ -285,6 +283,7 @@ class FileChecker {
 const Arrows& direct_arrows() {
   static const Arrows kArrows{
       {"core", {}},
+      {"net", {"core"}},
       {"geometry", {"core"}},
       {"image", {"core", "geometry"}},
       {"scan", {"core", "geometry", "image"}},
@@ -300,12 +299,12 @@ const Arrows& direct_arrows() {
       {"features", {"scan"}},
       {"homes", {"capture", "draw", "tasks"}},
       {"agents", {"sim", "continuous", "render", "tasks"}},
-      {"arena", {"agents", "dataset", "draw"}},
+      {"arena", {"agents", "dataset", "draw", "net"}},
       {"models", {"features", "tasks"}},
       {"neural", {"agents", "dataset", "models"}},
       {"report", {"agents", "dataset", "draw", "models"}},
       {"exports", {"dataset", "features", "capture", "agents"}},
-      {"service", {"agents", "arena", "dataset", "draw", "homes"}},
+      {"service", {"agents", "arena", "dataset", "draw", "homes", "net"}},
   };
   return kArrows;
 }

@@ -27,7 +27,7 @@ TEST(FirstSteps, AnOrganiserIsToldWhereToGoAndCanLogIn) {
   program.start();
   const std::string address = "http://127.0.0.1:" + std::to_string(program.port()) + "/";
   const std::string said = program.said_until("Ctrl-C ends it.");
-  EXPECT_THAT(said, AllOf(HasSubstr("1 scans at " + address), HasSubstr(address + "organise"),
+  EXPECT_THAT(said, AllOf(HasSubstr("2 scans at " + address), HasSubstr(address + "organise"),
                           HasSubstr("What to do next"), HasSubstr(shown_database(database))));
   const std::size_t at = said.find("enfilade_");
   ASSERT_NE(at, std::string::npos) << said;
@@ -42,7 +42,7 @@ TEST(FirstSteps, ResultsAndTokenAreHandedInAsFilesAreSaved) {
   const std::filesystem::path& root = folder.path();
   testing::write_served_data(root);
   Program program(EN_PROGRAM, root / "data", testing::new_database(root / "service.sqlite"),
-                  {"--open-registration", "--phases", root / "phases.json"});
+                  {"--open-registration", "--accept-leak", "--phases", root / "phases.json"});
   program.start();
   const std::string bearer = testing::make_team(program.port(), "Ours").begin()->second;
   write_file_atomically(root / "token",
@@ -58,6 +58,25 @@ TEST(FirstSteps, ResultsAndTokenAreHandedInAsFilesAreSaved) {
     EXPECT_EQ(submit.wait(), 0) << name;
     EXPECT_THAT(read_file(root / "said"), HasSubstr(": scored")) << name;
   }
+}
+
+// Before a port is bound, and not again with --accept-leak.
+TEST(FirstSteps, APhaseThatGivesItsGoalsAwayIsRefused) {
+  const tests::TemporaryFolder folder("first_steps");
+  const std::filesystem::path& root = folder.path();
+  testing::write_served_data(root);
+  tests::Process process({EN_PROGRAM, "serve", root / "data", "--db", root / "service.sqlite",
+                          "--port", "0", "--phases", root / "phases.json"},
+                         root / "said", {}, root / "complaints");
+  EXPECT_EQ(process.wait(), 3);
+  const std::string said = read_file(root / "said") + read_file(root / "complaints");
+  EXPECT_THAT(said, AllOf(HasSubstr("phases test, final share goals: their limits give away up to "
+                                    "1051 bits, and the goals of test have 7"),
+                          HasSubstr("[goals-given-away]"), HasSubstr("--accept-leak")));
+  Program program(EN_PROGRAM, root / "data", root / "service.sqlite",
+                  {"--accept-leak", "--phases", root / "phases.json"});
+  program.start();
+  EXPECT_GT(program.port(), 0);
 }
 
 TEST(FirstSteps, AServerBehindAProxyHasToKnowItsName) {

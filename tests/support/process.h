@@ -6,6 +6,7 @@
 #include <unistd.h>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
@@ -60,9 +61,12 @@ class Process {
         return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
       };
       work_ = seconds(used.ru_utime) + seconds(used.ru_stime);
+      most_memory_ = static_cast<std::size_t>(used.ru_maxrss) << 10U;
     }
     return WIFEXITED(*status_) ? WEXITSTATUS(*status_) : -WTERMSIG(*status_);
   }
+  /// Bytes that were in memory at most; 0 before wait().
+  std::size_t most_memory() const noexcept { return most_memory_; }
   /// Seconds of processors' time until now: tells how far it is however busy the machine.
   double work() const {
     clockid_t clock{};
@@ -89,6 +93,7 @@ class Process {
   pid_t pid_ = -1;
   std::optional<int> status_;
   double work_ = 0;
+  std::size_t most_memory_ = 0;
 };
 
 }  // namespace enfilade::tests

@@ -2,6 +2,7 @@
 #pragma once
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 #include <chrono>
@@ -10,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace enfilade::service::testing {
+namespace enfilade::tests {
 
 inline int connect_to(int port) {
   const int socket_of = ::socket(AF_INET, SOCK_STREAM, 0);
@@ -43,4 +44,39 @@ inline std::string exchange(int port, const std::vector<std::string>& pieces, in
   return read_to_end(socket_of);
 }
 
-}  // namespace enfilade::service::testing
+/// Connections that have sent the same text, and then nothing.
+class HalfSent {
+ public:
+  HalfSent(int port, int count, const std::string& text) {
+    rlimit limit{};
+    ::getrlimit(RLIMIT_NOFILE, &limit);
+    limit.rlim_cur = limit.rlim_max;  // both ends of each connection may be of this process
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+    for (int k = 0; k < count; ++k) {
+      sockets_.push_back(connect_to(port));
+      EXPECT_EQ(::send(sockets_.back(), text.data(), text.size(), MSG_NOSIGNAL),
+                static_cast<ssize_t>(text.size()));
+    }
+  }
+  ~HalfSent() {
+    for (const int one : sockets_) ::close(one);
+  }
+  HalfSent(const HalfSent&) = delete;
+  HalfSent& operator=(const HalfSent&) = delete;
+
+  int socket(std::size_t number) const { return sockets_[number]; }
+
+ private:
+  std::vector<int> sockets_;
+};
+
+/// GET of a path. \param seconds until the whole response was there
+inline std::string timed_get(int port, const std::string& path, double& seconds) {
+  const auto began = std::chrono::steady_clock::now();
+  std::string response = exchange(
+      port, {"GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"}, 0);
+  seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return response;
+}
+
+}  // namespace enfilade::tests

@@ -40,14 +40,19 @@ struct Walk {
 };
 using Walks = std::array<Walk, kPaths>;
 
-inline std::string results_of(const Walks& walks) {
+/// A results file of R2R, or with `guides` of RxR.
+inline std::string results_of(const Walks& walks, bool guides = false) {
   auto file = json::array();
   for (std::size_t path = 0; path < kPaths; ++path) {
     auto trajectory = json::array();
     for (const std::size_t step : walks[path].steps()) {
       trajectory.push_back({viewpoint(path + step), 1.5, 0.0});
     }
-    file.push_back({{"instr_id", std::to_string(path + 1) + "_0"}, {"trajectory", trajectory}});
+    if (guides) {
+      file.push_back({{"instruction_id", path + 1}, {"path", trajectory}});
+    } else {
+      file.push_back({{"instr_id", std::to_string(path + 1) + "_0"}, {"trajectory", trajectory}});
+    }
   }
   return file.dump();
 }
@@ -79,24 +84,55 @@ inline tasks::Annotations annotations_of(const Goals& goals, bool with_goals) {
   return annotations;
 }
 
+/// The same paths as lines of RxR.
+inline std::string guides_of(const Goals& goals, bool with_goals) {
+  std::string lines;
+  for (const tasks::PathAnnotation& one : annotations_of(goals, with_goals).paths) {
+    lines += json{{"path_id", one.path_id},
+                  {"instruction_id", one.path_id},
+                  {"scan", one.scan},
+                  {"heading", one.heading.value},
+                  {"path", one.path},
+                  {"language", "en-IN"},
+                  {"instruction", one.instructions[0]},
+                  {"timed_instruction", json::array()}}
+                 .dump() +
+             "\n";
+  }
+  return lines;
+}
+
 /// Fields of a phase that ends at kPhaseEnd.
 inline constexpr const char* kEnds = R"(, "ends": "1970-01-20T00:00:00Z")";
 
 /// A server with a long hall, and paths along it whose goals are secret.
 class Target {
  public:
-  /// \param rules fields of the phase "test", in JSON
+  /// \param rules fields of the phase "test", in JSON. "guides.json" are the same goals for RxR
   Target(const Goals& goals, const std::string& rules) {
     const auto data = served_.root() / "data";
-    write_file_atomically(data / "connectivity/scans.txt", "row\nhall\n");
+    write_file_atomically(data / "connectivity/scans.txt", "row wing hall\n");
     write_file_atomically(data / "connectivity/hall_connectivity.json",
                           to_json(scan::testing::row_of_viewpoints("hall", kLength)));
     write_file_atomically(data / "r2r/R2R_hidden.json", to_json(annotations_of(goals, false)));
     write_file_atomically(served_.root() / "goals.json", to_json(annotations_of(goals, true)));
-    served_.restart_with(
-        R"({"name": "test", "split": "hidden", "annotations": "goals.json", "per_day": 1000)" +
-        rules + "}");
+    write_file_atomically(served_.root() / "guides.json", guides_of(goals, true));
+    make_folder(data / "rxr");
+    write_file_atomically(data / "rxr/rxr_hidden_guide.jsonl", guides_of(goals, false));
+    serve("test", rules);
     organiser_ = served_.organiser();
+  }
+  /// The phase under another name, with other rules. From now on it is the one that is asked.
+  void serve(const std::string& name, const std::string& rules) {
+    served_.restart_with(
+        R"({"split": "hidden", "annotations": "goals.json", "per_day": 1000, "name": ")" + name +
+        '"' + rules + "}");
+    phase_ = name;
+  }
+  /// Another phase, from now on. \param guides whether it is one of RxR
+  void ask(const std::string& phase, bool guides) {
+    phase_ = phase;
+    guides_ = guides;
   }
 
   Served& served() { return served_; }
@@ -105,7 +141,7 @@ class Target {
 
   /// What the team sees of it when it has been scored, if it was taken.
   json submit(const httplib::Headers& team, const Walks& walks, const std::string& method) {
-    const auto taken = served_.submit(team, "test", results_of(walks), method);
+    const auto taken = served_.submit(team, phase_, results_of(walks, guides_), method);
     json answer = json::parse(taken->body);
     if (taken->status != 202) return answer;
     const auto id = answer.at("id").get<std::int64_t>();
@@ -137,6 +173,8 @@ class Target {
     return config;
   }
 
+  std::string phase_;
+  bool guides_ = false;
   std::atomic<std::int64_t> now_{kBegin};
   Served served_{config()};
   httplib::Headers organiser_;

@@ -60,9 +60,9 @@ def rows():
 def known_tests():
     """Suite.Name of GoogleTest, and names of CTest."""
     names = set()
-    for folder in ("enfilade/service", "tests"):
+    for folder in ("enfilade", "apps", "tests"):
         for file in (ROOT / folder).rglob("*_test.cpp"):
-            tests = re.findall(r"^TEST(?:_F)?\((\w+),\s*(\w+)\)", file.read_text(), re.MULTILINE)
+            tests = re.findall(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", file.read_text(), re.MULTILINE)
             names |= {f"{suite}.{name}" for suite, name in tests}
     for file in [*(ROOT / "tests").rglob("CMakeLists.txt"), *(ROOT / "tools").rglob("*.cmake")]:
         names |= set(re.findall(r"add_test\(NAME ([\w.]+)", file.read_text()))

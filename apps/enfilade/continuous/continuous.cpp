@@ -18,6 +18,7 @@
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/homes/built_home.h"
@@ -74,7 +75,8 @@ class FloorMaker {
       : data_(data),
         setup_(setup),
         source_(source),
-        folder_(data.folder() / setup.navigation_folder()) {
+        out_(data.folder()),
+        folder_(setup.navigation_folder().string()) {
     if (!source.folder.empty() && !fs::is_directory(source.folder)) {
       throw FileError(fmt::format("{}: not a folder (looked for meshes there)", source.folder));
     }
@@ -83,8 +85,8 @@ class FloorMaker {
         homes_.emplace(home.scan, std::move(home));
       }
     }
-    make_folder(folder_);
-    remove_unfinished(folder_);
+    static_cast<void>(out_.folder(folder_));
+    out_.remove_unfinished(folder_);
   }
 
   FloorsReport run(int threads, const Progress& progress) {
@@ -105,8 +107,8 @@ class FloorMaker {
 
  private:
   void make(const std::string& scan, std::size_t index) {
-    const fs::path file = folder_ / continuous::navigation_mesh_name(scan);
-    if (is_there(file)) return count(report_.kept);
+    const std::string file = folder_ + "/" + continuous::navigation_mesh_name(scan);
+    if (is_there(out_.path() / file)) return count(report_.kept);
     const auto home = homes_.find(scan);
     const auto found = home == homes_.end() ? find_mesh_file(data_.folder(), source_, scan)
                                             : std::optional<dataset::MeshFile>();
@@ -123,7 +125,7 @@ class FloorMaker {
               ? floor_of_file(*found, graph, setup_.body)
               : homes::make_home_floor(
                     homes::build_home(home->second.plan, homes::HomeSurfaces::kPlain), setup_.body),
-          file);
+          out_.file(file));
       count(report_.made);
     } catch (const InvalidInput& error) {  // the other buildings are made all the same
       const std::lock_guard lock(mutex_);
@@ -149,7 +151,8 @@ class FloorMaker {
   const dataset::Dataset& data_;
   const agents::ContinuousSetup& setup_;
   const MeshSource& source_;
-  fs::path folder_;
+  OutputFolder out_;
+  std::string folder_;
   std::map<std::string, homes::HomeEntry> homes_;
   std::mutex mutex_;
   FloorsReport report_;
@@ -161,11 +164,6 @@ struct SplitReport {
   std::vector<tasks::DroppedPath> dropped;
 };
 
-void write_packed(const fs::path& file, const std::string& text) {
-  make_folder(file.parent_path());
-  write_file_atomically(file, gzip(text, 6));
-}
-
 SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                          const std::shared_ptr<const continuous::Buildings>& buildings,
                          const std::string& split, const Options& options) {
@@ -175,16 +173,18 @@ SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousS
   if (options.headings == "random") derive.start_headings = tasks::StartHeadings::kRandom;
   const tasks::DerivedEpisodes derived =
       tasks::derive_continuous(annotations, *data.graphs(), agents::MeshFloor(buildings), derive);
-  const fs::path& folder = data.folder();
+  const OutputFolder out(data.folder());
+  const auto write = [&out](const fs::path& file, const std::string& text) {
+    out.write(file.string(), gzip(text, 6));
+  };
   if (!goals_hidden(derived.episodes)) {
     const agents::ContinuousRunOptions run{
         .batch_size = 64, .seed = 1, .simulator = setup.simulator};
-    write_packed(folder / tasks::expert_places(*setup.benchmark, split).front(),
-                 to_json(agents::record_experts(derived.episodes, buildings, run,
-                                                progress_bar("experts, " + split))));
+    const tasks::ExpertWalks experts =
+        agents::record_experts(derived.episodes, buildings, run, progress_bar("experts, " + split));
+    write(tasks::expert_places(*setup.benchmark, split).front(), to_json(experts));
   }
-  write_packed(folder / tasks::episode_places(*setup.benchmark, split).front(),
-               to_json(derived.episodes));
+  write(tasks::episode_places(*setup.benchmark, split).front(), to_json(derived.episodes));
   return {derived.episodes.episodes.size(), annotations.paths.size() - derived.dropped.size(),
           derived.dropped};
 }
@@ -194,11 +194,10 @@ FloorsReport make_and_tell(const dataset::Dataset& data, const agents::Continuou
   FloorsReport report =
       FloorMaker(data, setup, options.meshes).run(options.threads, progress_bar("floors"));
   const fs::path folder = data.folder() / setup.navigation_folder();
-  fmt::print("{}: navigation meshes: {} made, {} were there\n", folder.string(), report.made,
-             report.kept);
+  say("{}: navigation meshes: {} made, {} were there\n", folder.string(), report.made, report.kept);
   if (!report.without_mesh.empty()) {
-    fmt::print(stderr, "note: no mesh of {}, such as {}; see --meshes\n",
-               counted(report.without_mesh.size(), "scan"), report.without_mesh.front());
+    say(stderr, "note: no mesh of {}, such as {}; see --meshes\n",
+        counted(report.without_mesh.size(), "scan"), report.without_mesh.front());
   }
   if (!report.faults.empty()) print_diagnostics(report.faults);
   if (report.made + report.kept == 0 && report.faults.empty()) {
@@ -217,8 +216,8 @@ ExitCode make(const Options& options) {
   const FloorsReport floors = make_and_tell(data, setup, options);
   if (options.light) {
     const LightsReport lights = make_home_lights(data, options.threads);
-    fmt::print("{}: light of homes: {} made, {} were there\n", (data.folder() / "light").string(),
-               lights.made, lights.kept);
+    say("{}: light of homes: {} made, {} were there\n", (data.folder() / "light").string(),
+        lights.made, lights.kept);
   }
   const ExitCode status = floors.faults.empty() ? kSuccess : kFaultsFound;
   if (options.floors_only || floors.made + floors.kept == 0) return status;
@@ -229,12 +228,12 @@ ExitCode make(const Options& options) {
     for (const tasks::DroppedPath& path : report.dropped) {
       dropped += fmt::format("{}\t{}\t{}\t{}\n", split, path.id, path.scan, path.why);
     }
-    fmt::print("{}: {} episodes of {} paths; {} cannot be walked\n",
-               (data.folder() / tasks::episode_places(*setup.benchmark, split).front()).string(),
-               report.episodes, report.paths, report.dropped.size());
+    say("{}: {} episodes of {} paths; {} cannot be walked\n",
+        (data.folder() / tasks::episode_places(*setup.benchmark, split).front()).string(),
+        report.episodes, report.paths, report.dropped.size());
   }
   if (!options.dropped.empty()) write_output(options.dropped, dropped);
-  if (data.synthetic()) fmt::print("SYNTHETIC: model homes made by Enfilade.\n");
+  if (data.synthetic()) say("SYNTHETIC: model homes made by Enfilade.\n");
   return status;
 }
 

@@ -239,7 +239,7 @@ void draw_map(const Options& options) {
   if (data.synthetic()) map.title += " (SYNTHETIC)";
   const std::string svg = top_down_svg(buildings.floor(buildings.at(scan)).floor(), lines, map);
   write_output(options.output, svg);
-  if (options.output != "-") fmt::print("{}\n", options.output);
+  if (options.output != "-") say("{}\n", options.output);
 }
 
 }  // namespace

@@ -194,7 +194,7 @@ void draw_plan(const DrawArguments& a) {
   }
   const std::string output = a.output.empty() ? scan + ".svg" : a.output;
   write_output(output, floor_plan_svg(graph, paths, options));
-  if (output != "-") fmt::print("{}\n", output);
+  if (output != "-") say("{}\n", output);
 }
 
 void add_check(CLI::App& graph, int& status) {

@@ -112,16 +112,16 @@ void run(const BuildArguments& a) {
   const Built built = build(a, scan);
   scan::save_connectivity(a.output, built.connectivity);
   const NavGraph graph(built.connectivity);
-  fmt::print("{}", table(built, graph));
+  say("{}", table(built, graph));
   const auto notes = graph::check_graph(built.connectivity, {a.edges.longest, 0.05});
   if (!notes.empty()) print_diagnostics(notes);
-  fmt::print("{}\n", scan::connectivity_file(a.output, scan).string());
+  say("{}\n", scan::connectivity_file(a.output, scan).string());
   if (a.plan.empty()) return;
   const draw::PlanUnderlay underlay = draw::plan_underlay(*built.mesh, graph);
   draw::FloorPlanOptions options;
   options.underlay = &underlay;
   write_output(a.plan, draw::floor_plan_svg(graph, {}, options));
-  if (a.plan != "-") fmt::print("{}\n", a.plan);
+  if (a.plan != "-") say("{}\n", a.plan);
 }
 
 }  // namespace
@@ -192,13 +192,13 @@ int run(const CompareArguments& a) {
                   c.missing.size()) +
       fmt::format("precision   {:.4f}\nrecall      {:.4f}\nF1          {:.4f}\n", c.precision(),
                   c.recall(), c.f1());
-  if (a.plan != "-") fmt::print("{}", report);
+  if (a.plan != "-") say("{}", report);
   if (!a.plan.empty()) {
     draw::ComparisonPlanOptions options;
     options.title = found.scan() + " against " + truth.scan();
     options.label_viewpoints = a.labels;
     write_output(a.plan, draw::graph_comparison_svg(found, c, options));
-    if (a.plan != "-") fmt::print("{}\n", a.plan);
+    if (a.plan != "-") say("{}\n", a.plan);
   }
   return a.least_f1 && c.f1() < *a.least_f1 ? kFaultsFound : kSuccess;
 }

@@ -10,7 +10,7 @@
 #include "apps/enfilade/learning/learn.h"
 #include "apps/enfilade/task_option.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/neural/ranks.h"
 #include "enfilade/neural/speaker.h"
 #include "enfilade/neural/trained_agent.h"
@@ -65,14 +65,14 @@ void evaluate(const Options& options, neural::TrainedAgent& agent,
        named ? folder / (name + ".attention.json") : files.attention(name), &ranks},
       ranks.is_first() ? progress_bar(fmt::format("{}, {}", options.model, name)) : Progress());
   if (!ranks.is_first()) return;
-  fmt::print("{} ({}, iteration {}) on {}: {} episodes\n", options.model, agent.name(),
-             agent.iteration(), name, trajectories.size());
+  say("{} ({}, iteration {}) on {}: {} episodes\n", options.model, agent.name(), agent.iteration(),
+      name, trajectories.size());
   if (goals_hidden(episodes)) {
-    fmt::print("The goals of this split are hidden; hand the results file in.\n");
+    say("The goals of this split are hidden; hand the results file in.\n");
   } else {
     const tasks::Benchmark& benchmark = tasks::benchmark(episodes.task);
-    fmt::print("{}", to_table(compute_score(trajectories, episodes,
-                                            benchmark.scorer(benchmark.table_scorer))));
+    say("{}",
+        to_table(compute_score(trajectories, episodes, benchmark.scorer(benchmark.table_scorer))));
   }
 }
 
@@ -86,8 +86,7 @@ void evaluate_speaker(const Options& options) {
     const models::SpeakerRecord score =
         speaker.score(split, file ? &*file : nullptr, options.batch_size,
                       progress_bar(fmt::format("{}, {}", options.model, split.split)));
-    fmt::print(
-        "{} (speaker, iteration {}) on {}: {} instructions\n"
+    say("{} (speaker, iteration {}) on {}: {} instructions\n"
         "loss a word {:.4f}, perplexity {:.3f}, words predicted {:.1f} %, BLEU-4 {:.1f}\n",
         options.model, score.iteration, score.split, score.instructions, score.loss,
         score.perplexity, 100 * score.accuracy, 100 * score.bleu);
@@ -106,9 +105,9 @@ void evaluate_continuous(const Options& options) {
     throw UsageError("--features, --objects: not for a continuous agent");
   }
   for (const std::string& split : options.splits) {
-    const fs::path own = models::ModelFiles{options.model}.results(split);
-    const fs::path file = options.output.empty() ? own : fs::path(options.output) / own.filename();
-    make_folder(file.parent_path());
+    const OutputFolder out(options.output.empty() ? fs::path(options.model) / "results"
+                                                  : fs::path(options.output));
+    const fs::path file = out.file(models::ModelFiles{}.results(split).filename().string());
     run_agent_over_split({.data = options.data,
                           .meshes = options.meshes,
                           .output = file.string(),

@@ -54,21 +54,21 @@ void set_encoder(Options& o) {
 }
 
 void print_report(const neural::FeatureReport& report, const fs::path& file) {
-  fmt::print("{}: {} viewpoints\n", file.string(), report.viewpoints);
+  say("{}: {} viewpoints\n", file.string(), report.viewpoints);
   const auto pictures = static_cast<double>(36 * (report.viewpoints - report.resumed));
   const double seconds = report.rendering_seconds + report.encoding_seconds;
-  if (report.resumed > 0) fmt::print("{} of them from a run that was stopped\n", report.resumed);
+  if (report.resumed > 0) say("{} of them from a run that was stopped\n", report.resumed);
   if (pictures > 0) {
-    fmt::print("{:.0f} views in {:.1f} s, {:.2f} a second; {:.1f} % of the time drew them\n",
-               pictures, seconds, pictures / seconds, 100 * report.rendering_seconds / seconds);
+    say("{:.0f} views in {:.1f} s, {:.2f} a second; {:.1f} % of the time drew them\n", pictures,
+        seconds, pictures / seconds, 100 * report.rendering_seconds / seconds);
   }
   if (!report.without.empty()) {
     constexpr std::size_t kShown = 5;
     const std::size_t shown = std::min(kShown, report.without.size());
-    fmt::print(stderr, "{} scans have no pictures: {}{}\n", report.without.size(),
-               fmt::join(report.without.begin(),
-                         report.without.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
-               shown < report.without.size() ? ", ..." : "");
+    say(stderr, "{} scans have no pictures: {}{}\n", report.without.size(),
+        fmt::join(report.without.begin(),
+                  report.without.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+        shown < report.without.size() ? ", ..." : "");
   }
 }
 
@@ -77,7 +77,7 @@ void run(Options o) {
   if (!o.merge.empty()) {
     const std::vector<fs::path> from(o.merge.begin(), o.merge.end());
     features::convert_features(from, o.output, type);
-    fmt::print("{}: {} viewpoints\n", o.output, features::FeatureSet::open(o.output).keys().size());
+    say("{}: {} viewpoints\n", o.output, features::FeatureSet::open(o.output).keys().size());
     return;
   }
   set_encoder(o);

@@ -49,17 +49,17 @@ std::string objects_of(const models::TrainConfig& training) {
 
 void print(const Options& options, const neural::ImportedWeights& found) {
   const models::TrainConfig& training = found.config.training;
-  fmt::print("{}: {}\n", options.file, found.family);
-  fmt::print("  {} arrays, {:.1f} M parameters: {}\n", found.arrays,
-             static_cast<double>(found.parameters) / kMillion, sizes_of(training));
-  fmt::print("  reads {}\n", text_of(training));
-  fmt::print("  sees features of {} numbers a view; {}\n", training.network.features,
-             objects_of(training));
-  fmt::print("  decides at most {} times an episode\n", training.max_steps);
-  if (found.iteration > 0) fmt::print("  trained for {} iterations\n", found.iteration);
-  if (!found.left_out.empty()) fmt::print("  left out: {}\n", fmt::join(found.left_out, "; "));
-  fmt::print("{}: config.json, weights.safetensors, {}\n", options.output,
-             found.vocabulary.filename().string());
+  say("{}: {}\n", options.file, found.family);
+  say("  {} arrays, {:.1f} M parameters: {}\n", found.arrays,
+      static_cast<double>(found.parameters) / kMillion, sizes_of(training));
+  say("  reads {}\n", text_of(training));
+  say("  sees features of {} numbers a view; {}\n", training.network.features,
+      objects_of(training));
+  say("  decides at most {} times an episode\n", training.max_steps);
+  if (found.iteration > 0) say("  trained for {} iterations\n", found.iteration);
+  if (!found.left_out.empty()) say("  left out: {}\n", fmt::join(found.left_out, "; "));
+  say("{}: config.json, weights.safetensors, {}\n", options.output,
+      found.vocabulary.filename().string());
 }
 
 void run(const Options& options) {

@@ -64,7 +64,7 @@ neural::PretrainProgress loss_lines() {
     sum += loss;
     ++n;
     if (step * kLines < (next + 1) * steps && step != steps) return;
-    fmt::print(stderr, "pretrain: step {} of {}, loss {:.3f}\n", step, steps, sum / n);
+    say(stderr, "pretrain: step {} of {}, loss {:.3f}\n", step, steps, sum / n);
     next = step * kLines / steps;
     sum = 0;
     n = 0;
@@ -76,13 +76,12 @@ std::string percent(double value) {
 }
 
 void print_report(const neural::PretrainReport& report) {
-  fmt::print("{} pictures drawn in {:.1f} s; {} parameters, {} steps in {:.1f} s; loss {:.3f}\n\n",
-             report.pictures, report.drawing_seconds, report.parameters, report.steps,
-             report.training_seconds, report.loss);
-  fmt::print("{:<34}{:>14}{:>14}\n", "on pictures not trained on, %", "homes trained",
-             "unseen homes");
+  say("{} pictures drawn in {:.1f} s; {} parameters, {} steps in {:.1f} s; loss {:.3f}\n\n",
+      report.pictures, report.drawing_seconds, report.parameters, report.steps,
+      report.training_seconds, report.loss);
+  say("{:<34}{:>14}{:>14}\n", "on pictures not trained on, %", "homes trained", "unseen homes");
   const auto line = [](std::string_view name, const std::string& seen, const std::string& unseen) {
-    fmt::print("{:<34}{:>14}{:>14}\n", name, seen, unseen);
+    say("{:<34}{:>14}{:>14}\n", name, seen, unseen);
   };
   const neural::HomeScore &seen = report.seen, &unseen = report.unseen;
   line("pictures", fmt::format("{}", seen.pictures), fmt::format("{}", unseen.pictures));
@@ -103,12 +102,11 @@ void print_report(const neural::PretrainReport& report) {
 }
 
 void print_probe(const neural::ProbeReport& report) {
-  fmt::print(
-      "{} numbers a view; fitted at {} viewpoints, scored at {} of unseen homes; {} classes\n\n",
+  say("{} numbers a view; fitted at {} viewpoints, scored at {} of unseen homes; {} classes\n\n",
       report.dimensions, report.training, report.unseen, report.classes);
-  fmt::print("{:<48}{:>8}{:>10}\n", "what a linear probe reads from a view", "", "guessing");
+  say("{:<48}{:>8}{:>10}\n", "what a linear probe reads from a view", "", "guessing");
   const auto line = [](std::string_view name, const std::string& score, const std::string& chance) {
-    fmt::print("{:<48}{:>8}{:>10}\n", name, score, chance);
+    say("{:<48}{:>8}{:>10}\n", name, score, chance);
   };
   line("classes in the view, mean average precision, %", percent(report.view_precision),
        percent(report.view_chance));
@@ -139,7 +137,7 @@ void run(Options o) {
   const auto panoramas = scan::PanoramaSet::open(data.panorama_places(), std::move(scans));
   if (!o.probe.empty()) return probe(o, panoramas);
   const auto report = neural::pretrain_home_encoder(panoramas, o.config, o.output, loss_lines());
-  fmt::print("{}\n", o.output);
+  say("{}\n", o.output);
   print_report(report);
 }
 

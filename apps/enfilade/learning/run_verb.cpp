@@ -10,6 +10,7 @@
 #include "apps/common/program.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 
 namespace enfilade::apps {
 namespace {
@@ -56,18 +57,20 @@ class Lesson {
     const fs::path learnt_from = output_ / "learnt_from.json";
     const std::string homes = read_file(homes_ / "homes.json");
     if (fs::exists(learnt_from) && read_file(learnt_from) == homes) return;
+    const OutputFolder out(output_);
     for (const fs::path& file : learnt) {
-      if (fs::remove(file)) {
-        fmt::print("\n{} was learnt in other homes: removed, to be made again\n", file.string());
+      if (fs::exists(file)) {
+        out.remove(file.filename().string());
+        say("\n{} was learnt in other homes: removed, to be made again\n", file.string());
       }
     }
-    write_file_atomically(learnt_from, homes);
+    out.write("learnt_from.json", homes);
   }
 
   // As make does: nothing, if the file is there and newer than what it is made of.
   void make(const fs::path& file, const fs::path& from, Words words) {
     if (is_newer(file, from)) {
-      fmt::print("\n{} is there, made by an earlier demo\n", file.string());
+      say("\n{} is there, made by an earlier demo\n", file.string());
       return;
     }
     const Words rest{"--data", homes_.string(), "-o", file.string()};
@@ -78,9 +81,8 @@ class Lesson {
   void train(const std::string& name, const fs::path& features, const Words& recipe) {
     const fs::path model = output_ / "models" / name;
     if (status_ == 0 && fs::exists(model) && !is_newer(model / "config.json", features)) {
-      fmt::print("\n{} was trained on other features: removed, to be trained again\n",
-                 model.string());
-      fs::remove_all(model);
+      say("\n{} was trained on other features: removed, to be trained again\n", model.string());
+      OutputFolder(output_).remove_all("models/" + name);
     }
     Words words{"train",           "--data", homes_.string(), "--features",
                 features.string(), "-o",     model.string()};
@@ -95,7 +97,7 @@ class Lesson {
 }  // namespace
 
 int run_step(const std::vector<std::string>& words) {
-  fmt::print("\n$ enfilade {}\n", fmt::join(words, " "));
+  say("\n$ enfilade {}\n", fmt::join(words, " "));
   std::fflush(stdout);
   std::vector<std::string> command{own_program().string()};
   command.insert(command.end(), words.begin(), words.end());
@@ -104,7 +106,7 @@ int run_step(const std::vector<std::string>& words) {
   if (status < 0) {
     throw FileError(fmt::format("{}: cannot be started: {}", command[0], std::strerror(-status)));
   }
-  if (status == 0) fmt::print("({:.0f} s)\n", clock.seconds());
+  if (status == 0) say("({:.0f} s)\n", clock.seconds());
   return status;
 }
 

@@ -85,13 +85,13 @@ void speak(const Options& options) {
       std::erase_if(drawn.paths, [](const auto& path) { return path.instructions.empty(); });
   write_output(options.output, to_json(drawn));
   if (options.output == "-") return;
-  fmt::print("{} ({}, iteration {}): {} paths, an instruction each -> {}\n", options.model,
-             to_string(speaker.config().training.agent), speaker.iteration(), drawn.paths.size(),
-             options.output);
-  if (silent > 0) fmt::print("{} paths left out, of which it said nothing\n", silent);
+  say("{} ({}, iteration {}): {} paths, an instruction each -> {}\n", options.model,
+      to_string(speaker.config().training.agent), speaker.iteration(), drawn.paths.size(),
+      options.output);
+  if (silent > 0) say("{} paths left out, of which it said nothing\n", silent);
   if (drawn.paths.size() + silent < options.sampling.paths) {
-    fmt::print("{} paths were asked for; the buildings gave no more within the limits\n",
-               options.sampling.paths);
+    say("{} paths were asked for; the buildings gave no more within the limits\n",
+        options.sampling.paths);
   }
 }
 

@@ -13,7 +13,7 @@
 #include "apps/enfilade/verbs.h"
 #include "enfilade/agents/run.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/models/model_directory.h"
 #include "enfilade/report/scaling_curve.h"
@@ -49,7 +49,7 @@ class Study {
       : o_(options), config_(options.training.config()), folder_(options.output) {}
 
   int run() {
-    make_folder(folder_);
+    OutputFolder(folder_).remove_unfinished();  // of a killed run
     const std::size_t most = std::ranges::max(o_.homes);
     step({"homes", "-o", data(), "--preset", "training", "--homes", std::to_string(set_size(most)),
           "--tasks", "r2r"});
@@ -92,7 +92,7 @@ class Study {
     const dataset::Dataset set(data());
     const tasks::EpisodeSet unseen = set.episodes("val_unseen");
     report::ScalingCurve curve{"Success by number of training homes", set.synthetic(), {}, {}, {}};
-    fmt::print("\n{:>7}{:>6}  {:<24}{}\n", "homes", "seed", "SR (%)", "SPL (%)  val_unseen");
+    say("\n{:>7}{:>6}  {:<24}{}\n", "homes", "seed", "SR (%)", "SPL (%)  val_unseen");
     for (const std::size_t homes : o_.homes) {
       for (std::size_t seed = 1; seed <= o_.seeds; ++seed) {
         const auto file = models::ModelFiles{model(homes, seed)}.results("val_unseen");
@@ -103,8 +103,8 @@ class Study {
     }
     const auto random = agents::make_agent("random");
     curve.random = compute_score(agents::run_agent(*random, unseen), unseen).mean("success");
-    fmt::print("{:>13}  {:.1f} [{:.1f}, {:.1f}]\n", "random", 100 * curve.random->mean,
-               100 * curve.random->low, 100 * curve.random->high);
+    say("{:>13}  {:.1f} [{:.1f}, {:.1f}]\n", "random", 100 * curve.random->mean,
+        100 * curve.random->low, 100 * curve.random->high);
     curve.facts = {
         {"agent", fmt::format("{}", to_string(config_.agent))},
         {"iterations", fmt::format("{} of {} episodes", config_.iterations, config_.batch_size)},
@@ -113,10 +113,11 @@ class Study {
         {"pictures", "one encoder for all, pretrained in all training homes"},
         {"machine", fmt::format("{}, {} cores", processor_name(), available_threads())},
         {"Enfilade", version_with_commit()}};
-    write_output(folder_ / "study.html", report::scaling_curve_page(curve));
-    write_output(folder_ / "study.svg", report::scaling_curve_svg(curve));
-    fmt::print("\nThe curve, one page for any browser: {}\n",
-               fs::absolute(folder_ / "study.html").string());
+    const OutputFolder out(folder_);
+    out.write("study.html", report::scaling_curve_page(curve));
+    out.write("study.svg", report::scaling_curve_svg(curve));
+    say("\nThe curve, one page for any browser: {}\n",
+        fs::absolute(folder_ / "study.html").string());
   }
 
   static void print(const report::CurvePoint& point) {
@@ -124,8 +125,8 @@ class Study {
       return fmt::format("{:.1f} [{:.1f}, {:.1f}]", 100 * value.mean, 100 * value.low,
                          100 * value.high);
     };
-    fmt::print("{:>7}{:>6}  {:<24}{}\n", point.buildings, point.seed, text(point.success),
-               text(point.spl));
+    say("{:>7}{:>6}  {:<24}{}\n", point.buildings, point.seed, text(point.success),
+        text(point.spl));
   }
 
   const Options& o_;

@@ -46,12 +46,12 @@ std::string duration(double seconds) {
 // What training says, on the terminal: a line an evaluation, and one that is written over.
 class Reporter {
  public:
-  Reporter(std::string name, std::string output)
-      : name_(std::move(name)), output_(std::move(output)), live_(isatty(STDERR_FILENO) != 0) {}
+  Reporter(const std::string& name, std::string output)
+      : name_(printable(name)), output_(std::move(output)), live_(isatty(STDERR_FILENO) != 0) {}
 
   neural::TrainingListener listener() {
     return {[this](std::uint64_t iteration) {
-              fmt::print("{}: going on from iteration {}\n", output_, iteration);
+              say("{}: going on from iteration {}\n", output_, iteration);
             },
             [this](const neural::TrainingProgress& progress) { show(progress); },
             [this](const models::EvaluationRecord& record) { show(record); },
@@ -75,8 +75,8 @@ class Reporter {
     }
     if (gathering.walks < gathering.total) return;
     if (live_) fmt::print(stderr, "\r\033[K");
-    fmt::print("set {} of {}: {} walks; train loss {:.3f}, {}\n", gathering.set, gathering.sets,
-               gathering.total, progress_.loss, duration(clock_.seconds()));
+    say("set {} of {}: {} walks; train loss {:.3f}, {}\n", gathering.set, gathering.sets,
+        gathering.total, progress_.loss, duration(clock_.seconds()));
     std::fflush(stdout);
   }
 
@@ -85,8 +85,7 @@ class Reporter {
     if (record.iteration != evaluated_) success_ = ", success";
     evaluated_ = record.iteration;
     success_ += fmt::format(" {:.1f}", 100 * record.success_rate);
-    fmt::print(
-        "{:>7}  {:<12} loss {:.3f}  TL {:5.2f}  NE {:5.2f}  SR {:4.1f}  OSR {:4.1f}  "
+    say("{:>7}  {:<12} loss {:.3f}  TL {:5.2f}  NE {:5.2f}  SR {:4.1f}  OSR {:4.1f}  "
         "SPL {:4.1f}   train loss {:.3f}, {} left\n",
         record.iteration, record.split, record.loss, record.trajectory_length, record.nav_error,
         100 * record.success_rate, 100 * record.oracle_success_rate, 100 * record.spl,
@@ -96,8 +95,7 @@ class Reporter {
 
   void show(const models::SpeakerRecord& record) {
     if (live_) fmt::print(stderr, "\r\033[K");
-    fmt::print(
-        "{:>7}  {:<12} loss {:.3f}  perplexity {:.2f}  words {:4.1f}  BLEU-4 {:4.1f}   train loss "
+    say("{:>7}  {:<12} loss {:.3f}  perplexity {:.2f}  words {:4.1f}  BLEU-4 {:4.1f}   train loss "
         "{:.3f}, {} left\n",
         record.iteration, record.split, record.loss, record.perplexity, 100 * record.accuracy,
         100 * record.bleu, progress_.loss, duration(progress_.seconds_left));
@@ -209,11 +207,11 @@ void train(const Options& options, const std::optional<neural::RankPlace>& place
   const bool trained = neural::train(config, data, options.output, computing, listener, from);
   if (!ranks.is_first()) return;
   if (!trained) {
-    fmt::print("{}: complete, {} iterations\n", options.output, config.iterations);
+    say("{}: complete, {} iterations\n", options.output, config.iterations);
     return;
   }
-  fmt::print("{}: trained, {} iterations; environment and data took {:.1f} % of training\n",
-             options.output, config.iterations, 100 * reporter.data_share());
+  say("{}: trained, {} iterations; environment and data took {:.1f} % of training\n",
+      options.output, config.iterations, 100 * reporter.data_share());
 }
 
 void run(const Options& options) {

@@ -35,6 +35,10 @@ std::vector<nlohmann::ordered_json> write_results(const std::filesystem::path& f
 std::filesystem::path transcript_file(const std::filesystem::path& folder, const World& world,
                                       std::size_t episode);
 
+/// Writes that file. \throws FileError
+void write_transcript(const std::filesystem::path& folder, const World& world, std::size_t episode,
+                      const std::string& text);
+
 /// \throws ArgumentError naming an index that the world does not have
 void check_episodes(const World& world, const std::vector<std::size_t>& which);
 

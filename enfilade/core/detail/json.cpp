@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/numbers.h"
+#include "enfilade/core/nearest_name.h"
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::json {
@@ -12,11 +15,13 @@ namespace {
 
 constexpr std::size_t kDeepest = simdjson::DEFAULT_MAX_DEPTH;
 
+// Keys are foreign texts: a long one would stand in each fault below it.
 std::string key_text(std::string_view key) {
-  const bool plain = !key.empty() && std::ranges::all_of(key, [](char c) {
+  constexpr std::size_t kMost = kLongestInstructionId;
+  const bool plain = !key.empty() && key.size() <= kMost && std::ranges::all_of(key, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   });
-  return plain ? fmt::format(".{}", key) : fmt::format("[\"{}\"]", key);
+  return plain ? fmt::format(".{}", key) : fmt::format("[{}]", quote(key, kMost));
 }
 
 // Second reading of a document that simdjson refused. simdjson says what is wrong but not where;
@@ -119,6 +124,20 @@ std::optional<T> read(Element element, const Path& path, Faults& faults, const c
   return std::nullopt;
 }
 
+// What `read` gives for each element of an array; "" where it reports a fault.
+template <class Read>
+std::vector<std::string> list_of(Element element, const Path& path, Faults& faults,
+                                 const Read& read) {
+  std::vector<std::string> texts;
+  const auto elements = array(element, path, faults);
+  if (!elements) return texts;
+  for (const Element one : *elements) {
+    if (faults.full()) break;
+    texts.emplace_back(read(one, Path(path, texts.size()), faults).value_or(""));
+  }
+  return texts;
+}
+
 }  // namespace
 
 std::string Path::text() const {
@@ -219,15 +238,23 @@ InvalidInput not_json(std::string_view text, const std::string& name, simdjson::
 
 std::string excess(std::string_view text, const Limits& limits) {
   std::size_t values = 1, depth = 0;
+  std::vector<std::size_t> keys(limits.keys == 0 ? 0 : 1);  // by level
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at++];
     if (c == '"') {
       at = skip_string(text, at);
     } else if (c == ',' || c == ':') {
       ++values;
+      if (c == ':' && limits.keys > 0 && ++keys[depth] > limits.keys) {
+        return fmt::format("an object of more than {} keys", limits.keys);
+      }
     } else if (c == '[' || c == '{') {
       ++values;
       if (++depth > limits.depth) return fmt::format("more than {} levels", limits.depth);
+      if (limits.keys > 0) {
+        keys.resize(std::max(keys.size(), depth + 1));
+        keys[depth] = 0;
+      }
     } else if ((c == ']' || c == '}') && depth > 0) {
       --depth;
     }
@@ -264,6 +291,14 @@ std::string describe(Element element) {
 
 std::optional<double> number(Element element, const Path& path, Faults& faults) {
   return read<double>(element, path, faults, "not-a-number", "a number");
+}
+
+std::optional<double> angle(Element element, const Path& path, Faults& faults) {
+  const auto radians = number(element, path, faults);
+  if (!radians || std::abs(*radians) <= kMostRadians) return radians;
+  faults.error(path, "bad-angle",
+               fmt::format("{} radians, not from {} to {}", *radians, -kMostRadians, kMostRadians));
+  return std::nullopt;
 }
 
 std::optional<std::int64_t> integer(Element element, const Path& path, Faults& faults) {
@@ -323,15 +358,32 @@ std::optional<Element> field(Element element, Field wanted, const Path& path, Fa
   return found;
 }
 
-std::vector<std::string> strings(Element element, const Path& path, Faults& faults) {
-  std::vector<std::string> texts;
-  const auto elements = array(element, path, faults);
-  if (!elements) return texts;
-  for (const Element one : *elements) {
+bool refuse_others(Element element, std::span<const Field> allowed, const Path& path,
+                   Faults& faults) {
+  simdjson::dom::object members;
+  if (element.get_object().get(members) != simdjson::SUCCESS) return true;
+  std::vector<std::string_view> names;
+  for (const Field& field : allowed) names.push_back(field.name);
+  bool good = true;
+  for (const auto member : members) {
+    if (std::ranges::find(names, member.key) != names.end()) continue;
+    good = false;
+    faults.error(
+        path, "unknown-field",
+        fmt::format("unknown field {}; {}", quote(member.key), advice_on_name(member.key, names)));
     if (faults.full()) break;
-    texts.emplace_back(string(one, Path(path, texts.size()), faults).value_or(""));
   }
-  return texts;
+  return good;
+}
+
+std::vector<std::string> strings(Element element, const Path& path, Faults& faults) {
+  return list_of(element, path, faults, string);
+}
+
+std::vector<std::string> ids(Element element, const Path& path, Faults& faults) {
+  return list_of(element, path, faults, [](Element one, const Path& place, Faults& found) {
+    return id(one, place, found);
+  });
 }
 
 }  // namespace enfilade::json

@@ -101,9 +101,12 @@ std::size_t skip_string(std::string_view text, std::size_t at);
 struct Limits {
   std::size_t values = 0;  ///< values and keys; an empty array or object counts as two
   std::size_t depth = 0;   ///< arrays and objects within each other
+  /// In one object; 0: any number. nlohmann's ordered objects compare a new key with all others.
+  std::size_t keys = 0;
 };
-/// "more than 1000 values and keys", "more than 16 levels"; empty for a text within its limits.
-/// Does not check that it is JSON. Takes no memory.
+/// "more than 1000 values and keys", "more than 16 levels", "an object of more than 100 keys";
+/// empty for a text within its limits. Does not check that it is JSON. Takes memory for the levels
+/// alone, and only if `keys` is a limit.
 std::string excess(std::string_view text, const Limits& limits);
 
 /// "number 4.5", "string \"abc\"", "array of 3": the value found, for messages.
@@ -111,6 +114,8 @@ std::string describe(Element element);
 
 // Each gives the value, or reports "<what was found>, not <what was allowed>" and gives nothing.
 std::optional<double> number(Element element, const Path& path, Faults& faults);
+/// Radians, at most kMostRadians either way, else the fault `bad-angle`.
+std::optional<double> angle(Element element, const Path& path, Faults& faults);
 std::optional<std::int64_t> integer(Element element, const Path& path, Faults& faults);
 std::optional<bool> boolean(Element element, const Path& path, Faults& faults);
 std::optional<std::string_view> string(Element element, const Path& path, Faults& faults);
@@ -122,6 +127,8 @@ std::optional<simdjson::dom::array> array(Element element, const Path& path, Fau
 std::optional<simdjson::dom::object> object(Element element, const Path& path, Faults& faults);
 /// An array of strings; an element that is not a string is reported, and becomes "".
 std::vector<std::string> strings(Element element, const Path& path, Faults& faults);
+/// The same for ids.
+std::vector<std::string> ids(Element element, const Path& path, Faults& faults);
 
 /// A field that fields() looks for.
 struct Field {
@@ -135,5 +142,9 @@ bool fields(Element element, std::span<const Field> wanted, std::span<std::optio
             const Path& path, Faults& faults);
 /// The same for one field.
 std::optional<Element> field(Element element, Field wanted, const Path& path, Faults& faults);
+/// For files that people write: reports each field of an object that is none of `allowed`, as
+/// "unknown-field" with the nearest allowed name. False if it reported. Not an object: true.
+bool refuse_others(Element element, std::span<const Field> allowed, const Path& path,
+                   Faults& faults);
 
 }  // namespace enfilade::json

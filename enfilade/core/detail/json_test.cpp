@@ -24,6 +24,11 @@ TEST(JsonPath, ReadsAsOneWouldWriteIt) {
   const Path odd(field, "two words");
   EXPECT_EQ(Path(odd, 0).text(), "$[3].trajectory[\"two words\"][0]");
   EXPECT_EQ(root.text(), "$");
+  // Keys are foreign texts.
+  EXPECT_EQ(Path(root, "a\"\x1b").text(), R"($["a\"\x1b"])");
+  const std::string long_key(5000, 'k');
+  EXPECT_EQ(Path(root, long_key).text(),
+            "$[\"" + std::string(kLongestInstructionId, 'k') + "\"... (5000 bytes)]");
 }
 
 TEST(JsonDocument, SaysWhereItIsBroken) {
@@ -39,6 +44,33 @@ TEST(JsonDocument, SaysWhereItIsBroken) {
   EXPECT_THAT(fault_of("[\"\xff\"]"), HasSubstr("f.json"));
   EXPECT_THAT(fault_of(std::string(5000, '[')), HasSubstr("f.json"));
   EXPECT_EQ(fault_of("\xEF\xBB\xBF[1]"), "parsed") << "a byte-order mark is harmless";
+}
+
+TEST(JsonValues, AnglesAreBounded) {
+  const Document document = Document::parse(R"([1e4, -1e4, 10001, -1e308, "north"])", "f");
+  Faults faults("f");
+  const Path root;
+  std::vector<double> read;
+  std::size_t i = 0;
+  for (const Element element : document.root().get_array()) {
+    if (const auto radians = angle(element, Path(root, i++), faults)) read.push_back(*radians);
+  }
+  EXPECT_EQ(read, (std::vector<double>{1e4, -1e4}));
+  const std::vector<Diagnostic> found = faults.take();
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(to_string(found[0]),
+            "error: f: $[2]: 10001 radians, not from -10000 to 10000 [bad-angle]");
+  EXPECT_EQ(found[1].code, "bad-angle");
+  EXPECT_EQ(found[2].code, "not-a-number");
+}
+
+TEST(JsonValues, ListsOfIdsKeepTheirPlaces) {
+  Faults faults("f");
+  const Document document = Document::parse(R"(["v0", "../x", "v2"])", "f");
+  EXPECT_EQ(ids(document.root(), Path(), faults), (std::vector<std::string>{"v0", "", "v2"}));
+  const std::vector<Diagnostic> found = faults.take();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].where + found[0].code, "$[1]bad-id");
 }
 
 TEST(JsonValues, SayWhatWasFoundAndWhatWasAllowed) {
@@ -72,6 +104,20 @@ TEST(JsonFields, ReportsMissingAndRepeated) {
   std::array<std::optional<Element>, 1> none;
   EXPECT_FALSE(fields(document.root(), kAbsent, none, Path(), faults));
   EXPECT_EQ(faults.take().at(0).message, "has no field \"d\"");
+}
+
+TEST(JsonFields, OthersAreRefusedWithTheNearestName) {
+  const Document document = Document::parse(R"({"teams": 1, "taems": 2, "\n": 3})", "f");
+  constexpr std::array<Field, 2> kAllowed{{{"teams"}, {"step", false}}};
+  Faults faults("f");
+  EXPECT_FALSE(refuse_others(document.root(), kAllowed, Path(), faults));
+  const auto found = faults.take();
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(to_string(found[0]),
+            "error: f: $: unknown field \"taems\"; the nearest is \"teams\" [unknown-field]");
+  EXPECT_EQ(found[1].message, "unknown field \"\\n\"; allowed are teams, step");
+  constexpr std::array<Field, 3> kAll{{{"teams"}, {"taems"}, {"\n"}}};
+  EXPECT_TRUE(refuse_others(document.root(), kAll, Path(), faults));
 }
 
 TEST(JsonDocument, TooDeepIsNamedWithoutMuchMemory) {
@@ -129,6 +175,9 @@ TEST(JsonLimits, CountWhatTakesMemory) {
   EXPECT_EQ(excess("]]]]}}", {1, 1}), "") << "no JSON, and within limits";
   EXPECT_EQ(excess("", {1, 1}), "");
   EXPECT_EQ(excess(R"(["\\", [ [)", {20, 2}), "more than 2 levels");
+  EXPECT_EQ(excess(R"({"a": {"b": 1, "c": 2}, "d": [{"e": 1}, {"f": 1}]})", {99, 9, 2}), "");
+  EXPECT_EQ(excess(R"({"a": {"b": 1}, "c": 2, "d": 3})", {99, 9, 2}),
+            "an object of more than 2 keys");
 }
 
 }  // namespace EN_UNIT

@@ -10,6 +10,8 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/names.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/rng.h"
 
 namespace enfilade::exports::detail {
@@ -29,25 +31,26 @@ std::string state_of_graphs(const graph::GraphSet& graphs) {
   return text;
 }
 
-/// The folder of a job's parts, emptied if it holds another job's.
-fs::path open_parts(const fs::path& file, const std::string& job) {
-  fs::path folder = file.string() + ".parts";
+/// The folder of a job's parts, emptied if it holds another job's. A link in its place is removed.
+OutputFolder open_parts(const fs::path& file, const std::string& job) {
+  const fs::path folder = file.string() + ".parts";
   const fs::path note = folder / "job.txt";
-  if (!file_exists(note) || read_file(note) != job) {
+  const bool same = !fs::is_symlink(folder) && file_exists(note) && read_file(note) == job;
+  if (!same) {
     std::error_code error;
     fs::remove_all(folder, error);
     if (error) throw FileError(fmt::format("{}: {}", folder.string(), error.message()));
-    make_folder(folder);
-    write_file_atomically(note, job);
   }
-  return folder;
+  OutputFolder parts(folder);
+  if (!same) parts.write("job.txt", job);
+  return parts;
 }
 
 }  // namespace
 
 const std::string& checked_file_name(const std::string& name) {
-  if (name.find_first_of("/\\\"") != std::string::npos || name.starts_with('.')) {
-    throw ArgumentError(fmt::format("{:?}: not a name of a file", name.substr(0, 80)));
+  if (!is_file_name(name) || name.find('"') != std::string::npos) {
+    throw ArgumentError(fmt::format("{}: not a name of a file", quote(name)));
   }
   return name;
 }
@@ -70,12 +73,12 @@ std::size_t included_count(const graph::GraphSet& graphs) {
 
 void write_by_scan(const graph::GraphSet& graphs, const fs::path& file, const std::string& job,
                    const ExportOptions& options, const WriteViewpoint& write) {
-  const fs::path parts = open_parts(file, job + state_of_graphs(graphs));
+  const OutputFolder parts = open_parts(file, job + state_of_graphs(graphs));
   const std::size_t total = included_count(graphs);
   std::size_t done = 0;
   for (std::size_t i = 0; i < graphs.size(); ++i) {
     const graph::NavGraph& graph = graphs.graph(ScanIndex(i));
-    const fs::path part = parts / (graph.scan() + ".hdf5");
+    const fs::path part = parts.file(graph.scan() + ".hdf5");
     if (file_exists(part)) {
       done += graph.included_count();
       continue;
@@ -88,18 +91,18 @@ void write_by_scan(const graph::GraphSet& graphs, const fs::path& file, const st
     writer.finish();
   }
   features::Hdf5Writer whole(file);
-  for (const std::string& scan : graphs.scans()) whole.copy_from(parts / (scan + ".hdf5"));
+  for (const std::string& scan : graphs.scans()) whole.copy_from(parts.file(scan + ".hdf5"));
   whole.finish();
   std::error_code ignored;  // what is left of the folder does no harm
-  fs::remove_all(parts, ignored);
+  fs::remove_all(parts.path(), ignored);
   if (options.progress) options.progress(total, total);
 }
 
 std::string state_of(const fs::path& file) {
   std::error_code error;
   const auto size = fs::file_size(file, error);
+  const auto time = error ? 0 : fs::last_write_time(file, error).time_since_epoch().count();
   if (error) throw FileError(fmt::format("{}: {}", file.string(), error.message()));
-  const auto time = fs::last_write_time(file).time_since_epoch().count();
   return fmt::format("{} {} {}", fs::absolute(file).string(), size, time);
 }
 

@@ -16,8 +16,7 @@
 namespace enfilade::exports::detail {
 
 /// The name itself.
-/// \throws ArgumentError for a name that could lead out of its folder: with a slash, a backslash or
-/// a quotation mark, or a full stop first
+/// \throws ArgumentError if is_file_name() refuses it, or it has a quotation mark
 const std::string& checked_file_name(const std::string& name);
 
 /// Writes a viewpoint's data into the part of its scan.

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/mapped_file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/features/formats/feature_rows.h"
 #include "enfilade/features/formats/hdf5_datasets.h"
 #include "enfilade/features/hdf5_writer.h"
@@ -102,7 +103,7 @@ class Reader {
         number(name, dataset, "image_w").value_or(info_.camera.width),
         number(name, dataset, "image_h").value_or(info_.camera.height),
         number(name, dataset, "vfov").value_or(to_degrees(info_.camera.vertical_field_of_view)),
-        name_, fmt::format("{:?}", name));
+        name_, in_quotes(name));
     return info;
   }
 

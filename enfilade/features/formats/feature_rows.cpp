@@ -8,6 +8,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/half.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/part_file.h"
 
@@ -21,14 +22,24 @@ std::size_t row_bytes(const FeatureInfo& info) noexcept {
 
 std::string name_of(const FeatureKey& key) { return key.scan + '_' + key.viewpoint; }
 
-std::string in_quotes(std::string_view name) { return fmt::format("{:?}", name.substr(0, 100)); }
+std::string in_quotes(std::string_view name) { return quote(name, 100); }
 
 FeatureKey key_of(std::string_view name, const std::string& file) {
-  const std::size_t at = name.rfind('_');
-  if (at == std::string_view::npos || at == 0 || at + 1 == name.size()) {
+  const std::size_t at = underscore_between_ids(name);
+  if (at == std::string_view::npos) {
     refuse(file, in_quotes(name), "bad-name", "not <scan>_<viewpoint>: no file of features");
   }
-  return {std::string(name.substr(0, at)), std::string(name.substr(at + 1))};
+  FeatureKey key{std::string(name.substr(0, at)), std::string(name.substr(at + 1))};
+  check_key(key, file, in_quotes(name));
+  return key;
+}
+
+void check_key(const FeatureKey& key, const std::string& file, const std::string& where) {
+  for (const std::string& id : {key.scan, key.viewpoint}) {
+    if (std::string fault = fault_of_id(id); !fault.empty()) {
+      refuse(file, where, "bad-id", std::move(fault));
+    }
+  }
 }
 
 std::string degrees_text(Radians angle) { return fmt::format("{:.14g}", to_degrees(angle)); }
@@ -70,7 +81,7 @@ void read_metadata(const std::map<std::string, std::string>& metadata, const std
 double parse_number(std::string_view text, const std::string& file, const std::string& where) {
   const auto value = enfilade::parse_number<double>(text);
   if (!value) {
-    refuse(file, where, "bad-number", fmt::format("{:?}, not a number", text.substr(0, 40)));
+    refuse(file, where, "bad-number", fmt::format("{}, not a number", quote(text)));
   }
   return *value;
 }
@@ -121,7 +132,7 @@ std::span<const std::byte> stored_bytes(std::span<const float> numbers, DType ty
 namespace {
 
 void check_array(const NamedArray& array, const FeatureInfo& info, const std::string& file) {
-  const std::string where = fmt::format("{:?}", array.name);
+  const std::string where = in_quotes(array.name);
   if (array.shape.size() != 2 || array.shape[0] == 0 || array.shape[1] == 0) {
     refuse(file, where, "bad-shape", "not an array of shape (views, dimensions)");
   }

@@ -70,9 +70,11 @@ std::size_t row_bytes(const FeatureInfo& info) noexcept;
 
 /// "<scan>_<viewpoint>", the name of its array or dataset.
 std::string name_of(const FeatureKey& key);
-/// The reverse, cut at the last "_". Ids may have others, so rows are found by name_of(), not by
-/// the parts. \throws InvalidInput
+/// The reverse (underscore_between_ids()). Ids may have "_", so rows are found by name_of(), not by
+/// the parts. \throws InvalidInput, also if they are no ids (core/names.h)
 FeatureKey key_of(std::string_view name, const std::string& file);
+/// \throws InvalidInput with the code `bad-id`
+void check_key(const FeatureKey& key, const std::string& file, const std::string& where);
 
 /// The start of a name in quotes, for messages.
 std::string in_quotes(std::string_view name);

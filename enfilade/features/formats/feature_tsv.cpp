@@ -7,6 +7,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/half.h"
 #include "enfilade/core/mapped_file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/features/formats/feature_rows.h"
@@ -50,9 +51,7 @@ class Row {
                          "features",
                          found, kColumns));
     }
-    if (fields_[0].empty() || fields_[1].empty()) {
-      refuse(file, fmt::format("row {}", index + 1), "bad-row", "no scan or no viewpoint");
-    }
+    check_key(key(), file, fmt::format("row {}", index + 1));
   }
 
   FeatureKey key() const { return {std::string(fields_[0]), std::string(fields_[1])}; }
@@ -89,8 +88,8 @@ class Row {
     const std::size_t fault = decode_base64(fields_[5], out);
     if (fault != std::string_view::npos) {
       fail(", features", "bad-base64",
-           fmt::format("character {} is {:?}, which base64 does not have there", fault + 1,
-                       fields_[5].substr(fault, 1)));
+           fmt::format("character {} is {}, which base64 does not have there", fault + 1,
+                       quote(fields_[5].substr(fault, 1))));
     }
     std::array<float, 64> floats;
     for (std::size_t at = 0; at < out.size(); at += sizeof(floats)) {
@@ -103,8 +102,8 @@ class Row {
 
  private:
   std::string place() const {
-    return fmt::format("row {}, scan {:?}, viewpoint {:?}", index_ + 1, fields_[0].substr(0, 64),
-                       fields_[1].substr(0, 64));
+    return fmt::format("row {}, scan {}, viewpoint {}", index_ + 1, quote(fields_[0]),
+                       quote(fields_[1]));
   }
   [[noreturn]] void fail(const char* field, const char* code, std::string message) const {
     refuse(*file_, place() + field, code, std::move(message));

@@ -20,6 +20,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/features/formats/feature_rows.h"
 #include "enfilade/features/formats/hdf5_filters.h"
 
@@ -185,7 +186,9 @@ void Hdf5Source::check_layout(const std::string& dataset, const Hdf5Handle& open
 std::shared_ptr<const MappedFile> read_isolated(const std::filesystem::path& file,
                                                 const std::function<void(SharedMemory&)>& copy) {
   const MappedFile readable(file);  // throws the system's reason, which the library does not give
-  SharedMemory memory(file.string());
+  // A small file of zeros must not fill all memory.
+  SharedMemory memory(file.string(), std::max<std::uint64_t>(
+                                         kAlwaysUnpacked, kMostPacking * readable.bytes().size()));
   {
     const Hdf5Library library;
     run_isolated(file.string(), "bad-hdf5", [&] { copy(memory); });
@@ -291,14 +294,18 @@ void rethrow(std::string_view outcome) {
 
 }  // namespace
 
-SharedMemory::SharedMemory(std::string file)
-    : file_(std::move(file)), descriptor_(memfd_create("enfilade", MFD_CLOEXEC)) {
+SharedMemory::SharedMemory(std::string file, std::uint64_t most)
+    : file_(std::move(file)), most_(most), descriptor_(memfd_create("enfilade", MFD_CLOEXEC)) {
   if (descriptor_ < 0) fail(file_ + ": shared memory for its content cannot be made", errno);
 }
 
 SharedMemory::~SharedMemory() { close(descriptor_); }
 
 void SharedMemory::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+  if (bytes.size() > most_ || offset > most_ - bytes.size()) {
+    throw FileError(fmt::format("{}: more than {} bytes of content, {} times the file's own", file_,
+                                most_, kMostPacking));
+  }
   while (!bytes.empty()) {
     const ssize_t written =
         pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -80,17 +81,21 @@ Hdf5Links links_of(hid_t file);  ///< \pre an Hdf5Library is held
 /// Memory that a process shares with its forked copies.
 class SharedMemory {
  public:
-  /// 0 bytes. \param file whose content it will hold, for messages \throws FileError
-  explicit SharedMemory(std::string file);
+  /// 0 bytes. \param file whose content it will hold, for messages \param most bytes
+  /// \throws FileError
+  explicit SharedMemory(std::string file,
+                        std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
 
-  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);  ///< \throws FileError
+  /// \throws FileError, also beyond the most bytes
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   std::string path() const;  ///< to map it by, while this object exists
 
  private:
   std::string file_;
+  std::uint64_t most_;
   int descriptor_;
 };
 

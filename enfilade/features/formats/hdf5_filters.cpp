@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "enfilade/core/names.h"
+
 namespace enfilade::features::formats {
 namespace {
 
@@ -117,7 +119,7 @@ std::optional<std::string> missing_filter(hid_t made) {
     std::string_view shown(name.data(), strnlen(name.data(), name.size()));
     const auto known = std::ranges::find(kNames, id, &std::pair<H5Z_filter_t, const char*>::first);
     if (known != kNames.end()) shown = known->second;
-    return fmt::format("{:?} ({})", shown, id);
+    return fmt::format("{} ({})", quote(shown), id);
   }
   return std::nullopt;
 }

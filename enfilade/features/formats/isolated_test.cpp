@@ -29,6 +29,12 @@ TEST(Isolated, SharedMemoryIsWhatComesBack) {
   EXPECT_EQ(read_file(memory.path()), "abcd");
 }
 
+TEST(Isolated, SharedMemoryHasABound) {
+  SharedMemory memory("f.h5", 3);
+  memory.write_at(1, std::as_bytes(std::span("ab", 2)));
+  EXPECT_THROW(memory.write_at(2, std::as_bytes(std::span("ab", 2))), FileError);
+}
+
 TEST(Isolated, WhatIsThrownIsThrown) {
   EXPECT_EQ(refusal([] { refuse("f.h5", "here", "wrong", "a fault"); }),
             "error: f.h5: here: a fault [wrong]");

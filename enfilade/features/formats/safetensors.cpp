@@ -202,13 +202,13 @@ void check_names(std::span<const NamedArray> arrays) {
   for (const NamedArray& array : arrays) {
     if (array.name == kMetadata || !names.insert(array.name).second) {
       throw ArgumentError(fmt::format(
-          "array {:?}: {}", array.name,
+          "array {}: {}", quote(array.name, 100),
           array.name == kMetadata ? "the format keeps this name" : "comes twice, not once"));
     }
     const auto negative = [](std::int64_t side) { return side < 0; };
     if (std::ranges::any_of(array.shape, negative) || !bytes_of_shape(array.shape, array.type)) {
       throw ArgumentError(
-          fmt::format("array {:?}: a side below 0, or a size beyond memory", array.name));
+          fmt::format("array {}: a side below 0, or a size beyond memory", quote(array.name, 100)));
     }
   }
 }

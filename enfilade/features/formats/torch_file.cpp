@@ -13,12 +13,15 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/features/formats/pickle.h"
 #include "enfilade/features/formats/stored_arrays.h"
 #include "enfilade/scan/file_tree.h"
 
 namespace enfilade::features::formats {
 namespace {
+
+constexpr std::size_t kShownName = 100;  // in messages, bytes
 
 using Bytes = std::span<const std::byte>;
 /// Gives the bytes of a whole storage. \throws InvalidInput
@@ -150,7 +153,7 @@ std::string unknown_names(const Pickle& pickle) {
   for (const Value& value : pickle.values) {
     const auto* global = std::get_if<Global>(&value.is);
     if (global == nullptr || global->callable != Callable::kUnknown) continue;
-    std::string name = fmt::format("{:?}", global->name);
+    std::string name = quote(global->name, kShownName);
     if (names.size() < kNamed && std::ranges::find(names, name) == names.end()) {
       names.push_back(std::move(name));
     }
@@ -186,7 +189,7 @@ Tensors find_tensors(const Pickle& pickle, const std::string& name) {
 
 [[noreturn]] void refuse_tensor(const std::string& file, const std::string& tensor,
                                 std::string code, std::string message) {
-  refuse(file, fmt::format("{:?}", tensor), std::move(code), std::move(message));
+  refuse(file, quote(tensor, kShownName), std::move(code), std::move(message));
 }
 
 // Number of elements from a tensor's first to its last in its storage; none if it overflows.
@@ -289,8 +292,8 @@ void build_array(const std::string& file, const std::string& name, const Pickled
 // Why a tensor cannot be read: the code of an error, and its message. No value if it can.
 std::optional<std::pair<const char*, std::string>> unreadable(const Value& tensor) {
   if (const auto* opaque = std::get_if<Opaque>(&tensor.is)) {
-    return std::pair("foreign-code",
-                     fmt::format("made by {:?}, which is not called", opaque->maker));
+    return std::pair("foreign-code", fmt::format("made by {}, which is not called",
+                                                 quote(opaque->maker, kShownName)));
   }
   const Value* const storage = std::get<PickledTensor>(tensor.is).storage;
   const std::string_view other =
@@ -352,7 +355,7 @@ class PickleSequence {
     at_ += sizeof(elements);
     if (elements != static_cast<std::uint64_t>(storage.elements)) {
       refuse(name_, fmt::format("byte {}", at_ - sizeof(elements)), "bad-size",
-             fmt::format("storage {:?} has {} elements, not the {} that its tensors name", key,
+             fmt::format("storage {} has {} elements, not the {} that its tensors name", quote(key),
                          elements, storage.elements));
     }
     if (elements > (file_.size() - at_) / storage.element_bytes()) truncated(key);
@@ -364,7 +367,7 @@ class PickleSequence {
  private:
   [[noreturn]] void truncated(const std::string& key) const {
     refuse(name_, fmt::format("byte {}", at_), "truncated",
-           fmt::format("the file ends within storage {:?}", key));
+           fmt::format("the file ends within storage {}", quote(key)));
   }
 
   Bytes file_;
@@ -421,7 +424,8 @@ std::string archive_folder(const scan::FileTree& zip, const std::string& name) {
   }
   if (found.size() > 1) {
     refuse(name, "data.pkl", "repeated-name",
-           fmt::format("lies in two folders of the zip, {:?} and {:?}", found[0], found[1]));
+           fmt::format("lies in two folders of the zip, {} and {}", quote(found[0], kShownName),
+                       quote(found[1], kShownName)));
   }
   return found[0];
 }
@@ -460,9 +464,9 @@ void refuse_tar(Bytes file, const std::string& name) {
            "torch.save(torch.load(file, weights_only=False), new_file)");
   }
   refuse(name, "", "no-tensors",
-         fmt::format("a tar archive, which begins with {:?}; unpack it, and name the file of "
+         fmt::format("a tar archive, which begins with {}; unpack it, and name the file of "
                      "weights in it",
-                     first));
+                     quote(first)));
 }
 
 StoredArrays read_torch_zip(const std::filesystem::path& file) {
@@ -510,7 +514,8 @@ StoredArrays read_torch_pickle(Bytes file, const std::string& name) {
   for (const std::string& key : strings_of(parts.next(), name)) {
     const auto storage = announced.find(key);
     if (storage == announced.end()) {
-      refuse(name, "", "bad-pickle", fmt::format("lists storage {:?}, which no tensor uses", key));
+      refuse(name, "", "bad-pickle",
+             fmt::format("lists storage {}, which no tensor uses", quote(key)));
     }
     storages[key] = parts.next_storage(key, *storage->second);
   }
@@ -520,8 +525,9 @@ StoredArrays read_torch_pickle(Bytes file, const std::string& name) {
       [&](const PickledStorage& storage) {
         const auto found = storages.find(storage.key);
         if (found == storages.end()) {
-          refuse(name, "", "truncated",
-                 fmt::format("storage {:?} is missing from the list of storages", storage.key));
+          refuse(
+              name, "", "truncated",
+              fmt::format("storage {} is missing from the list of storages", quote(storage.key)));
         }
         return found->second;
       },

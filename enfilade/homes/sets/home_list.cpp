@@ -15,6 +15,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/written_lists.h"
 #include "enfilade/scan/connectivity.h"
@@ -353,14 +354,14 @@ std::string draws_of(const std::string& scan) {
   return scan.starts_with(kPrefix) ? "home_" + scan.substr(kPrefix.size()) : scan;
 }
 
-void write_alias_graph(const std::filesystem::path& connectivity) {
+void write_alias_graph(const OutputFolder& connectivity) {
   scan::Connectivity graph{"ZMojNkEp431", "", {}};
   scan::ConnectivityEntry& entry = graph.entries.emplace_back();
   entry.id = "2f4d90acd4024c269fb0efe49a8ac540";
   // As of homes: right = +x, down = -z, look = +y, the eye at 1.5 m.
   entry.pose = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1.5, 0, 0, 0, 1};
   entry.height = 1.5;
-  write_file_atomically(scan::connectivity_file(connectivity, graph.scan), to_json(graph));
+  connectivity.write(scan::connectivity_file({}, graph.scan).string(), to_json(graph));
 }
 
 namespace {
@@ -370,53 +371,42 @@ namespace fs = std::filesystem;
 constexpr const char* kList = "annotations.txt";
 
 // The lines of a list; none where there is no list.
-std::vector<fs::path> read_list(const fs::path& list) {
-  std::vector<fs::path> files;
-  if (!fs::exists(list)) return files;
+std::vector<std::string> read_list(const fs::path& list) {
+  std::vector<std::string> files;
+  if (!file_exists(list)) return files;
   const std::string text = read_plain_text(list);
   for (const auto& [number, line] : list_lines(text, HashLines::kEntries)) {
-    const fs::path file(line);
-    const bool inside = file.is_relative() && file.has_filename() &&
-                        file.lexically_normal() == file && *file.begin() != "..";
-    if (!inside) {
-      throw InvalidInput(
-          {{Severity::kError, list.string(), fmt::format("line {}", number), "bad-path",
-            fmt::format("{:?}, not a path of a file below the folder", line)}});
+    if (!OutputFolder::is_name(line)) {
+      throw InvalidInput({{Severity::kError, list.string(), fmt::format("line {}", number),
+                           "bad-path", quote(line) + ", not a path of a file below the folder"}});
     }
-    files.push_back(file);
+    files.emplace_back(line);
   }
   return files;
 }
 
 // With folders above it that are empty then, up to `folder`.
-void remove_file(const fs::path& folder, const fs::path& file) {
-  std::error_code error;
-  fs::remove(folder / file, error);
-  if (error) {
-    throw FileError(
-        fmt::format("{}: cannot be removed: {}", (folder / file).string(), error.message()));
-  }
+void remove_file(const OutputFolder& out, const fs::path& file) {
+  out.remove(file.string());
   for (fs::path above = file.parent_path(); !above.empty(); above = above.parent_path()) {
-    std::error_code ignored;  // it has other files
-    if (!fs::remove(folder / above, ignored)) return;
+    if (!out.remove_empty(above.string())) return;
   }
 }
 
 }  // namespace
 
 void WrittenFiles::write(const fs::path& file, std::string_view text) {
-  make_folder((folder_ / file).parent_path());
-  write_file_atomically(folder_ / file, text);
+  out_.write(file.generic_string(), text);
   files_.insert(file.generic_string());
 }
 
 void WrittenFiles::finish() {
-  for (const fs::path& old : read_list(folder_ / kList)) {
-    if (!files_.contains(old.generic_string())) remove_file(folder_, old);
+  for (const std::string& old : read_list(out_.path() / kList)) {
+    if (!files_.contains(old)) remove_file(out_, old);
   }
   std::string list;
   for (const std::string& file : files_) list += file + "\n";
-  write_file_atomically(folder_ / kList, list);
+  out_.write(kList, list);
 }
 
 }  // namespace enfilade::homes::sets

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/core/output_folder.h"
 #include "enfilade/homes/home_set.h"
 
 namespace enfilade::homes::sets {
@@ -40,7 +41,7 @@ std::string draws_of(const std::string& scan);
 /// `2f4d90acd4024c269fb0efe49a8ac540`. It is not a home of the set, and `scans.txt` does not name
 /// it, so that readers of that list skip it.
 /// \throws FileError
-void write_alias_graph(const std::filesystem::path& connectivity);
+void write_alias_graph(const OutputFolder& connectivity);
 
 /// Writes annotation files and lists them in `annotations.txt`, one path per line. At the end,
 /// files of an earlier run's list that this run does not write are removed, with folders that
@@ -48,17 +49,18 @@ void write_alias_graph(const std::filesystem::path& connectivity);
 /// folders are in no list, and stay.
 class WrittenFiles {
  public:
-  explicit WrittenFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  explicit WrittenFiles(std::filesystem::path folder) : out_(std::move(folder)) {}
 
-  /// Writes `<folder>/<file>`, whole or not at all. \param file  relative \throws FileError
+  /// OutputFolder::write() of `file`. \throws FileError
   void write(const std::filesystem::path& file, std::string_view text);
 
-  /// Removes old files and writes the list. \throws FileError; InvalidInput for a list that names
-  /// anything that is not below the folder
+  /// Removes old files and writes the list.
+  /// \throws FileError, also for a link among the folders of an old file
+  /// \throws InvalidInput for a list that names anything that is not below the folder
   void finish();
 
  private:
-  std::filesystem::path folder_;
+  OutputFolder out_;
   std::set<std::string> files_;
 };
 

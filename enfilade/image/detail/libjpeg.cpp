@@ -1,6 +1,7 @@
 #include "enfilade/image/detail/libjpeg.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <csetjmp>
 #include <cstdio>  // before jpeglib.h, which needs FILE
@@ -10,6 +11,7 @@
 #include <jerror.h>
 
 #include "enfilade/image/detail/check_size.h"
+#include "enfilade/image/detail/row_shrinker.h"
 
 namespace enfilade::image::detail {
 namespace {
@@ -147,20 +149,29 @@ std::uint32_t LibJpeg::channels() const {
   return impl_->info.jpeg_color_space == JCS_GRAYSCALE ? 1 : 3;
 }
 
-void LibJpeg::decode(std::uint8_t* rgb) {
+bool LibJpeg::has_several_scans() const { return jpeg_has_multiple_scans(&impl_->info) != FALSE; }
+
+void LibJpeg::decode(std::uint8_t* rgb, unsigned halvings) {
   Impl& my = *impl_;
+  jpeg_decompress_struct& info = my.info;
   const bool cmyk = my.is_cmyk();
-  std::vector<std::uint8_t> inks(cmyk ? std::size_t{4} * width() : 0);
-  std::uint8_t* const row = inks.data();
-  my.run([&my, rgb, row, cmyk] {
-    jpeg_decompress_struct& info = my.info;
+  my.run([&info, cmyk, halvings] {
+    constexpr unsigned kMostHalvings = 3;  // libjpeg's; of each block of 8 x 8 pixels
     info.out_color_space = cmyk ? JCS_CMYK : JCS_RGB;
+    info.scale_num = 1;
+    info.scale_denom = 1U << std::min(halvings, kMostHalvings);
     jpeg_start_decompress(&info);
+  });
+  std::vector<std::uint8_t> inks(cmyk ? std::size_t{4} * info.output_width : 0);
+  RowShrinker rows({info.output_width, info.output_height},
+                   {halved(width(), halvings), halved(height(), halvings)}, 3, rgb);
+  my.run([&info, &inks, &rows, cmyk] {
     while (info.output_scanline < info.output_height) {
-      std::uint8_t* const to = rgb + std::size_t{3} * info.output_width * info.output_scanline;
-      JSAMPROW line = cmyk ? row : to;
+      std::uint8_t* const to = rows.row();
+      JSAMPROW line = cmyk ? inks.data() : to;
       if (jpeg_read_scanlines(&info, &line, 1) != 1) continue;
-      if (cmyk) take_ink_off(row, info.output_width, info.saw_Adobe_marker != 0, to);
+      if (cmyk) take_ink_off(line, info.output_width, info.saw_Adobe_marker != 0, to);
+      rows.add(to);
     }
     jpeg_finish_decompress(&info);  // reads on to the end marker
   });

@@ -33,10 +33,14 @@ class LibJpeg {
   std::uint32_t height() const;
   /// The file's: 1 for greyscale, 4 for CMYK and YCCK, else 3.
   std::uint32_t channels() const;
+  /// Progressive ones have, and some others.
+  bool has_several_scans() const;
 
   /// RGB, 3 x width x height bytes. CMYK's ink is taken off white paper: R = (255 - C) (255 - K) /
-  /// 255, likewise G and B. Adobe's files store 255 - C. \throws InvalidInput
-  void decode(std::uint8_t* rgb);
+  /// 255, likewise G and B. Adobe's files store 255 - C.
+  /// \param halvings  of both edges, by halved(); the whole picture is in memory only if it has
+  /// several scans  \throws InvalidInput
+  void decode(std::uint8_t* rgb, unsigned halvings = 0);
   /// Reads all coefficients, without a picture. \throws InvalidInput
   void check();
 
@@ -47,5 +51,10 @@ class LibJpeg {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// decode_jpeg(); edges are halved until there are at most `most` pixels, while the picture is
+/// read. \throws InvalidInput, also if one of several scans has more
+Image8 decode_jpeg(Bytes jpeg, const std::string& file, std::uint64_t most,
+                   std::vector<Diagnostic>* findings);
 
 }  // namespace enfilade::image::detail

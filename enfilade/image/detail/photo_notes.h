@@ -17,8 +17,9 @@ struct PhotoNotes {
 void read_exif(Bytes tiff, PhotoNotes& notes);
 /// The notes of the segments APP1 before the scan.
 PhotoNotes jpeg_notes(Bytes jpeg);
-/// decode_png8(), with the notes of the chunks eXIf and iTXt, or zTXt and tEXt. \throws
-/// InvalidInput
-Image8 decode_png8(Bytes png, const std::string& file, PhotoNotes* notes);
+/// decode_png8(), with the notes of the chunks eXIf and iTXt, or zTXt and tEXt. Edges are halved
+/// until there are at most `most` pixels, while the picture is read.
+/// \throws InvalidInput, also if an interlaced one has more
+Image8 decode_png8(Bytes png, const std::string& file, std::uint64_t most, PhotoNotes* notes);
 
 }  // namespace enfilade::image::detail

@@ -109,6 +109,26 @@ TEST(ReadGltf, WebpTexturesAreTurnedByExif) {
   }
 }
 
+TEST(ReadGltf, WebpTexturesAreReducedWhileTheyAreRead) {
+  if (!reads_webp()) GTEST_SKIP() << "built without libwebp";
+  const std::string lossy = webp_with("");
+  const image::Image8 whole = decode_webp(lossy, "a.webp", 64);
+  const image::Image8 half = decode_webp(lossy, "a.webp", 63);
+  ASSERT_EQ(half.width, 4U);
+  const image::Image8 wanted = image::shrink(whole, 4, 4);
+  // The whole picture's colours are smoothed across edges, those of the reduced one are not.
+  for (std::size_t k = 0; k < wanted.pixels.size(); ++k) {
+    EXPECT_NEAR(half.pixels[k], wanted.pixels[k], 48) << k;
+  }
+  const std::string lossless(  // 4 x 2 pixels of 200, 10, 30
+      "RIFF\x1e\0\0\0WEBPVP8L\x11\0\0\0\x2f\3\x40\0\0\7\x50\x85\x22\xd7\xa3\xff\x81\x88\xe8\x7f\0"
+      "\0",
+      38);
+  EXPECT_EQ(decode_webp(lossless, "a.webp", 8).at(3, 1)[0], 200);
+  EXPECT_THAT([&] { decode_webp(lossless, "a.webp", 7); },
+              ThrowsMessage<InvalidInput>(HasSubstr("a lossless WebP picture of 4 x 2 pixels")));
+}
+
 TEST(ReadGltf, ExifOfWebpMayBeCutOff) {
   const std::string whole = webp_with(tests::exif(6));
   for (std::size_t n = 12; n < whole.size(); ++n) {

@@ -119,7 +119,7 @@ class MeshoptView {
     if (mode == "INDICES" && index) {
       return meshopt_decodeIndexSequence(out.data(), count_, stride_, from, packed.size());
     }
-    fail(fmt::format("{} items of {} bytes in the mode {}", count_, stride_, in_quotes(mode)));
+    fail(fmt::format("{} items of {} bytes in the mode {}", count_, stride_, quote(mode)));
   }
   void filter(std::vector<unsigned char>& out) const {
     const std::string name = text_of(extension_, "filter", "NONE");
@@ -132,7 +132,7 @@ class MeshoptView {
     } else if (name == "EXPONENTIAL" && stride_ % 4 == 0) {
       meshopt_decodeFilterExp(out.data(), count_, stride_);
     } else {
-      fail(fmt::format("the filter {} for items of {} bytes", in_quotes(name), stride_));
+      fail(fmt::format("the filter {} for items of {} bytes", quote(name), stride_));
     }
   }
 
@@ -277,7 +277,7 @@ class DracoReader {
           id && *id <= std::numeric_limits<std::uint32_t>::max()
               ? mesh_->GetAttributeByUniqueId(static_cast<std::uint32_t>(*id))
               : nullptr;
-      if (attribute == nullptr) fail(fmt::format("no attribute {}", in_quotes(name)));
+      if (attribute == nullptr) fail(fmt::format("no attribute {}", quote(name)));
       out.attributes.emplace(name, numbers(name, *attribute));
     }
   }
@@ -287,7 +287,7 @@ class DracoReader {
     out.components = static_cast<std::size_t>(attribute.num_components());
     constexpr std::size_t kMostComponents = 4;
     if (out.components == 0 || out.components > kMostComponents) {
-      fail(fmt::format("{} of {} numbers", in_quotes(name), out.components));
+      fail(fmt::format("{} of {} numbers", quote(name), out.components));
     }
     const double one = attribute.normalized() ? 0 : one_of(name);
     out.values.reserve(out.count * out.components);
@@ -297,7 +297,7 @@ class DracoReader {
       if (value.value() >= attribute.size() ||
           !attribute.ConvertValue<float>(value, static_cast<std::int8_t>(out.components),
                                          item.data())) {
-        fail(fmt::format("{} has no value {}", in_quotes(name), value.value()));
+        fail(fmt::format("{} has no value {}", quote(name), value.value()));
       }
       for (std::size_t k = 0; k < out.components; ++k) {
         out.values.push_back(one > 0 ? std::max(item[k] / one, -1.0) : double{item[k]});

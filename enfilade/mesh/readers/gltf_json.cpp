@@ -79,12 +79,12 @@ void check_extensions(json::Element list, const json::Path& where, json::Faults&
     if (!name || is_read(*name)) continue;
     if (concerns_looks(*name)) {
       warn(result, file, "$.extensionsRequired", "left-out",
-           fmt::format("{} is required, but not read: it concerns looks alone", in_quotes(*name)));
+           fmt::format("{} is required, but not read: it concerns looks alone", quote(*name)));
     } else if (find_optional(*name) != nullptr) {
       faults.error(path, "unknown-extension", lacks_library(*name));
     } else {
       faults.error(path, "unknown-extension",
-                   fmt::format("{} is required, but not known here", in_quotes(*name)));
+                   fmt::format("{} is required, but not known here", quote(*name)));
     }
   }
 }
@@ -202,7 +202,7 @@ bool check_gltf_json(std::string_view text, const std::string& file, ReadResult&
     faults.error(version_path, "bad-version", "a number, as in files of glTF 1.0, not \"2.x\"");
   } else if (const auto value = json::string(*version[0], version_path, faults);
              value && !value->starts_with("2.")) {
-    faults.error(version_path, "bad-version", fmt::format("{}, not 2.x", in_quotes(*value)));
+    faults.error(version_path, "bad-version", fmt::format("{}, not 2.x", quote(*value)));
   }
   if (found[1]) check_extensions(*found[1], required, faults, file, result);
   faults.throw_if_errors();

@@ -126,7 +126,7 @@ class HeaderParser {
   }
   PropertyType type(std::string_view name) const {
     const auto at = std::ranges::find(kTypes, name, &TypeName::name);
-    if (at == kTypes.end()) fail(fmt::format("{}, not a type of PLY", in_quotes(name)));
+    if (at == kTypes.end()) fail(fmt::format("{}, not a type of PLY", quote(name)));
     return at->type;
   }
 
@@ -194,7 +194,7 @@ class AsciiSource {
   std::string where() const { return lines_.where() + ", "; }
   std::string fault() const {
     return word_.empty() ? "too few values"
-                         : in_quotes(word_) + " is not a number, or not one of its type";
+                         : quote(word_) + " is not a number, or not one of its type";
   }
   bool row_done() const { return trimmed(line_).empty(); }
 

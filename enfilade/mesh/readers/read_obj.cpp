@@ -99,7 +99,7 @@ class MtlParser {
       const std::string_view word = found[std::min(k, found.size() - 1)];
       const auto number = to_number(word);
       if (!number || *number < 0) {
-        warn(fmt::format("{} {}, not 0 or more", key, in_quotes(word)));
+        warn(fmt::format("{} {}, not 0 or more", key, quote(word)));
         return std::nullopt;
       }
       if (*number > most) warn(fmt::format("{} {}, taken as {}", key, *number, most));
@@ -268,7 +268,7 @@ class ObjReader {
     for (std::size_t k = 0; k < std::min<std::size_t>(n, 3); ++k) {
       const std::string_view word = cut_word(rest);
       if (!std::isnan(to_float_or_nan(to_number(word).value_or(kNotANumber)))) continue;
-      message = in_quotes(word) + ", not a finite number";
+      message = quote(word) + ", not a finite number";
       break;
     }
     told_positions_.emplace(place, std::pair(lines_.where(), std::move(message)));
@@ -338,7 +338,7 @@ class ObjReader {
     if (!position) {
       faults_.error(
           lines_.where(), "bad-index",
-          fmt::format("position {}, not one of the {} before it", in_quotes(part[0]), positions));
+          fmt::format("position {}, not one of the {} before it", quote(part[0]), positions));
       return false;
     }
     out.position = *position;
@@ -393,7 +393,7 @@ class ObjReader {
     for (std::size_t m = 0; m < known_.size(); ++m) {
       if (known_[m]) continue;
       warn(out_, source_.name, "", "missing-material",
-           fmt::format("material {} is in no .mtl", in_quotes(mesh_.mesh.materials[m].name)));
+           fmt::format("material {} is in no .mtl", quote(mesh_.mesh.materials[m].name)));
     }
   }
   /// One name with blanks, or several names: the format leaves it open.

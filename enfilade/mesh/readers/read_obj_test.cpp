@@ -7,6 +7,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/mesh/read_mesh.h"
+#include "enfilade/mesh/readers/reader.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::mesh::readers {
@@ -49,6 +50,26 @@ TEST(ReadObj, LeavesOutListsThatNoFaceUses) {
   const Mesh m = parse(std::string(kCorners) + "vt 0 0\nvn 0 0 1\nf 1 2 3\n").mesh;
   EXPECT_THAT(m.texture_points, IsEmpty());
   EXPECT_THAT(m.normals, IsEmpty());
+}
+
+// A polygon that goes round four points a million times took 33 s of tracing rays: half of its
+// triangles lie on each other.
+TEST(ReadObj, DropsCopiesOfATriangleBeyondTheSixtyFourth) {
+  std::string face = "f";
+  for (int k = 0; k < 4000; ++k) face += " " + std::to_string(k % 4 + 1);
+  const ReadResult r = parse(kCorners + face + "\nf 1 2 3\n");
+  EXPECT_LE(r.mesh.triangles.size(), 5 * kMostCopies);
+  EXPECT_EQ(r.mesh.triangle_material.size(), r.mesh.triangles.size());
+  EXPECT_THAT(codes(r), ElementsAre("degenerate-triangles", "repeated-triangles"));
+  // As many of each as exporters may write, and more of different materials.
+  std::string twice = kCorners;
+  for (std::uint32_t k = 0; k < kMostCopies; ++k) twice += "f 1 2 3\nf 1 3 4\n";
+  twice += "g other\nf 1 2 3\nf 1 3 4\n";
+  EXPECT_EQ(parse(twice).mesh.triangles.size(), 2 * kMostCopies + 2);
+  const ReadResult more =
+      parse(twice + "vt 0.5 0.5\nf 1/1 2/1 3/1\ng\nf 3 4 1\nf 1 2 3\nf 1 2 3\n");
+  EXPECT_EQ(more.mesh.triangles.size(), 2 * kMostCopies + 4);
+  EXPECT_EQ(more.mesh.texture_points.size(), more.mesh.triangles.size());
 }
 
 TEST(ReadObj, LargePolygonsAreFans) {

@@ -294,9 +294,9 @@ namespace {
 void read_textures(const File& ply, const Source& source, ReadResult& out) {
   if (ply.textures.empty() || out.mesh.texture_points.empty()) {
     if (!ply.textures.empty()) {
-      warn(out, source.name, "", "left-out",
-           fmt::format("texture {}: no texture coordinates are there",
-                       in_quotes(ply.textures.front())));
+      warn(
+          out, source.name, "", "left-out",
+          fmt::format("texture {}: no texture coordinates are there", quote(ply.textures.front())));
     } else if (!out.mesh.texture_points.empty()) {
       warn(out, source.name, "", "left-out",
            "texture coordinates: no line \"comment TextureFile NAME\" names their picture");

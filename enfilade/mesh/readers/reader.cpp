@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <system_error>
+#include <unordered_map>
 #include <utility>
 
 #include "enfilade/core/file.h"
@@ -95,7 +97,7 @@ std::string_view without_plus(std::string_view word) {
 }  // namespace
 
 Source::Part Source::find(std::string_view named, const std::filesystem::path& other) const {
-  if (!on_disk) throw FileError(fmt::format("{}: {} is not inside it", name, in_quotes(named)));
+  if (!on_disk) throw FileError(fmt::format("{}: {} is not inside it", name, quote(named)));
   std::string text(named);
   std::ranges::replace(text, '\\', '/');  // as programs for Windows write it
   const std::filesystem::path path(text);
@@ -115,11 +117,7 @@ Source::Part Source::find(std::string_view named, const std::filesystem::path& o
 }
 
 std::string read_part(const std::filesystem::path& path) {
-  std::error_code code;
-  // Reading a pipe or a device that an untrusted file names could block for ever.
-  if (std::filesystem::exists(path, code) && !std::filesystem::is_regular_file(path, code)) {
-    throw FileError(path.string() + ": cannot read: not a plain file");
-  }
+  check_plain_file(path);  // an untrusted file names it
   return read_file(path);
 }
 
@@ -140,7 +138,7 @@ void note_moved(ReadResult& result, const std::string& file, const std::string& 
   if (part.as_named) return;
   constexpr std::size_t kMost = 200;
   note(result, file, where, "moved-file",
-       fmt::format("{:?} is read from {}", named.substr(0, kMost), part.path.string()));
+       fmt::format("{} is read from {}", quote(named, kMost), part.path.string()));
 }
 
 void warn(ReadResult& result, const std::string& file, const OddValues& odd, std::string code,
@@ -159,9 +157,10 @@ image::Image8 TextureDecoder::decode(std::string_view bytes, const std::string& 
                              : jpeg ? image::jpeg_shape(raw, file)
                                     : image::png_shape(raw, file);
   take(shape.width, shape.height, file);
-  image::Photo photo = webp ? image::upright_by_exif(decode_webp(bytes, file),
-                                                     image::bytes_of(webp_exif(bytes)), file)
-                            : image::decode_photo(raw, file);
+  constexpr std::uint64_t kMost = image::kMostPhotoPixels;
+  image::Photo photo = webp ? image::upright_by_exif(decode_webp(bytes, file, kMost),
+                                                     image::bytes_of(webp_exif(bytes)), shape, file)
+                            : image::decode_photo(raw, file, kMost);
   const bool fresh = noted_.insert(file).second;
   for (Diagnostic& d : photo.findings) {
     if (fresh && d.code != "bad-sphere") result.warnings.push_back(std::move(d));
@@ -223,6 +222,51 @@ Mesh MeshCollector::finish() {
     }
   }
   return std::move(mesh);
+}
+
+std::size_t drop_copies(Mesh& mesh) {
+  const std::size_t count = mesh.triangles.size();
+  const std::size_t mask = std::bit_ceil(count + 1) - 1;
+  const auto hash = [&](std::size_t t) {
+    std::uint64_t sum = mesh.triangle_material[t] + (std::uint64_t{object_of(mesh, t)} << 32U);
+    for (const std::uint32_t corner : mesh.triangles[t]) {
+      const Vec3f p = mesh.positions[corner];
+      for (const float value : {p.x, p.y, p.z}) {
+        sum = (sum ^ std::bit_cast<std::uint32_t>(value)) * 0x9E3779B97F4A7C15U;
+        sum ^= sum >> 32U;
+      }
+    }
+    return sum;
+  };
+  // Nearly every mesh ends here, after a count in a byte a triangle.
+  std::vector<std::uint8_t> alike(mask + 1);
+  for (std::size_t t = 0; t < count; ++t) {
+    std::uint8_t& n = alike[hash(t) & mask];
+    if (n <= kMostCopies) ++n;
+  }
+  if (std::ranges::max(alike) <= kMostCopies) return 0;
+  std::unordered_map<std::uint64_t, std::uint32_t> copies;
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < count; ++t) {
+    const std::uint64_t own = hash(t);
+    if (alike[own & mask] > kMostCopies && ++copies[own] > kMostCopies) continue;
+    const auto keep = [&](auto& list) {
+      if (!list.empty()) list[kept] = list[t];
+    };
+    keep(mesh.triangles);
+    keep(mesh.triangle_material);
+    keep(mesh.triangle_object);
+    keep(mesh.texture_points);
+    keep(mesh.normals);
+    ++kept;
+  }
+  const auto cut = [&](auto& list) { list.resize(std::min(list.size(), kept)); };
+  cut(mesh.triangles);
+  cut(mesh.triangle_material);
+  cut(mesh.triangle_object);
+  cut(mesh.texture_points);
+  cut(mesh.normals);
+  return count - kept;
 }
 
 std::optional<std::string_view> Lines::next() {
@@ -288,13 +332,6 @@ float to_float_or_nan(double value) {
 
 std::optional<std::int64_t> to_integer(std::string_view word) {
   return parse_number<std::int64_t>(without_plus(word));
-}
-
-std::string in_quotes(std::string_view word) {
-  constexpr std::size_t kMost = 40;
-  std::string out = fmt::format("{:?}", word.substr(0, kMost));
-  if (word.size() > kMost) out += "...";
-  return out;
 }
 
 void FaultList::error(std::string where, std::string code, std::string message) {

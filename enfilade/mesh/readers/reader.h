@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/mesh/read_mesh.h"
 
 namespace enfilade::mesh::readers {
@@ -116,6 +117,13 @@ class MeshCollector {
   bool any_texture_point_ = false, any_normal_ = false, any_object_ = false;
 };
 
+/// Triangles of one material and object with the same corners that are kept. Exporters write two,
+/// for two sides. No tree of boxes parts those of a file that repeats a triangle, so that each ray
+/// would meet all of them.
+inline constexpr std::uint32_t kMostCopies = 64;
+/// Drops those beyond kMostCopies, in linear time. \returns how many
+std::size_t drop_copies(Mesh& mesh);
+
 /// Iterates over the lines of a text; line ends are `\n` and `\r\n`, or `\r` if it is the only one.
 class Lines {
  public:
@@ -152,9 +160,6 @@ inline bool is_finite(Vec3f v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 std::optional<std::int64_t> to_integer(std::string_view word);
-
-/// The start of a word, quoted and escaped, for messages.
-std::string in_quotes(std::string_view word);
 
 /// Faults of one file, at most 100: broken files have millions.
 class FaultList {

@@ -1,5 +1,6 @@
 #include "enfilade/mesh/readers/webp.h"
 
+#include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 
 #ifdef EN_WITH_WEBP
@@ -54,12 +55,25 @@ image::Shape webp_shape(std::string_view bytes, const std::string& file) {
           found.has_alpha != 0 ? 4U : 3U};
 }
 
-image::Image8 decode_webp(std::string_view bytes, const std::string& file) {
+image::Image8 decode_webp(std::string_view bytes, const std::string& file, std::uint64_t most) {
   const image::Shape shape = webp_shape(bytes, file);
-  image::Image8 out(shape.width, shape.height, shape.channels);
-  const auto decode = shape.channels == 4 ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
-  if (decode(raw(bytes), bytes.size(), out.pixels.data(), out.pixels.size(),
-             static_cast<int>(shape.width * shape.channels)) == nullptr) {
+  const unsigned halvings = image::halvings_to(shape.width, shape.height, most);
+  constexpr int kLossy = 1;  // WebPBitstreamFeatures::format
+  if (halvings > 0 && features_of(bytes, file).format != kLossy) {
+    image::refuse_whole("a lossless WebP picture", shape.width, shape.height, most, file);
+  }
+  image::Image8 out(image::halved(shape.width, halvings), image::halved(shape.height, halvings),
+                    shape.channels);
+  WebPDecoderConfig config;
+  EN_CHECK(WebPInitDecoderConfig(&config) != 0);
+  config.options.use_scaling = halvings > 0 ? 1 : 0;
+  config.options.scaled_width = static_cast<int>(out.width);
+  config.options.scaled_height = static_cast<int>(out.height);
+  config.output.colorspace = shape.channels == 4 ? MODE_RGBA : MODE_RGB;
+  config.output.is_external_memory = 1;
+  config.output.u.RGBA = {out.pixels.data(), static_cast<int>(out.width * out.channels),
+                          out.pixels.size()};
+  if (WebPDecode(raw(bytes), bytes.size(), &config) != VP8_STATUS_OK) {
     refuse(file, "", "bad-picture", "a damaged WebP picture");
   }
   return out;
@@ -74,7 +88,7 @@ image::Shape webp_shape(std::string_view, const std::string& file) {
          "a WebP picture, and this build is without libwebp (libwebp-dev)");
 }
 
-image::Image8 decode_webp(std::string_view bytes, const std::string& file) {
+image::Image8 decode_webp(std::string_view bytes, const std::string& file, std::uint64_t) {
   webp_shape(bytes, file);
   return {};
 }

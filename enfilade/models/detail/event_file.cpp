@@ -1,5 +1,6 @@
 #include "enfilade/models/detail/event_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <array>
 #include <bit>
@@ -109,8 +110,11 @@ namespace {
 
 }  // namespace
 
-AppendFile::AppendFile(const std::filesystem::path& path)
-    : path_(path), file_(std::fopen(path.c_str(), "ab")) {
+AppendFile::AppendFile(const std::filesystem::path& path) : path_(path) {
+  const int file =
+      ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (file < 0) fail(path_, errno);
+  file_.reset(::fdopen(file, "ab"));
   if (!file_) fail(path_, errno);
 }
 

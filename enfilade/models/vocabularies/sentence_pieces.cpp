@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/utf8.h"
 #include "enfilade/models/subwords.h"
 
@@ -394,8 +395,8 @@ void check_beginning(const ModelFile& model, const std::string& origin) {
       continue;
     }
     refuse(origin, fmt::format("$.pieces[{}]", k), "other-pieces",
-           fmt::format("{:?}, not {:?}, as XLM-R's begin",
-                       k < model.pieces.size() ? model.pieces[k].text : "", name));
+           fmt::format("{}, not {}, as XLM-R's begin",
+                       quote(k < model.pieces.size() ? model.pieces[k].text : ""), quote(name)));
   }
 }
 
@@ -413,7 +414,7 @@ Subwords Subwords::parse_sentence_pieces(std::string_view bytes, const std::stri
     const auto number = static_cast<std::uint32_t>(id);
     if (pieces->ids.emplace(pieces->names[id], number).second) continue;
     refuse(origin, fmt::format("$.pieces[{}]", id - kShift), "repeated-piece",
-           fmt::format("{:?} stands in it twice", pieces->names[id]));
+           fmt::format("{} stands in it twice", quote(pieces->names[id])));
   }
   pieces->begin = 0;
   pieces->pad = 1;

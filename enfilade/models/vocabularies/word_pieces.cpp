@@ -182,7 +182,7 @@ class Reader {
       if (line.ends_with('\r')) line.remove_suffix(1);
       if (line.empty()) fault(pieces, "empty-line", "no piece");
       if (!simdjson::validate_utf8(line))
-        fault(pieces, "not-utf8", fmt::format("{:?}, not UTF-8", line));
+        fault(pieces, "not-utf8", fmt::format("{}, not UTF-8", quote(line)));
       pieces.longest = std::max(pieces.longest, line.size());
       pieces.names.emplace_back(line);
     }
@@ -191,7 +191,7 @@ class Reader {
           pieces.ids.emplace(pieces.names[id], static_cast<std::uint32_t>(id));
       if (fresh || pieces.names[id].empty()) continue;
       add(fmt::format("line {}", id + 1), "repeated-piece",
-          fmt::format("{:?} stands on line {} already", pieces.names[id], first->second + 1));
+          fmt::format("{} stands on line {} already", quote(pieces.names[id]), first->second + 1));
     }
   }
 

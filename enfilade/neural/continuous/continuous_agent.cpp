@@ -11,7 +11,7 @@
 
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/neural/continuous/episode_file.h"
@@ -233,8 +233,7 @@ class CeLearner : public core::NetworkLearner<CeNetwork> {
     const auto walks = run(walker, episodes, config().seed);
     const fs::path file = files.results(episodes.split);
     if (ranks().is_first()) {
-      make_folder(file.parent_path());
-      write_file_atomically(file, to_json(walks, episodes, tasks::ContinuousForm::kR2r));
+      write_file(files, file, to_json(walks, episodes, tasks::ContinuousForm::kR2r));
     }
     models::EvaluationRecord record = measured(walks, episodes);
     record.loss = mean_loss(walker.walks(), read_all(episodes, words(), config().network));
@@ -336,8 +335,8 @@ class CeLearner : public core::NetworkLearner<CeNetwork> {
     run(walker, episodes, Rng(config().seed, sets_).next());
     std::vector<RecordedEpisode> walks = walker.walks();
     for (std::size_t i = 0; i < walks.size(); ++i) walks[i].episode = chosen[i];
-    make_folder(file.parent_path());
-    write_episodes(file, walks, weights);
+    const OutputFolder out(file.parent_path());
+    write_episodes(out.file(file.filename().string()), walks, weights);
   }
 
   const std::vector<std::vector<std::size_t>>& order(const UpdatePlace& place) {

@@ -1,6 +1,7 @@
 #include "enfilade/neural/core/batches.h"
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/models/decisions.h"
 
@@ -83,8 +84,8 @@ void write_decisions(Ranks& ranks, const SplitRollout& options,
     const std::string& name = episodes.episodes[i].instruction_id;
     all.emplace_back(name, std::move(found.at(name)));
   }
-  make_folder(options.attention.parent_path());
-  write_file_atomically(options.attention, models::decisions_json(all));
+  OutputFolder(options.attention.parent_path())
+      .write(options.attention.filename().string(), models::decisions_json(all));
 }
 
 }  // namespace enfilade::neural::core

@@ -6,7 +6,7 @@
 #include "enfilade/agents/simple_agents.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/models/decisions.h"
 #include "enfilade/neural/core/batches.h"
 #include "enfilade/tasks/score_table.h"
@@ -150,17 +150,17 @@ double compute_loss(Network& network, const PreparedSplit& split, const LossOpti
 void write_rollout(const std::filesystem::path& results, const std::filesystem::path& attention,
                    const GreedyRollout& walk, const PreparedSplit& split,
                    const tasks::Vocabulary& vocabulary, std::size_t attention_episodes) {
-  make_folder(results.parent_path());
-  write_file_atomically(results, to_json(walk.trajectories, split.episodes));
+  OutputFolder(results.parent_path())
+      .write(results.filename().string(), to_json(walk.trajectories, split.episodes));
   if (attention.empty()) return;
-  make_folder(attention.parent_path());
   std::vector<std::pair<std::string, models::EpisodeAttention>> shown;
   for (const std::size_t i :
        models::shown_episodes(walk.trajectories, split.episodes, attention_episodes)) {
     shown.emplace_back(split.episodes.episodes[i].instruction_id,
                        episode_attention(walk, i, split, vocabulary));
   }
-  write_file_atomically(attention, models::attention_json(shown));
+  OutputFolder(attention.parent_path())
+      .write(attention.filename().string(), models::attention_json(shown));
 }
 
 R2rEnvironment::R2rEnvironment(const tasks::EpisodeSet& episodes,

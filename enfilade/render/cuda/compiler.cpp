@@ -11,6 +11,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/render/cuda/driver.h"
 
 namespace enfilade::render::cuda {
@@ -164,8 +165,8 @@ std::string Images::find_or_compile(const KernelSource& source, int capability) 
   const std::string all =
       fmt::format("{} {} {}", kKernels, fmt::join(source.definitions, " "), capability);
   const auto hash = XXH3_128bits(all.data(), all.size());
-  const std::filesystem::path file =
-      folder_ / fmt::format("{:016x}{:016x}.cubin", hash.high64, hash.low64);
+  const std::string name = fmt::format("{:016x}{:016x}.cubin", hash.high64, hash.low64);
+  const std::filesystem::path file = folder_ / name;
   if (!folder_.empty()) {
     try {
       if (file_exists(file)) return read_file(file);
@@ -175,8 +176,7 @@ std::string Images::find_or_compile(const KernelSource& source, int capability) 
   std::string image = Compiler().compile(source, capability).image;
   if (!folder_.empty()) {
     try {
-      make_folder(folder_);
-      write_file_atomically(file, image);
+      OutputFolder(folder_).write(name, image);
     } catch (const FileError&) {  // the next process compiles, too
     }
   }

@@ -12,6 +12,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/draw/planned_goal.h"
@@ -76,8 +77,8 @@ std::string action_between(const tasks::TrajectoryPoint& a, const tasks::Traject
 ViewpointIndex find_viewpoint(const graph::NavGraph& graph, const std::string& name) {
   const auto v = graph.find(name);
   if (!v) {
-    throw LookupError(fmt::format("attention: {} has no viewpoint {:?}; the file is of other data",
-                                  graph.scan(), name));
+    throw LookupError(fmt::format("attention: {} has no viewpoint {}; the file is of other data",
+                                  graph.scan(), quote(name)));
   }
   return *v;
 }

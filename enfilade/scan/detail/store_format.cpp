@@ -9,6 +9,8 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/mapped_file.h"
+#include "enfilade/core/names.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/image/face_cells.h"
 #include "enfilade/scan/store.h"
 
@@ -96,9 +98,7 @@ Parts split_parts(image::Bytes bytes, const Header& header, const std::string& f
 }
 
 std::string_view name_at(image::Bytes names, std::uint64_t offset, std::uint64_t size) {
-  if (size == 0 || size > kLongestName || offset > names.size() || size > names.size() - offset) {
-    return {};
-  }
+  if (size == 0 || offset > names.size() || size > names.size() - offset) return {};
   return {reinterpret_cast<const char*>(names.data()) + offset, size};
 }
 
@@ -107,8 +107,8 @@ std::string fault_of(const ViewpointRow& row, std::string_view name) {
   if (name.empty()) return "its id lies outside the names";
   if (row.included > 1) return fmt::format("included is {}, not 0 or 1", row.included);
   for (const double metres : row.position) {
-    // As in connectivity files: positions are also kept in single precision.
-    if (!(std::abs(metres) <= 1e30)) return fmt::format("{} is no position in metres", metres);
+    if (!(std::abs(metres) <= kMostMetres))
+      return fmt::format("{} is no position in metres", metres);
   }
   return {};
 }
@@ -215,8 +215,8 @@ Catalogue read_catalogue(image::Bytes bytes, const std::string& file) {
   const Parts parts = split_parts(bytes, result.header, file);
   result.graph = parts.graph;
   result.scan = name_at(parts.names, 0, result.header.scan_bytes);
-  if (!is_scan_id(result.scan)) {
-    refuse(file, "catalogue", "bad-index", fmt::format("{:?} is no scan id", result.scan));
+  if (std::string fault = fault_of_id(result.scan); !fault.empty()) {
+    refuse(file, "catalogue", "bad-id", std::move(fault));
   }
   // As Connectivity, since poses_of() checks the rotations.
   Connectivity rows{result.scan, file, {}};
@@ -227,9 +227,12 @@ Catalogue read_catalogue(image::Bytes bytes, const std::string& file) {
         result.faces.emplace_back(read_at<FaceEntries>(parts.faces, i * sizeof(FaceEntries)));
     const std::string_view name = name_at(parts.names, row.name_offset, row.name_bytes);
     std::string fault = fault_of(row, name);
-    if (fault.empty() && !seen.insert(name).second) fault = fmt::format("{:?} stands twice", name);
+    if (fault.empty() && !seen.insert(name).second)
+      fault = fmt::format("{} stands twice", quote(name));
     if (fault.empty()) fault = fault_of(row.sizes, faces, result.header.catalogue);
-    if (!fault.empty()) refuse(file, fmt::format("viewpoint {}", i), "bad-index", fault);
+    const std::string where = fmt::format("viewpoint {}", i);
+    if (!fault.empty()) refuse(file, where, "bad-index", fault);
+    if (fault = fault_of_id(name); !fault.empty()) refuse(file, where, "bad-id", fault);
     const auto& [x, y, z] = row.position;
     rows.entries.push_back({.id = std::string(name),
                             .pose = pose_matrix({row.world_from_panorama}, {x, y, z}),

@@ -21,7 +21,6 @@ namespace enfilade::scan::detail {
 inline constexpr std::array<char, 8> kMagic{'\x89', 'E', 'N', 'F', '\r', '\n', '\x1a', '\n'};
 inline constexpr std::array<char, 8> kRecordMagic{'P', 'A', 'N', 'O', 'R', 'A', 'M', 'A'};
 inline constexpr std::uint32_t kByteOrder = 0x01020304;
-inline constexpr std::uint32_t kLongestName = 255;
 inline constexpr std::uint64_t kLargestGraph = std::uint64_t{1} << 30;
 
 /// At byte 0. Written last: until then `file_bytes` is 0.

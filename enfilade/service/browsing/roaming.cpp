@@ -145,10 +145,7 @@ bool is_split(const Site& site, const std::string& name) {
          });
 }
 
-std::size_t bytes_of_episodes(const std::shared_ptr<const tasks::ContinuousEpisodes>& episodes) {
-  constexpr std::size_t kEach = 4096;  // texts, tokens, paths
-  return 1 + kEach * episodes->episodes.size();
-}
+constexpr std::size_t kEpisodeBytes = 4096;  // texts, tokens, paths
 
 }  // namespace
 
@@ -169,7 +166,9 @@ std::set<std::string, std::less<>> scans_to_roam(const Site& site) {
 Roaming::Roaming(std::shared_ptr<const Site> site)
     : site_(std::move(site)),
       meshes_(kMostMeshBytes, [](const Packed& packed) { return packed.gzip->size(); }),
-      episodes_(kMostEpisodeBytes, bytes_of_episodes) {}
+      episodes_(kMostEpisodeBytes, [](const Read& read) {
+        return 1 + kEpisodeBytes * read.episodes->episodes.size();
+      }) {}
 
 Roaming::Packed Roaming::mesh(ScanIndex scan) {
   return meshes_.get(scan, [&] { return make_mesh(scan); });
@@ -230,11 +229,12 @@ ordered_json Roaming::episodes_json(const std::string& split, const EpisodeFilte
   if (!is_split(*site_, split)) {
     throw detail::Refusal(detail::Reason::kNotFound, "no split of this name");
   }
-  const Episodes episodes = episodes_.get(split, [&] {
+  const Read read = episodes_.get(split, [&] {
     try {
-      return dataset::Dataset(site_->folder())
-          .split(*setup().benchmark, split, {.experts = false})
-          .continuous();
+      const auto found = dataset::Dataset(site_->folder())
+                             .split(*setup().benchmark, split, {.experts = false})
+                             .continuous();
+      return Read{found, site_->find_shared(goal_keys(*found, site_->graphs())).keys.tells()};
     } catch (const FileError&) {  // its message names folders of this machine
       throw detail::Refusal(
           detail::Reason::kNotFound,
@@ -242,7 +242,8 @@ ordered_json Roaming::episodes_json(const std::string& split, const EpisodeFilte
                       split));
     }
   });
-  const bool with_goals = shows_goals(*site_, split);
+  const Episodes& episodes = read.episodes;
+  const bool with_goals = !read.tells && shows_goals(*site_, split);
   std::int64_t matching = 0;
   const bool hidden = !with_goals || goals_hidden(*episodes);
   auto list = ordered_json::array();

@@ -68,18 +68,22 @@ class Roaming {
   /// \throws Refusal kNotFound, with the remedy, if there is none; as load_navigation_mesh()
   nlohmann::ordered_json floor_json(ScanIndex scan) const;
   /// A page of a split's episodes of R2R-CE; without goals, paths and distances where the site
-  /// hides those of R2R's split of that name.
+  /// hides those of R2R's split of that name, or where they are secret in a phase.
   /// \throws Refusal kNotFound if there is no such file; InvalidInput for a broken one
   nlohmann::ordered_json episodes_json(const std::string& split, const EpisodeFilter& filter);
 
  private:
   using Episodes = std::shared_ptr<const tasks::ContinuousEpisodes>;
+  struct Read {
+    Episodes episodes;
+    bool tells = false;  // secret goals
+  };
   Packed make_mesh(ScanIndex scan);
 
   std::shared_ptr<const Site> site_;
   std::mutex making_;  // of meshes
   detail::OnceCache<ScanIndex, Packed> meshes_;
-  detail::OnceCache<std::string, Episodes> episodes_;
+  detail::OnceCache<std::string, Read> episodes_;
 };
 
 }  // namespace enfilade::service::browsing

@@ -142,7 +142,7 @@ class Reader {
     const Fields fields(element, path, faults_, {"question", "choices", "accept"});
     Question question;
     question.stage = stage;
-    if (!fields.complete()) return question;
+    if (!fields.refuse_others() || !fields.complete()) return question;
     question.text = fields.text("question", is_question, "1 to 1000 characters");
     constexpr const char* kRule = "1 to 200 printable characters";
     question.choices = fields.texts("choices", kMostChoices, is_choice, kRule);
@@ -172,7 +172,7 @@ class Reader {
     const Fields fields(element, path, faults_, {"kind"},
                         {"origins", "completion_code", "screen_out_code"});
     Platform platform;
-    if (!fields.complete()) return platform;
+    if (!fields.refuse_others() || !fields.complete()) return platform;
     platform.kind = one_of<PlatformKind>(fields, "kind");
     if (platform.kind == PlatformKind::kMturk) {
       platform.origins = fields.has("origins")
@@ -223,7 +223,7 @@ class Reader {
     }
     const Fields fields(element, path, faults_, {"split"},
                         {"paths", "most", "practice", "objects"});
-    if (!fields.complete()) return;
+    if (!fields.refuse_others() || !fields.complete()) return;
     practice_ = fields.boolean("practice");
     const std::string split = fields.text("split", detail::is_name, kNameRule);
     most_ = static_cast<std::size_t>(fields.integer("most", 1, kMostItems, kMostItems));
@@ -242,7 +242,7 @@ class Reader {
   /// What workers wrote in a collection of descriptions: {"collection", "state", "most"}.
   void take_texts(Element element, const Path& path) {
     const Fields fields(element, path, faults_, {"collection"}, {"state", "most"});
-    if (!fields.complete()) return;
+    if (!fields.refuse_others() || !fields.complete()) return;
     const std::string name = fields.text("collection", detail::is_name, kNameRule);
     const auto is_choice = [](std::string_view text) {
       return text == "accepted" || text == "all";
@@ -275,8 +275,11 @@ class Reader {
       const tasks::Annotations annotations =
           has_target(kind_) ? kinds::parse_any(text, kCollectionFile, split)
                             : tasks::parse_annotations(text, kCollectionFile, split);
-      tasks::look_up_paths(annotations, site_.graphs());
-      add_annotations(annotations, path, false);
+      const auto found = tasks::look_up_paths(annotations, site_.graphs());
+      // How near a worker comes to a secret goal is not told, whoever brought the path.
+      const GoalKeys keys = goal_keys(found, annotations.task, site_.graphs());
+      add_annotations(annotations, path,
+                      is_followed(kind_) && site_.find_shared(keys).keys.tells());
     } catch (const InvalidInput& error) {
       for (Diagnostic fault : error.diagnostics()) {  // their JSON paths begin at the list of paths
         fault.where =
@@ -417,13 +420,15 @@ class Reader {
 
 NewCollection read_new_collection(const Site& site, store::Database& db, std::string_view body) {
   NewCollection added;
-  detail::read_body(body, kCollectionFile, detail::kCollectionLimits,
-                    {"name", "title", "kind", "consent", "instructions", "sources"},
-                    {"per_item", "lease_minutes", "tasks_per_visit", "pay", "minutes",
-                     "check_every", "platform", "seed", "screening", "checks", "language"},
-                    [&](const Fields& fields, json::Faults& faults) {
-                      added = Reader(site, db, faults).read(fields);
-                    });
+  detail::read_body(
+      body, kCollectionFile, detail::kCollectionLimits,
+      {"name", "title", "kind", "consent", "instructions", "sources"},
+      {"per_item", "lease_minutes", "tasks_per_visit", "pay", "minutes", "check_every", "platform",
+       "seed", "screening", "checks", "language"},
+      [&](const Fields& fields, json::Faults& faults) {
+        added = Reader(site, db, faults).read(fields);
+      },
+      detail::Others::kRefused);
   return added;
 }
 
@@ -447,19 +452,21 @@ Collection read_changed_collection(const Collection& collection, std::string_vie
       body, kCollectionFile, detail::kFormLimits, {},
       {"state", "title", "consent", "instructions", "completion_code", "screen_out_code",
        "per_item", "lease_minutes", "tasks_per_visit", "pay", "minutes", "check_every"},
-      read);
+      read, detail::Others::kRefused);
   return changed;
 }
 
 Collection read_copied_collection(const Collection& collection, std::string_view body) {
   Collection copy = collection;
-  detail::read_body(body, kCollectionFile, detail::kFormLimits, {"name"}, {"title"},
-                    [&copy](const Fields& fields, json::Faults& /*faults*/) {
-                      copy.name = fields.text("name", detail::is_name, kNameRule);
-                      if (fields.has("title")) {
-                        copy.title = fields.text("title", is_title, kTitleRule);
-                      }
-                    });
+  detail::read_body(
+      body, kCollectionFile, detail::kFormLimits, {"name"}, {"title"},
+      [&copy](const Fields& fields, json::Faults& /*faults*/) {
+        copy.name = fields.text("name", detail::is_name, kNameRule);
+        if (fields.has("title")) {
+          copy.title = fields.text("title", is_title, kTitleRule);
+        }
+      },
+      detail::Others::kRefused);
   copy.open = true;
   copy.archived.reset();
   copy.consent_changed = 0;

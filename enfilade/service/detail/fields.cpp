@@ -30,20 +30,21 @@ std::string read_text(json::Element element, const json::Path& path, TextCheck c
 
 void read_body(std::string_view body, const char* file, const json::Limits& limits,
                Fields::Names required, Fields::Names optional,
-               const std::function<void(const Fields&, json::Faults&)>& read) {
+               const std::function<void(const Fields&, json::Faults&)>& read, Others others) {
   const std::string excess = json::excess(body, limits);
   if (!excess.empty()) refuse(file, "$", "too-large", excess);
   const json::Document document = json::Document::parse(body, file);
   json::Faults faults(file);
   const json::Path root;
   const Fields fields(document.root(), root, faults, required, optional);
-  if (fields.complete()) read(fields, faults);
+  const bool known = others == Others::kIgnored || fields.refuse_others();
+  if (known && fields.complete()) read(fields, faults);
   faults.throw_if_errors();
 }
 
 Fields::Fields(json::Element element, const json::Path& path, json::Faults& faults, Names required,
                Names optional)
-    : path_(path), faults_(faults) {
+    : element_(element), path_(path), faults_(faults) {
   for (const std::string_view name : required) wanted_.push_back({name});
   for (const std::string_view name : optional) wanted_.push_back({name, false});
   found_.resize(wanted_.size());

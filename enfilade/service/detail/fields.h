@@ -30,13 +30,15 @@ class Fields {
   using Names = std::initializer_list<std::string_view>;
 
   /// Finds the fields. Reports required ones that are missing, fields that are there twice, and an
-  /// element that is no object; ignores fields of other names.
+  /// element that is no object; ignores fields of other names, unless refuse_others() is called.
   /// \pre path, faults, the names and the document of `element` outlive *this
   Fields(json::Element element, const json::Path& path, json::Faults& faults, Names required,
          Names optional = {});
 
   /// Whether the element is an object that has all required fields, and none of the fields twice.
   bool complete() const { return complete_; }
+  /// Reports fields of other names, as json::refuse_others(). False if it reported.
+  bool refuse_others() const { return json::refuse_others(element_, wanted_, path_, faults_); }
   /// Whether the field is there, with whatever value. \pre, here and below: the name is one of
   /// those of the constructor
   bool has(std::string_view name) const;
@@ -71,6 +73,7 @@ class Fields {
  private:
   const std::optional<json::Element>& find(std::string_view name) const;
 
+  json::Element element_;
   const json::Path& path_;
   json::Faults& faults_;
   std::vector<json::Field> wanted_;
@@ -88,11 +91,15 @@ inline constexpr json::Limits kWorkLimits{60'000, kMostLevels};
 /// A new collection: 100,000 paths with three instructions each, 23 values and keys per path.
 inline constexpr json::Limits kCollectionLimits{2'500'000, kMostLevels};
 
+/// Fields of other names in a body: programs send more than this version reads, people misspell.
+enum class Others { kIgnored, kRefused };
+
 /// Parses a request's body, an object, and reads it if it has all required fields, each once.
 /// \param file its name in messages
 /// \throws InvalidInput with all faults; "too-large" for a body beyond the limits
 void read_body(std::string_view body, const char* file, const json::Limits& limits,
                Fields::Names required, Fields::Names optional,
-               const std::function<void(const Fields&, json::Faults&)>& read);
+               const std::function<void(const Fields&, json::Faults&)>& read,
+               Others others = Others::kIgnored);
 
 }  // namespace enfilade::service::detail

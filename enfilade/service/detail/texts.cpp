@@ -8,7 +8,6 @@
 #include <openssl/rand.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <ctime>
 #include <span>
 
@@ -83,13 +82,6 @@ bool is_prose(std::string_view text, std::size_t most) {
   return is_text(text, most, TextKind::kProse);
 }
 
-std::string lower_case(std::string text) {
-  for (char& c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return text;
-}
-
 bool is_name(std::string_view text) { return is_made_of(text, kNameCharacters, kLongestName); }
 
 bool is_https_address(std::string_view text) {
@@ -106,23 +98,6 @@ bool is_https_address(std::string_view text) {
 
 bool is_external_id(std::string_view text) {
   return is_made_of(text, kIdCharacters, kLongestExternalId);
-}
-
-std::string decode_percent(std::string_view text) {
-  std::string decoded;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    unsigned char byte = 0;
-    const std::string_view digits = text.substr(k + 1, 2);
-    const char* const end = digits.data() + digits.size();
-    if (text[k] == '%' && digits.size() == 2 &&
-        std::from_chars(digits.data(), end, byte, 16).ptr == end) {
-      decoded += static_cast<char>(byte);
-      k += 2;
-    } else {
-      decoded += text[k];
-    }
-  }
-  return decoded;
 }
 
 std::string iso_time(std::int64_t seconds) {

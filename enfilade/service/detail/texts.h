@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "enfilade/net/texts.h"
+
 namespace enfilade::service::detail {
 
 /// Whether `text` may be a displayed name: of a team, a method, a worker. It is valid UTF-8 of 1 to
@@ -20,8 +22,7 @@ bool is_label(std::string_view text, std::size_t most);
 /// of all kinds are allowed anywhere. So are the invisible characters that some scripts need.
 bool is_prose(std::string_view text, std::size_t most);
 
-/// With a to z for A to Z; names of headers, codings and hosts are the same in any case.
-std::string lower_case(std::string text);
+using net::lower_case;
 
 /// Whether `text` may be a part of a URL: 1 to 40 of a-z, 0-9, - and _.
 bool is_name(std::string_view text);
@@ -34,8 +35,7 @@ bool is_https_address(std::string_view text);
 /// a-z, 0-9, - and _.
 bool is_external_id(std::string_view text);
 
-/// With the byte that each %HH stands for; a % without two digits stays as it is.
-std::string decode_percent(std::string_view text);
+using net::decode_percent;
 
 /// A time in UTC as in ISO 8601: "2026-11-21T16:15:09Z". \param seconds since 1970
 std::string iso_time(std::int64_t seconds);

@@ -224,6 +224,63 @@ TEST(SecretGoalsOfBenchmarks, HideThePathsOfR2rToo) {
       << "its joined texts tell where paths of R2R end";
 }
 
+/// What `serve` says of a phase whose goals have another split, or which has no public file.
+TEST(SecretGoalsOfBenchmarks, EpisodesAreThoseOfThePublicFile) {
+  Served served;
+  write_benchmarks(served.root(), {});
+  const auto said = [&served](const std::string& phase) {
+    served.stop();
+    return tests::refusal<InvalidInput>([&] { served.restart_with(phase); });
+  };
+  for (const Task task : kOtherTasks) {
+    const std::string_view name = tasks::benchmark(task).name;
+    const auto file = served.root() / fmt::format("secret-{}.json", name);
+    const std::string whole = read_file(file);
+    EXPECT_EQ(said(phase_of(task)), "accepted") << name;
+    // The same episodes but for the first one's id.
+    std::string other = whole;
+    const std::string id = task == Task::kSoon      ? R"("4-1")"
+                           : task == Task::kCvdn    ? R"("inst_idx":1)"
+                           : task == Task::kRxr     ? R"("instruction_id":1)"
+                           : task == Task::kReverie ? R"("id":"1")"
+                                                    : R"("path_id":1)";
+    const std::size_t at = other.find(id);
+    ASSERT_NE(at, std::string::npos) << name << whole;
+    other.insert(at + id.find('1'), "7");
+    write_file_atomically(file, other);
+    const std::string fault = said(phase_of(task));
+    EXPECT_THAT(fault, HasSubstr("[ids-differ]")) << name;
+    EXPECT_THAT(fault, HasSubstr("only here, such as \"")) << name;
+    EXPECT_THAT(fault, HasSubstr("only there, such as \"")) << name;
+    write_file_atomically(file, whole);
+    std::filesystem::remove(served.root() / "data" /
+                            tasks::episode_places(tasks::benchmark(task), "test").front());
+    EXPECT_THAT(said(phase_of(task)), HasSubstr("[no-public-file]")) << name;
+  }
+}
+
+TEST(SecretGoalsOfBenchmarks, TheTestSplitOfCvdnHasOneName) {
+  Served served;
+  write_benchmarks(served.root(), {});
+  const auto folder = served.root() / "data/cvdn";
+  std::filesystem::rename(folder / "test.json", folder / "test_cleaned.json");
+  const auto phase = [](const char* split) {
+    return fmt::format(
+        R"({{"name": "a", "split": "{}", "task": "cvdn", "annotations": "secret-cvdn.json"}})",
+        split);
+  };
+  for (const char* split : {"test", "test_cleaned"}) {
+    served.restart_with(phase(split));
+    const json splits = served.json("/api/v1/splits?task=cvdn").at("splits");
+    ASSERT_EQ(splits.size(), 1U) << splits;
+    EXPECT_EQ(splits[0].at("split"), "test");
+    for (const char* asked : {"test", "test_cleaned"}) {
+      EXPECT_EQ(served.get(fmt::format("/api/v1/splits/{}/episodes?task=cvdn", asked))->status,
+                200);
+    }
+  }
+}
+
 TEST(SecretGoalsOfBenchmarks, IdsThatNameTheObjectAreRefused) {
   Served served;
   write_benchmarks(served.root(), {});

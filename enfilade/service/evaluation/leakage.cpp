@@ -1,12 +1,10 @@
 #include "enfilade/service/evaluation/leakage.h"
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <iterator>
 #include <limits>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "enfilade/core/check.h"
 
@@ -31,13 +29,6 @@ constexpr double kMostMetres = 30;
 std::int64_t first_level(const Grid& grid) { return std::llround(grid.least / grid.step); }
 std::int64_t last_level(const Grid& grid) { return std::llround(grid.most / grid.step); }
 
-bool share_goals(const Phase* one, const Phase* other) {
-  if (!one->goals_secret() || !other->goals_secret()) return one == other;
-  if (one->split == other->split && share_paths(*one->benchmark, *other->benchmark)) return true;
-  std::error_code error;  // the files were read before; one that is gone now equals none
-  return std::filesystem::equivalent(one->annotations, other->annotations, error);
-}
-
 }  // namespace
 
 double ladder_bits(std::int64_t submissions, std::int64_t levels) {
@@ -50,9 +41,8 @@ double ladder_bits(std::int64_t submissions, std::int64_t levels) {
   return bits;
 }
 
-double row_bits(const Phase& phase, std::int64_t submissions) {
-  if (submissions == 0) return 0;
-  double bits = std::log2(static_cast<double>(submissions));
+double means_bits(const Phase& phase) {
+  double bits = 0;
   for (const tasks::Measure& measure : phase.measures()) {
     if (!measure.tells_goals) continue;
     bits += std::log2(static_cast<double>(grid_of(phase, measure).levels()));
@@ -60,9 +50,14 @@ double row_bits(const Phase& phase, std::int64_t submissions) {
   return bits;
 }
 
+double row_bits(double of_means, std::int64_t submissions) {
+  if (submissions == 0) return 0;
+  return std::log2(static_cast<double>(submissions)) + of_means;
+}
+
 double team_bits(const Phase& phase, std::int64_t submissions, bool ended) {
   if (!phase.goals_secret() || phase.scores == Scores::kHidden) return 0;
-  double bits = ended ? row_bits(phase, submissions) : 0;
+  double bits = ended ? row_bits(means_bits(phase), submissions) : 0;
   if (phase.scores == Scores::kLadder) {
     bits += ladder_bits(submissions, grid_of(phase, phase.primary_measure()).levels());
   }
@@ -75,30 +70,27 @@ double most_bits(const Phase& phase) {
   return phase.teams * team_bits(phase, *phase.per_team, true);
 }
 
-double used_bits(const Phase& phase, std::span<const std::int64_t> submissions, bool ended) {
-  double bits = 0;
-  for (const std::int64_t count : submissions) bits += team_bits(phase, count, ended);
-  return bits;
-}
-
 double goal_bits(const tasks::Split& split, const graph::GraphSet& graphs) {
   double bits = 0;
-  const auto add = [&bits](std::size_t possible) {
+  std::set<std::pair<std::string, std::size_t>> starts;
+  const auto add = [&](const graph::NavGraph& graph, ViewpointIndex start) {
+    if (!starts.emplace(graph.scan(), start.at()).second) return;
+    const std::size_t possible = count_in_reach(graph, start);
     if (possible > 0) bits += std::log2(static_cast<double>(possible));
   };
   if (const auto& episodes = split.on_graph()) {
+    std::set<std::size_t> games;  // of CVDN: later instances start elsewhere, and end there too
     for (const tasks::ReferencePath& path : episodes->paths) {
-      add(count_in_reach(episodes->graphs->graph(path.scan), path.viewpoints.front()));
+      if (episodes->task == tasks::Task::kCvdn && !games.insert(path.group).second) continue;
+      add(episodes->graphs->graph(path.scan), path.viewpoints.front());
     }
     return bits;
   }
-  std::set<std::string> seen;
   for (const tasks::ContinuousEpisode& episode : split.continuous()->episodes) {
-    if (!seen.insert(tasks::text_of(episode.trajectory_id)).second) continue;
     const graph::NavGraph& graph = graphs.graph(episode.scan());
     // They start on the floor under a viewpoint.
     const auto start = graph.nearest(to_float(episode.start));
-    if (start) add(count_in_reach(graph, *start));
+    if (start) add(graph, *start);
   }
   return bits;
 }
@@ -121,34 +113,6 @@ Grid grid_of(const Phase& phase, const tasks::Measure& measure) {
   // Errors begin at 0; a trajectory away from the goal has negative progress.
   const bool progress = measure.better == tasks::Better::kHigher;
   return {kMetresOfStep * phase.step, kMostMetres, progress ? -kMostMetres : 0};
-}
-
-SharedGoals::SharedGoals(const Site& site) {
-  for (const Phase& phase : site.phases()) {
-    const tasks::Split& split = site.secret_episodes(phase).split;
-    PhaseGroup joined{{&phase}, phase.goals_secret() ? goal_bits(split, site.graphs()) : 0};
-    const auto is_apart = [&phase](const PhaseGroup& group) {
-      return std::ranges::none_of(
-          group.phases, [&phase](const Phase* other) { return share_goals(&phase, other); });
-    };
-    // The phase may join groups that were apart so far.
-    const auto touched = std::stable_partition(groups_.begin(), groups_.end(), is_apart);
-    for (auto group = touched; group != groups_.end(); ++group) {
-      joined.phases.insert(joined.phases.end(), group->phases.begin(), group->phases.end());
-      joined.goal_bits = std::max(joined.goal_bits, group->goal_bits);
-    }
-    groups_.erase(touched, groups_.end());
-    std::ranges::sort(joined.phases);  // they lie in one vector
-    groups_.push_back(std::move(joined));
-  }
-}
-
-const SharedGoals::PhaseGroup& SharedGoals::of(const Phase& phase) const {
-  const auto found = std::ranges::find_if(groups_, [&phase](const PhaseGroup& group) {
-    return std::ranges::find(group.phases, &phase) != group.phases.end();
-  });
-  EN_CHECK(found != groups_.end());
-  return *found;
 }
 
 }  // namespace enfilade::service::evaluation

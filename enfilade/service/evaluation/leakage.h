@@ -16,12 +16,11 @@
 /// Left out, as they are not answers: the time that answers take, and communication between people.
 #pragma once
 #include <cstdint>
-#include <span>
-#include <vector>
 
+#include "enfilade/graph/graph_set.h"
 #include "enfilade/service/phases.h"
-#include "enfilade/service/site.h"
 #include "enfilade/tasks/scorer.h"
+#include "enfilade/tasks/split.h"
 
 namespace enfilade::service::evaluation {
 
@@ -47,8 +46,10 @@ Grid grid_of(const Phase& phase, const tasks::Measure& measure);
 /// \pre levels >= 1, submissions >= 0
 double ladder_bits(std::int64_t submissions, std::int64_t levels);
 
-/// Bits of a team's row at the end, the best of n submissions; 0 without submissions.
-double row_bits(const Phase& phase, std::int64_t submissions);
+/// Bits of a row of means at the end, without the choice of its submission.
+double means_bits(const Phase& phase);
+/// Bits of a team's row, the best of n submissions; 0 without submissions.
+double row_bits(double of_means, std::int64_t submissions);
 
 /// Bits of all answers to a team with n submissions.
 /// \param ended whether its row is shown too
@@ -59,35 +60,11 @@ double team_bits(const Phase& phase, std::int64_t submissions, bool ended);
 /// submissions each, to the end. +inf without such a limit.
 double most_bits(const Phase& phase);
 
-/// Bits of the answers so far. \param submissions per team, those that were scored
-double used_bits(const Phase& phase, std::span<const std::int64_t> submissions, bool ended);
-
-/// Bits that describe where all paths end, given the starts: the sum over paths of log2(viewpoints
-/// in reach of the path's start, without it). It counts all of them as equally likely; with
-/// knowledge of how the paths were drawn, fewer are enough. Other parts of a goal are not counted:
-/// objects, regions, turning points, boxes. Continuous episodes count the paths that they follow,
-/// each once: they end at viewpoints of the same graphs.
+/// Bits that describe where paths end, at least: the sum over different starts of log2(viewpoints
+/// in reach of the start, without it). So it depends on public data alone, and entries of one path
+/// (RxR) or game (CVDN) count once. It counts all viewpoints as equally likely; with knowledge of
+/// how the paths were drawn, fewer are enough. Other parts of a goal are not counted: objects,
+/// regions, turning points, boxes.
 double goal_bits(const tasks::Split& split, const graph::GraphSet& graphs);
-
-/// Which phases share their goals. Immutable: any thread.
-class SharedGoals {
- public:
-  struct PhaseGroup {
-    std::vector<const Phase*> phases;  ///< in the order of Site::phases()
-    double goal_bits = 0;              ///< leakage.h
-  };
-
-  /// Secret phases share their goals if they name one annotations file, by any path, or one split
-  /// of benchmarks that share their paths.
-  /// \pre site outlives *this
-  explicit SharedGoals(const Site& site);
-
-  /// The group that a phase is in; of open goals it is the phase alone. \pre phase is one of the
-  /// site's
-  const PhaseGroup& of(const Phase& phase) const;
-
- private:
-  std::vector<PhaseGroup> groups_;
-};
 
 }  // namespace enfilade::service::evaluation

@@ -69,25 +69,23 @@ TEST(Leakage, ARowGivesAwayWhichAndHowGood) {
   // Six shares on 0, 0.5, 1 are log2 3 bits each; metres on 0, 5, ... 30 are log2 7.
   Phase phase = secret_phase(Scores::kAfterEnd);
   phase.step = 0.5;
-  EXPECT_NEAR(row_bits(phase, 8), 3 + 6 * std::log2(3) + std::log2(7), kRounding);
-  EXPECT_EQ(row_bits(phase, 0), 0);
+  EXPECT_NEAR(means_bits(phase), 6 * std::log2(3) + std::log2(7), kRounding);
+  EXPECT_NEAR(row_bits(means_bits(phase), 8), 3 + 6 * std::log2(3) + std::log2(7), kRounding);
+  EXPECT_EQ(row_bits(means_bits(phase), 0), 0);
 }
 
 TEST(Leakage, WhatIsNotShownGivesNothingAway) {
-  const std::vector<std::int64_t> submissions{20, 3};
-  EXPECT_EQ(used_bits(secret_phase(Scores::kAfterEnd), submissions, false), 0);
-  EXPECT_EQ(used_bits(secret_phase(Scores::kHidden), submissions, true), 0);
+  EXPECT_EQ(team_bits(secret_phase(Scores::kAfterEnd), 20, false), 0);
+  EXPECT_EQ(team_bits(secret_phase(Scores::kHidden), 20, true), 0);
   EXPECT_EQ(most_bits(secret_phase(Scores::kHidden)), 0);
   EXPECT_EQ(most_bits(Phase{}), 0);  // of open goals there is nothing to give away
 }
 
-TEST(Leakage, TeamsAddUp) {
+TEST(Leakage, ALadderAndARowAddUp) {
   const Phase phase = secret_phase(Scores::kLadder);
-  const std::vector<std::int64_t> submissions{20, 3};
-  const double before = ladder_bits(20, 101) + ladder_bits(3, 101);
-  EXPECT_NEAR(used_bits(phase, submissions, false), before, kRounding);
-  EXPECT_NEAR(used_bits(phase, submissions, true),
-              before + row_bits(phase, 20) + row_bits(phase, 3), kRounding);
+  EXPECT_NEAR(team_bits(phase, 20, false), ladder_bits(20, 101), kRounding);
+  EXPECT_NEAR(team_bits(phase, 20, true), ladder_bits(20, 101) + row_bits(means_bits(phase), 20),
+              kRounding);
   EXPECT_NEAR(most_bits(phase), phase.teams * team_bits(phase, 20, true), kRounding);
 }
 
@@ -105,13 +103,17 @@ TEST(Leakage, AGoalIsAnyViewpointInReachOfItsStart) {
   std::vector<graph::NavGraph> graphs;
   graphs.emplace_back(graph);
   tasks::Annotations annotations{"test", "", {}};
-  for (std::int64_t id = 1; id <= 2; ++id) {
-    // Three instructions of a path have one goal.
-    annotations.paths.push_back(
-        {id, "scan", Radians(0), {"v0", "v1", "v2"}, 4.0, {"Walk.", "Go.", "Move."}});
+  for (std::int64_t id = 1; id <= 3; ++id) {
+    // Three instructions of a path have one goal, and so may two entries with one start.
+    annotations.paths.push_back({id,
+                                 "scan",
+                                 Radians(0),
+                                 {id == 3 ? "v3" : "v0", id == 3 ? "v0" : "v1"},
+                                 2.0,
+                                 {"Walk.", "Go.", "Move."}});
   }
   const auto episodes = tasks::make_episodes(annotations, graph::GraphSet::of(std::move(graphs)));
-  EXPECT_EQ(episodes.episodes.size(), 6U);
+  EXPECT_EQ(episodes.episodes.size(), 9U);
   EXPECT_NEAR(goal_bits(tasks::Split(episodes), *episodes.graphs), 2 * std::log2(3), kRounding);
   // The same as walks: two episodes of one path, which starts on the floor under v1.
   auto goals = std::make_shared<tasks::ContinuousEpisodes>();
@@ -165,7 +167,7 @@ TEST(Leakage, ARowOfAnotherBenchmarkHasItsColumns) {
   phase.primary = "gp";
   phase.step = 0.5;
   // SR, OSR and SPL on 0, 0.5, 1; metres of progress on -30, -25, ... 30.
-  EXPECT_NEAR(row_bits(phase, 8), 3 + 3 * std::log2(3) + std::log2(13), kRounding);
+  EXPECT_NEAR(means_bits(phase), 3 * std::log2(3) + std::log2(13), kRounding);
   phase.scores = Scores::kLadder;
   EXPECT_NEAR(team_bits(phase, 4, false), ladder_bits(4, 13), kRounding);
 }

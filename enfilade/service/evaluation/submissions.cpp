@@ -8,8 +8,8 @@
 
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/net/hosts.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/leakage.h"
@@ -111,7 +111,7 @@ std::string stored_address(store::Database& db, std::string_view address) {
     db.run("INSERT INTO secret (name, value) VALUES (?, ?)", kAddressKey, detail::new_secret(""));
     return db.get<std::string>(find, kAddressKey);
   });
-  return detail::keyed_hash(key, detail::address_group(address));
+  return detail::keyed_hash(key, net::address_group(address));
 }
 
 // \throws Refusal kRateLimited naming the limit that another submission would exceed; kForbidden
@@ -159,11 +159,12 @@ void accept_attempt(store::Database& db, std::int64_t attempt, std::int64_t subm
 
 }  // namespace
 
-Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report)
+Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report,
+                         Leaks leaks)
     : site_(std::move(site)),
       db_(db),
       report_(std::move(report)),
-      goals_(*site_),
+      ledger_(*site_, db, leaks),
       worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
 Receipt Submissions::receive(const Delivery& delivery, const std::string& results) {
@@ -276,35 +277,26 @@ bool Submissions::has_ended(const Phase& phase) const {
 bool Submissions::is_final(const Phase& phase) const {
   if (!phase.goals_secret() || phase.scores == Scores::kHidden || !has_ended(phase)) return false;
   return db_.transact([&] {
-    if (db_.find_number("SELECT count(*) FROM phase_end WHERE phase = ?", phase.name) != 0) {
-      return true;
+    if (db_.find_number("SELECT count(*) FROM phase_end WHERE phase = ?", phase.name) == 0) {
+      // Rows that change while the last files are scored would tell the scores of several of them.
+      if (!has_ended(phase) ||
+          db_.find_number("SELECT count(*) FROM submission WHERE phase = ? AND "
+                          "state = 'queued'",
+                          phase.name) != 0) {
+        return false;
+      }
+      db_.run("INSERT INTO phase_end (phase, at) VALUES (?, ?)", phase.name, db_.now());
     }
-    // Rows that change while the last files are scored would tell the scores of several of them.
-    if (!has_ended(phase) || db_.find_number("SELECT count(*) FROM submission WHERE phase = ? AND "
-                                             "state = 'queued'",
-                                             phase.name) != 0) {
-      return false;
-    }
-    db_.run("INSERT INTO phase_end (phase, at) VALUES (?, ?)", phase.name, db_.now());
+    ledger_.show_rows(phase);
     return true;
   });
 }
 
 Leakage Submissions::leakage(const Phase& phase) const {
-  const SharedGoals::PhaseGroup& group = goals_.of(phase);
-  Leakage all;
-  all.goals = group.goal_bits;
-  for (const Phase* one : group.phases) {
-    const auto scored = db_.select<std::int64_t>(
-        "SELECT count(*) FROM submission WHERE phase = ? AND score IS NOT NULL GROUP BY team",
-        one->name);
-    const double used = used_bits(*one, scored, is_final(*one));
-    all.used += used;
-    // More than the limits allow if they were larger once.
-    all.most += std::max(most_bits(*one), used);
-    all.phases.push_back(one->name);
+  for (const std::string& name : ledger_.together(phase)) {
+    if (const Phase* one = site_->find_phase(name)) is_final(*one);  // whoever asks now sees rows
   }
-  return all;
+  return ledger_.leakage(phase);
 }
 
 std::int64_t Submissions::count_near_copies(const Phase& phase) const {
@@ -366,9 +358,7 @@ bool Submissions::score_next() {
 void Submissions::store_score(std::int64_t id, const Phase& phase, const ScoredSubmission& judged) {
   std::optional<NearCopy> near;
   if (phase.goals_secret()) {
-    std::vector<std::string> names;
-    for (const Phase* one : goals_.of(phase).phases) names.push_back(one->name);
-    near = find_near_copy(db_, names, id, judged.ends);
+    near = find_near_copy(db_, ledger_.together(phase), id, judged.ends);
   }
   db_.transact([&] {
     std::optional<double> shown;
@@ -385,7 +375,8 @@ void Submissions::store_score(std::int64_t id, const Phase& phase, const ScoredS
         judged.score, db_.now(), shown, near ? std::optional(near->of) : std::nullopt,
         near ? std::optional(near->differing) : std::nullopt, id);
     if (phase.goals_secret()) {
-      db_.run("UPDATE submission SET ends = ? WHERE id = ?", store::Blob{judged.ends}, id);
+      db_.run("UPDATE submission SET ends = ?, rule = ? WHERE id = ?", store::Blob{judged.ends},
+              ledger_.rule_of(phase), id);
     }
   });
 }

@@ -20,7 +20,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/service/accounts/tokens.h"
-#include "enfilade/service/evaluation/leakage.h"
+#include "enfilade/service/evaluation/ledger.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/service/site.h"
 #include "enfilade/tasks/split.h"
@@ -116,14 +116,6 @@ struct Delivery {
   MethodLinks links;
 };
 
-/// How much is given away of the goals that a phase shares with others: see leakage.h.
-struct Leakage {
-  double most = 0;   ///< bits that the limits of all these phases allow, or used bits if more
-  double used = 0;   ///< bits so far
-  double goals = 0;  ///< bits of the goals themselves
-  std::vector<std::string> phases;  ///< names of the phases that share the goals
-};
-
 /// The answer to a results file.
 struct Receipt {
   Submission submission;
@@ -141,7 +133,9 @@ class Submissions {
   /// the others stay queued. \pre the database outlives *this
   /// \param report called by that thread when the database fails; it then waits, and tries again.
   /// Must not throw; may be empty
-  Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report = {});
+  /// \throws as Ledger
+  Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report = {},
+              Leaks leaks = Leaks::kRefused);
 
   /// Checks a whole results file and queues it. A repeated file of the same team, phase and method
   /// is one submission, so that a client may repeat a request without a response. It is not checked
@@ -176,6 +170,7 @@ class Submissions {
   bool is_final(const Phase& phase) const;
   /// \pre the goals are secret
   Leakage leakage(const Phase& phase) const;
+  const Ledger& ledger() const noexcept { return ledger_; }
   /// How many of the phase's submissions are near-copies.
   std::int64_t count_near_copies(const Phase& phase) const;
 
@@ -189,7 +184,7 @@ class Submissions {
   std::shared_ptr<const Site> site_;
   store::Database& db_;
   Report report_;
-  SharedGoals goals_;
+  Ledger ledger_;
   std::mutex checking_;
   std::mutex mutex_;
   std::condition_variable_any wake_;

@@ -221,17 +221,17 @@ Response work_response(RouteContext& context, const Request& request, std::int64
 }
 
 Response review(RouteContext& context, const Request& request) {
-  const ordered_json body = parse_object(request.body);
-  const auto verdict = find_enum<AssignmentState>(text_field(body, "verdict"));
-  const std::string reason = text_field(body, "reason", Presence::kOptional);
-  const std::string instruction = text_field(body, "instruction", Presence::kOptional);
+  Form form(request.body);
+  const auto verdict = find_enum<AssignmentState>(form.text("verdict"));
+  const std::string reason = form.text("reason", Presence::kOptional);
+  const std::string instruction = form.text("instruction", Presence::kOptional);
   const bool needs_reason = verdict == AssignmentState::kRejected;
   if (!needs_reason && verdict != AssignmentState::kAccepted) {
-    throw HttpError(400, "verdict: not \"accepted\" or \"rejected\"");
+    form.add_fault("verdict: not \"accepted\" or \"rejected\"");
+  } else if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
+    form.add_fault("reason: of a rejection, 1 to 500 printable characters; else none");
   }
-  if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
-    throw HttpError(400, "reason: of a rejection, 1 to 500 printable characters; else none");
-  }
+  form.check();
   if (!instruction.empty()) collecting::check_instruction(instruction, "$.instruction");
   const std::int64_t task = task_of(request);
   collecting::review(context.db, task, {*verdict, reason, instruction}, request.principal->name);

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "enfilade/core/enum_names.h"
-#include "enfilade/service/detail/hosts.h"
+#include "enfilade/net/hosts.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/submissions.h"
@@ -51,12 +51,13 @@ Response register_team(RouteContext& context, const Request& request) {
     if (!context.config.open_registration) {
       throw HttpError(403, "registration is closed: ask the organisers for a team");
     }
-    context.registrations.count(detail::address_group(request.address), context.db.now());
+    context.registrations.count(net::address_group(request.address), context.db.now());
   }
-  const ordered_json body = parse_object(request.body);
-  const std::string name = text_field(body, "name");
-  const accounts::NewTeam team =
-      accounts::add_team(context.db, name, text_field(body, "contact", Presence::kOptional));
+  Form form(request.body);
+  const std::string name = form.text("name");
+  const std::string contact = form.text("contact", Presence::kOptional);
+  form.check();
+  const accounts::NewTeam team = accounts::add_team(context.db, name, contact);
   if (organiser) accounts::set_approved(context.db, team.id, true);
   return json_response(
       {{"id", team.id}, {"name", name}, {"token", team.token}, {"approved", organiser}}, 201);
@@ -148,7 +149,8 @@ ordered_json limit_json(std::optional<int> most) {
 /// In whole bits, rounded up: a bound stays one.
 ordered_json bits_json(double bits) {
   constexpr double kTolerance = 1e-6;  // of sums of logarithms
-  return std::isfinite(bits) ? ordered_json(std::ceil(bits - kTolerance)) : ordered_json(nullptr);
+  if (!std::isfinite(bits)) return nullptr;
+  return std::ceil(bits - kTolerance) + 0.0;  // -0 becomes 0
 }
 
 ordered_json leakage_json(const evaluation::Leakage& leakage, bool organiser) {

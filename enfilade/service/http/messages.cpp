@@ -9,8 +9,8 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/net/hosts.h"
 #include "enfilade/service/detail/fields.h"
-#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/store/database.h"
@@ -119,11 +119,6 @@ Texts parse_query(std::string_view target) {
   return query;
 }
 
-std::string_view Request::header(std::string_view name) const {
-  const auto found = headers.find(name);
-  return found == headers.end() ? std::string_view{} : std::string_view(found->second);
-}
-
 const std::string& Request::parameter(std::string_view name) const {
   const auto found = parameters.find(name);
   EN_CHECK(found != parameters.end());
@@ -159,16 +154,6 @@ const accounts::Principal& Request::known_principal() const {
     throw HttpError(401, "this needs a token: Authorization: Bearer enfilade_...");
   }
   return *principal;
-}
-
-std::optional<std::string_view> Response::header(std::string_view name) const {
-  const auto found = std::ranges::find(headers, name, &std::pair<std::string, std::string>::first);
-  if (found == headers.end()) return std::nullopt;
-  return found->second;
-}
-
-void Response::add_header(std::string name, std::string value) {
-  headers.emplace_back(std::move(name), std::move(value));
 }
 
 Response shared_response(std::string type, std::shared_ptr<const std::string> body) {
@@ -260,6 +245,40 @@ std::string text_field(const ordered_json& object, const char* name, Presence pr
   return form_field(object, name, &ordered_json::is_string, "a text").get<std::string>();
 }
 
+Form::Form(const std::string& body) : object_(std::make_unique<ordered_json>(parse_object(body))) {}
+
+Form::~Form() = default;
+
+bool Form::has(const char* name) const { return object_->contains(name); }
+
+std::string Form::text(const char* name, Presence presence) {
+  try {
+    return text_field(*object_, name, presence);
+  } catch (const HttpError& error) {
+    add_fault(error.what());
+    return {};
+  }
+}
+
+std::int64_t Form::whole(const char* name, std::int64_t otherwise, std::int64_t least,
+                         std::int64_t most) {
+  const auto found = object_->find(name);
+  if (found == object_->end() || found->is_null()) return otherwise;
+  if (found->is_number_integer() && *found >= least && *found <= most) {
+    return found->get<std::int64_t>();
+  }
+  add_fault(fmt::format("{}: not a whole number from {} to {}", name, least, most));
+  return otherwise;
+}
+
+void Form::add_fault(std::string_view fault) {
+  faults_.append(faults_.empty() ? "" : "; ").append(fault);
+}
+
+void Form::check() const {
+  if (!faults_.empty()) throw HttpError(400, faults_);
+}
+
 bool accepts_gzip(const Request& request) {
   const std::string_view accepted = request.header("accept-encoding");
   return accepted.find("gzip") != std::string_view::npos &&
@@ -288,7 +307,7 @@ bool is_encrypted(const Request& request, const ServerConfig& config) {
 }
 
 std::string session_cookie(const Request& request, const ServerConfig& config) {
-  const auto host = detail::parse_host(request.header("host"));
+  const auto host = net::parse_host(request.header("host"));
   const bool with_port = host && !host->port.empty();
   return fmt::format("{}{}{}{}", is_encrypted(request, config) ? "__Host-" : "",
                      accounts::kSessionCookie, with_port ? "_" : "", with_port ? host->port : "");

@@ -13,35 +13,21 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/net/messages.h"
 #include "enfilade/service/accounts/tokens.h"
 #include "enfilade/service/server.h"
 
 namespace enfilade::service::http {
 
-using Texts = std::map<std::string, std::string, std::less<>>;
+using net::HttpError;  // refusals by rules of the service are detail::Refusal
+using net::Texts;
 
-/// A request that is wrong as a message of HTTP: its form, its size, its sender. Refusals by rules
-/// of the service are detail::Refusal.
-class HttpError : public Error {
- public:
-  HttpError(int status, const std::string& message) : Error(message), status_(status) {}
-  int status() const noexcept { return status_; }
-
- private:
-  int status_;
-};
-
-struct Request {
-  std::string method;  ///< "GET", "POST", "DELETE"; HEAD comes as GET
-  std::string path;    ///< decoded, without the query
-  Texts query;         ///< decoded; of repeated names the first
-  Texts headers;       ///< names in lower case
+struct Request : net::Request {
+  Texts query;  ///< decoded; of repeated names the first
   std::string body;
-  std::string address;                           ///< of the client
   Texts parameters;                              ///< of the route's pattern
   std::optional<accounts::Principal> principal;  ///< the sender, if identified
 
-  std::string_view header(std::string_view name) const;  ///< "" if absent
   /// \pre the route's pattern has {name}
   const std::string& parameter(std::string_view name) const;
   /// As parameter(), a whole number. \throws HttpError 404 with `missing` for any other text
@@ -63,17 +49,9 @@ struct Request {
 /// value may have more =, and % without two digits stays as it is.
 Texts parse_query(std::string_view target);
 
-struct Response {
-  int status = 200;
-  std::string type = "application/json";
-  /// Shared: faces and the pages' files are the same for everybody.
-  std::shared_ptr<const std::string> body = std::make_shared<const std::string>();
-  std::vector<std::pair<std::string, std::string>> headers;
+struct Response : net::Response {
   bool frameable = false;  ///< its own Content-Security-Policy lists the sites that may frame it
   std::string problem;     ///< of errors: the fault, for people; it may quote the request
-
-  std::optional<std::string_view> header(std::string_view name) const;
-  void add_header(std::string name, std::string value);
 };
 Response json_response(const nlohmann::ordered_json& json, int status = 200);
 Response text_response(std::string type, std::string text);
@@ -104,6 +82,31 @@ enum class Presence : std::uint8_t { kRequired, kOptional };
 /// A text of an object. \throws HttpError 400 if it is not a text, or is required and absent
 std::string text_field(const nlohmann::ordered_json& object, const char* name,
                        Presence presence = Presence::kRequired);
+
+/// The fields of a request's body. Faults are collected, so that a client gets all at once: a field
+/// with a fault reads as "" or `otherwise`.
+class Form {
+ public:
+  /// \throws HttpError as parse_object()
+  explicit Form(const std::string& body);
+  ~Form();
+  Form(const Form&) = delete;
+  Form& operator=(const Form&) = delete;
+
+  bool has(const char* name) const;
+  std::string text(const char* name, Presence presence = Presence::kRequired);
+  /// A whole number; `otherwise` for null and an absent field.
+  std::int64_t whole(const char* name, std::int64_t otherwise, std::int64_t least,
+                     std::int64_t most);
+  /// Adds a fault that the route found.
+  void add_fault(std::string_view fault);
+  /// \throws HttpError 400 with all faults, if there are any
+  void check() const;
+
+ private:
+  std::unique_ptr<nlohmann::ordered_json> object_;
+  std::string faults_;
+};
 
 // Headers of responses: security, compression, caching.
 

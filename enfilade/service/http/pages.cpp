@@ -55,13 +55,16 @@ const std::string& style_links() {
 constexpr std::array<std::string_view, names_of(store::Trouble{}).size()> kExplanations{
     "the disk of the database is full, or nearly so",
     "the database's file was moved or replaced; the server must be started again",
-    "the database cannot be read", "the database cannot be written",
-    "the database's server cannot be reached"};
+    "the database cannot be read",
+    "the database cannot be written",
+    "the database's server cannot be reached",
+    "a table of the database is missing"};
 
 Response health(RouteContext& context, const Request& /*request*/) {
   if (const auto trouble = context.health.trouble()) {
-    return error_response(503, enum_name(*trouble),
-                          kExplanations[static_cast<std::size_t>(*trouble)]);
+    std::string words(kExplanations[static_cast<std::size_t>(*trouble)]);
+    if (*trouble == store::Trouble::kTableMissing) words += ": " + context.health.missing_table();
+    return error_response(503, enum_name(*trouble), words);
   }
   return json_response({{"status", "ok"}});
 }

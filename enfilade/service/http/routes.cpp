@@ -11,7 +11,7 @@
 #include <ranges>
 #include <utility>
 
-#include "enfilade/service/detail/hosts.h"
+#include "enfilade/net/hosts.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/http/messages.h"
 
@@ -133,7 +133,7 @@ void RateLimit::count(const std::string& address, std::int64_t now) {
     std::erase_if(windows_, [minute](const auto& one) { return one.second.minute != minute; });
   }
   if (windows_.size() > kMostAddresses) windows_.clear();
-  Window& window = windows_[detail::address_group(address)];
+  Window& window = windows_[net::address_group(address)];
   if (window.minute != minute) window = {minute, 0};
   if (++window.count > most_) {
     throw HttpError(429, "too many attempts from this address; wait a minute");
@@ -188,6 +188,11 @@ std::uint64_t resident_bytes() {
 App::App(std::shared_ptr<const Site> site, ServerConfig config)
     : context_{std::move(site), std::move(config)},
       own_names_(context_.config.host, context_.config.public_names) {
+  if (context_.config.warn) {
+    for (const std::string& text : context_.submissions.ledger().warnings()) {
+      context_.config.warn(text);
+    }
+  }
   const std::size_t most_bytes = context_.config.most_submission_bytes;
   add_browsing_routes(router_);
   add_session_routes(router_);
@@ -201,7 +206,7 @@ App::App(std::shared_ptr<const Site> site, ServerConfig config)
 void App::check_host(const Request& request) const {
   const std::string_view text = request.header("host");
   if (text.empty()) return;  // HTTP/1.0, of monitors; browsers always send it
-  const auto host = detail::parse_host(text);
+  const auto host = net::parse_host(text);
   if (!host) throw HttpError(400, "Host: neither a name nor an address");
   if (own_names_.contains(*host)) return;
   throw HttpError(421, fmt::format("this server does not know that it is called {0}; if it is, "
@@ -220,8 +225,8 @@ void App::check_origin(const Request& request) const {
   // Browsers send Sec-Fetch-Site over TLS and to localhost only, Origin always. That is "null" for
   // some requests of our own pages, as they hide their origin.
   const std::string_view origin = request.header("origin");
-  const auto host = detail::parse_host(request.header("host"));
-  const bool own = (host && detail::is_same_site(origin, *host)) || own_names_.is_given(origin) ||
+  const auto host = net::parse_host(request.header("host"));
+  const bool own = (host && net::is_same_site(origin, *host)) || own_names_.is_given(origin) ||
                    (origin == "null" && site == "same-origin");
   if (!origin.empty() && !own) {
     throw HttpError(403, fmt::format("this page is of another site, {}; if it is this server's own "

@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/net/hosts.h"
 #include "enfilade/service/browsing/pictures.h"
 #include "enfilade/service/browsing/site_json.h"
-#include "enfilade/service/detail/hosts.h"
 #include "enfilade/service/evaluation/submissions.h"
 #include "enfilade/service/http/messages.h"
 #include "enfilade/service/server.h"
@@ -90,7 +90,9 @@ struct RouteContext {
   browsing::Faces faces{site->panoramas()};
   browsing::Stills stills{site};
   store::Health health{db, config.least_free_bytes, fault_log(config, "HEALTH", 503)};
-  evaluation::Submissions submissions{site, db, fault_log(config, "SCORE", 500)};
+  evaluation::Submissions submissions{
+      site, db, fault_log(config, "SCORE", 500),
+      config.accept_leak ? evaluation::Leaks::kAccepted : evaluation::Leaks::kRefused};
   browsing::Roaming roaming{site};
   sessions::Sessions arena_sessions{site, db};
   sessions::Replays replays{site, config.runs};
@@ -157,8 +159,7 @@ bool is_page(std::string_view path);  ///< whether page() has that page
 /// API's clients get JSON.
 void show_to_people(const Request& request, Response& error);
 
-/// Reads a request's body. \throws HttpError 413 if it has more than `most` bytes; 400, 408, 503
-using BodyReader = std::function<std::string(std::size_t most)>;
+using net::BodyReader;
 
 /// The routes, and their shared parts: access, errors as JSON, headers, compression, counting. All
 /// functions may be called from any thread.
@@ -180,7 +181,7 @@ class App {
   void identify(Request& request);
 
   RouteContext context_;
-  detail::OwnNames own_names_;
+  net::OwnNames own_names_;
   Router router_;
 };
 

@@ -28,31 +28,22 @@ Ticket ticket_of(const Request& request) {
   return {request.id("session", "there is no such session"), std::string(key)};
 }
 
-std::int64_t whole(const ordered_json& object, const char* name, std::int64_t otherwise,
-                   std::int64_t least, std::int64_t most) {
-  const auto found = object.find(name);
-  if (found == object.end() || found->is_null()) return otherwise;
-  if (!found->is_number_integer() || *found < least || *found > most) {
-    throw HttpError(400, fmt::format("{}: not a whole number from {} to {}", name, least, most));
-  }
-  return found->get<std::int64_t>();
-}
-
 Response begin(RouteContext& context, const Request& request) {
   context.begun_sessions.count(request.address, context.db.now());
-  const ordered_json body = parse_object(request.body);
+  Form form(request.body);
   sessions::NewSession wanted;
-  const std::string task = text_field(body, "task", Presence::kOptional);
+  const std::string task = form.text("task", Presence::kOptional);
   if (!task.empty()) wanted.task = task;
-  wanted.split = text_field(body, "split");
-  wanted.episode = text_field(body, "episode");
-  const auto limit = [&body](const char* name) -> std::optional<std::uint32_t> {
+  wanted.split = form.text("split");
+  wanted.episode = form.text("episode");
+  const auto limit = [&form](const char* name) -> std::optional<std::uint32_t> {
     constexpr std::int64_t kMost = 1000;
-    const std::int64_t given = whole(body, name, 0, 1, kMost);
+    const std::int64_t given = form.whole(name, 0, 1, kMost);
     return given == 0 ? std::nullopt : std::optional(static_cast<std::uint32_t>(given));
   };
   wanted.steps = limit("steps");
   wanted.mistakes = limit("mistakes");
+  form.check();
   const Ticket ticket = context.arena_sessions.begin(wanted);
   ordered_json out{{"key", ticket.key}};
   out.update(context.arena_sessions.state(ticket));
@@ -64,28 +55,29 @@ Response begin(RouteContext& context, const Request& request) {
 
 /// {"tool", "argument"?}, or {"answer"}: a model's words, of which the last line "Action: ..."
 /// counts.
-arena::Reading read_call(const ordered_json& body) {
-  if (body.contains("answer")) {
-    if (body.contains("tool")) throw HttpError(400, "answer, tool: one of them");
-    return arena::read_answer_text(text_field(body, "answer"));
+arena::Reading read_call(Form& form) {
+  if (form.has("answer")) {
+    if (form.has("tool")) form.add_fault("answer, tool: one of them");
+    return arena::read_answer_text(form.text("answer"));
   }
   arena::Reading reading;
   arena::Call& call = reading.call.emplace();
-  call.tool = text_field(body, "tool");
-  call.argument = text_field(body, "argument", Presence::kOptional);
+  call.tool = form.text("tool");
+  call.argument = form.text("argument", Presence::kOptional);
   for (const auto& [name, text] : {std::pair{"tool", &call.tool}, {"argument", &call.argument}}) {
     if (text->size() <= kLongestText) continue;
-    throw HttpError(400, fmt::format("{}: longer than {} bytes", name, kLongestText));
+    form.add_fault(fmt::format("{}: longer than {} bytes", name, kLongestText));
   }
   return reading;
 }
 
 Response call(RouteContext& context, const Request& request) {
   const Ticket ticket = ticket_of(request);
-  const ordered_json body = parse_object(request.body);
-  sessions::NewCall wanted{read_call(body), {}};
+  Form form(request.body);
+  sessions::NewCall wanted{read_call(form), {}};
   constexpr std::int64_t kMost = 1'000'000;
-  const std::int64_t after = whole(body, "after", -1, 0, kMost);
+  const std::int64_t after = form.whole("after", -1, 0, kMost);
+  form.check();
   if (after >= 0) wanted.after = after;
   return json_response(context.arena_sessions.call(ticket, wanted));
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <algorithm>
 #include <ranges>
 #include <utility>
 
@@ -37,6 +38,10 @@ Database::Database(const std::string& place, std::function<std::int64_t()> clock
   try {
     connection_ = connect(place);
     migrate();
+    if (const std::string table = missing_table(); !table.empty()) {
+      throw FileError(
+          fmt::format("{}: its table {} is missing; use its last backup", shown_, table));
+    }
     check_writable();  // a standby of PostgreSQL can only be read
   } catch (const DatabaseError& error) {
     throw FileError(fmt::format("{}: not a usable database: {}", shown_, error.what()));
@@ -52,6 +57,27 @@ void Database::check_writable() {
   change([this] { connection_->check_writable(); });
 }
 
+std::string Database::missing_table() {
+  static const std::vector<std::string> kTables = schema_tables();
+  const auto held = hold();
+  const std::vector<std::string> found = connection_->tables();
+  const auto missing = std::ranges::find_if_not(kTables, [&](const std::string& name) {
+    return std::ranges::find(found, name) != found.end();
+  });
+  return missing == kTables.end() ? "" : *missing;
+}
+
+void Database::check_no_tables() {
+  const std::vector<std::string> ours = schema_tables();
+  for (const std::string& table : connection_->tables()) {
+    if (std::ranges::find(ours, table) == ours.end()) continue;
+    throw FileError(
+        fmt::format("{}: another program has a table {} there; use a database or a schema of "
+                    "Enfilade's own",
+                    shown_, table));
+  }
+}
+
 void Database::migrate() {
   const int newest = static_cast<int>(kMigrations.size());
   int version = connection_->version();
@@ -59,6 +85,7 @@ void Database::migrate() {
     version = transact([this] {  // another program may have done it by now
       const int found = connection_->version();
       if (found >= static_cast<int>(kMigrations.size())) return found;
+      if (found == 0) check_no_tables();
       connection_->migrate(kMigrations[static_cast<std::size_t>(found)], found + 1);
       return found + 1;
     });
@@ -129,7 +156,13 @@ std::optional<Trouble> Health::trouble() {
   return seen_;
 }
 
+std::string Health::missing_table() {
+  const std::scoped_lock lock(mutex_);
+  return missing_table_;
+}
+
 std::optional<Health::HealthFault> Health::look() {
+  missing_table_.clear();
   const auto fault = [this](Trouble trouble, std::string_view details) {
     return HealthFault{trouble, fmt::format("{}: {}", db_.shown_place(), details)};
   };
@@ -146,6 +179,10 @@ std::optional<Health::HealthFault> Health::look() {
   Trouble otherwise = Trouble::kDatabaseUnreadable;
   try {
     db_.check_readable();
+    missing_table_ = db_.missing_table();
+    if (!missing_table_.empty()) {
+      return fault(Trouble::kTableMissing, fmt::format("its table {} is missing", missing_table_));
+    }
     otherwise = Trouble::kDatabaseUnwritable;
     db_.check_writable();
   } catch (const std::exception& error) {

@@ -94,6 +94,8 @@ class Connection {
   virtual int version() = 0;
   /// Runs a migration, and sets the version. \pre in a transaction
   virtual void migrate(const char* script, int version) = 0;
+  /// Names of the tables that are there now, other programs' too.
+  virtual std::vector<std::string> tables() = 0;
 
   /// Whether a file that was opened is still there under its name: of one that was removed or
   /// replaced, all that is written is lost. Always so of a server.
@@ -125,15 +127,17 @@ std::unique_ptr<Connection> connect(const std::string& place);
 std::unique_ptr<Connection> connect_to_postgres(const std::string& url);
 
 /// Opens a file, and makes it if it is missing. Only its owner may read it then: it has people's
-/// texts and secret goals. An existing file that others may read is closed to them.
-/// \throws FileError if it can't be opened or written, or others may read it and that can't be
-/// changed
+/// texts and secret goals. An existing file that others may read is closed to them. A database of
+/// another program is not changed, nor are its rights.
+/// \throws FileError if it can't be opened or written, is another program's, or others may read it
+/// and that can't be changed
 std::unique_ptr<Connection> open_sqlite(const std::filesystem::path& file);
 
 /// Copies a file's database, also while a server uses it. The copy is written beside its
 /// destination and then renamed, so that it is never there in part. An older copy of that name is
-/// replaced. Only its owner may read it.
-/// \throws FileError naming the file that cannot be opened, read or written
+/// replaced, another file is not. Only its owner may read it.
+/// \throws FileError naming the file that cannot be opened, read or written, or is no database of
+/// Enfilade
 void back_up(const std::filesystem::path& database, const std::filesystem::path& copy);
 
 /// Bytes for a column of type BLOB.
@@ -232,7 +236,9 @@ class Row {
 /// Migration k takes a database of version k to version k + 1. A released migration never
 /// changes: a change of the schema is a new one at the end. Times are seconds since 1970. Written
 /// as SQLite reads it; postgres.cpp replaces the few words that PostgreSQL has otherwise.
-extern const std::array<const char*, 6> kMigrations;
+extern const std::array<const char*, 7> kMigrations;
+/// Names of the tables of a version of the schema, as SQLite makes them.
+std::vector<std::string> schema_tables(std::size_t version = kMigrations.size());
 
 /// One connection, used by one thread at a time: changes wait for each other anyway, and reads are
 /// of a few rows. All functions may be called from any thread, and wait for the thread that holds
@@ -247,8 +253,8 @@ class Database {
   /// date. Each migration has a transaction of its own; of several programs at once one does it.
   /// \param clock returns seconds since 1970, and may be called from any thread; empty: the
   /// system's clock
-  /// \throws FileError if it can't be opened or written, was made by a newer Enfilade, or is
-  /// readable by others and that can't be changed
+  /// \throws FileError if it can't be opened, written or closed to others, lacks a table, or is of
+  /// another program or a newer Enfilade
   explicit Database(const std::string& place, std::function<std::int64_t()> clock = {});
 
   /// Seconds since 1970, by the clock of the constructor.
@@ -337,6 +343,8 @@ class Database {
   std::optional<std::uint64_t> free_bytes() const { return connection_->free_bytes(); }
   void check_readable();
   void check_writable();
+  /// The first table of the schema that is not there; empty: all are.
+  std::string missing_table();
 
  private:
   void commit() {
@@ -354,6 +362,7 @@ class Database {
     return {ToParameter<std::remove_cvref_t<Values>>::of(values)...};
   }
   void migrate();
+  void check_no_tables();
 
   std::recursive_mutex mutex_;
   std::string shown_;
@@ -379,10 +388,11 @@ enum class Trouble : std::uint8_t {
   kDatabaseUnreadable,   ///< it cannot be opened, or a table of it cannot be read
   kDatabaseUnwritable,   ///< a small change of it did not reach the disk
   kDatabaseUnreachable,  ///< there is no connection to its server
+  kTableMissing,         ///< another program has removed a table
 };
-constexpr std::array<std::string_view, 5> names_of(Trouble /*enum*/) {
-  return {"disk-full", "database-replaced", "database-unreadable", "database-unwritable",
-          "database-unreachable"};
+constexpr std::array<std::string_view, 6> names_of(Trouble /*enum*/) {
+  return {"disk-full",           "database-replaced",    "database-unreadable",
+          "database-unwritable", "database-unreachable", "table-missing"};
 }
 
 /// The trouble behind an exception of a Database's functions; no value if the statement caused it.
@@ -403,6 +413,8 @@ class Health {
   /// The trouble, if there is any. Checks at most once a second, which takes a few milliseconds
   /// (one `fsync`), and otherwise returns the last result.
   std::optional<Trouble> trouble();
+  /// The table of Trouble::kTableMissing; empty unless trouble() has returned that last.
+  std::string missing_table();
 
  private:
   struct HealthFault {
@@ -417,6 +429,7 @@ class Health {
   std::mutex mutex_;
   std::chrono::steady_clock::time_point looked_;  // 0: never
   std::optional<Trouble> seen_;
+  std::string missing_table_;
 };
 
 }  // namespace enfilade::service::store

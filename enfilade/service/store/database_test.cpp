@@ -5,9 +5,12 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <array>
 #include <atomic>
+#include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <thread>
 
 #include "enfilade/core/errors.h"
@@ -19,6 +22,7 @@
 namespace enfilade::service::store {
 namespace EN_UNIT {
 
+namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -186,7 +190,8 @@ TEST(Database, AnOlderOneIsBroughtUpToDateWithAllThatIsInIt) {
   EXPECT_EQ(database.find_number("SELECT count(*) FROM submission WHERE shown IS NULL AND ends IS "
                                  "NULL AND near_copy_of IS NULL"),
             1);
-  for (const char* table : {"attempt", "phase_end", "secret"}) {
+  EXPECT_EQ(database.find_number("SELECT count(*) FROM submission WHERE rule IS NULL"), 1);
+  for (const char* table : {"attempt", "phase_end", "phase_rule", "secret"}) {
     EXPECT_EQ(database.find_number(std::string("SELECT count(*) FROM ") + table), 0);
   }
   EXPECT_FALSE(database.find<std::string>("PRAGMA foreign_key_check"));
@@ -285,6 +290,114 @@ TEST(Database, AnotherFileIsRefusedAndLeftAsItWas) {
   EXPECT_EQ(read_file(file), content);
 }
 
+/// A file of a folder as another program sees it.
+struct SeenFile {
+  std::string content;
+  fs::perms rights{};
+  fs::file_time_type written;
+  friend bool operator==(const SeenFile&, const SeenFile&) = default;
+};
+
+std::map<std::string, SeenFile> files_in(const fs::path& folder) {
+  std::map<std::string, SeenFile> all;
+  for (const auto& one : fs::directory_iterator(folder)) {
+    SeenFile& file = all[one.path().filename()];
+    if (one.path().extension() == ".sqlite-shm") continue;  // its readers' marks may change
+    file = {read_file(one.path()), one.status().permissions(), one.last_write_time()};
+  }
+  return all;
+}
+
+struct ForeignCase {
+  const char* name;
+  const char* made_by;  ///< SQL
+  const char* named;    ///< in the message
+  bool open = false;    ///< its program uses it, and has written nothing but its log
+};
+
+const std::array kForeign{
+    ForeignCase{"a table", "CREATE TABLE mine (a)", "a table \"mine\""},
+    ForeignCase{"names of ours", "CREATE TABLE team (a); CREATE TABLE token (a)", "\"team\""},
+    ForeignCase{"a version too", "CREATE TABLE mine (a); PRAGMA user_version = 2", "\"mine\""},
+    ForeignCase{"an id", "PRAGMA application_id = 7", "its application_id is 7"},
+    ForeignCase{"a log", "PRAGMA journal_mode = WAL; CREATE TABLE mine (a)", "\"mine\""},
+    ForeignCase{"all in a log", "PRAGMA journal_mode = WAL; CREATE TABLE mine (a)", "\"mine\"",
+                true},
+};
+
+TEST(Database, AnotherProgramsDatabaseIsRefusedAndLeftAsItWas) {
+  EN_SKIP_ON_POSTGRES("there is no file");
+  for (const ForeignCase& one : kForeign) {
+    SCOPED_TRACE(one.name);
+    const tests::TemporaryFolder folder("database"), ours("database");
+    const fs::path file = folder.path() / "what? #1 50%.sqlite", own = ours.path() / "a.sqlite";
+    { const Database made(own); }
+    std::optional<SQLite::Database> program(std::in_place, file.string(),
+                                            SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    program->exec(one.made_by);
+    if (!one.open) program.reset();
+    fs::permissions(file, fs::perms{0644});
+    const auto before = files_in(folder.path());
+    EXPECT_EQ(before.size(), one.open ? 3U : 1U);
+    for (const std::function<void()>& use : std::initializer_list<std::function<void()>>{
+             [&] { const Database database(file); },
+             [&] { back_up(file, ours.path() / "copy.sqlite"); }, [&] { back_up(own, file); }}) {
+      EXPECT_THAT(tests::refusal<FileError>(use),
+                  AllOf(HasSubstr(file.string()), HasSubstr(one.named)));
+      EXPECT_TRUE(files_in(folder.path()) == before);
+    }
+  }
+}
+
+TEST(Database, AnEmptyFileAndAnEmptyDatabaseAreNobodys) {
+  EN_SKIP_ON_POSTGRES("there is no file");
+  const tests::TemporaryFolder folder("database");
+  const fs::path file = folder.path() / "a.sqlite", killed = folder.path() / "b.sqlite";
+  write_file_atomically(file, "");
+  SQLite::Database(killed.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
+      .exec("PRAGMA journal_mode = WAL");  // as a kill at the first moment leaves it
+  for (const fs::path& one : {file, killed}) {
+    Database database(one);
+    EXPECT_EQ(version_of(database), kNewest);
+  }
+}
+
+// A copy of a file and its log, without the file by which processes share the log.
+TEST(Database, OneOfOursIsFoundByItsLogAlone) {
+  EN_SKIP_ON_POSTGRES("there is no file");
+  const tests::TemporaryFolder folder("database"), other("database");
+  {
+    const Database open(folder.path() / "a.sqlite");
+    for (const char* name : {"a.sqlite", "a.sqlite-wal"}) {
+      fs::copy_file(folder.path() / name, other.path() / name);
+    }
+  }
+  Database database(other.path() / "a.sqlite");
+  EXPECT_EQ(version_of(database), kNewest);
+}
+
+TEST(Database, TablesOfAnotherProgramAreRefused) {
+  if (!testing::on_postgres()) GTEST_SKIP() << "SQLite's files have an application id";
+  const Place place;
+  testing::run_sql(place, "CREATE TABLE other (a INTEGER)");
+  { const Database shared(place); }
+  const Place taken;
+  testing::run_sql(taken, "CREATE TABLE team (a INTEGER)");
+  EXPECT_THAT(tests::refusal<FileError>([&taken] { const Database database(taken); }),
+              HasSubstr("another program has a table team"));
+  EXPECT_THAT(connect(taken)->tables(), ElementsAre("team"));
+}
+
+TEST(Database, AMissingTableIsNamed) {
+  for (const std::string& table : schema_tables()) {
+    const Place place;
+    { const Database made(place); }
+    testing::run_sql(place, "DROP TABLE " + table + (testing::on_postgres() ? " CASCADE" : ""));
+    EXPECT_THAT(tests::refusal<FileError>([&place] { const Database database(place); }),
+                HasSubstr("its table " + table + " is missing"));
+  }
+}
+
 // A server that is lost is told as such; what was not kept is not there in part, and the next
 // statement connects again.
 TEST(Database, ALostServerIsConnectedToAgain) {
@@ -380,7 +493,8 @@ TEST(Database, OneThatOthersMayReadIsClosedToThem) {
   const auto file = folder.path() / "a.sqlite";
   // As the first versions of Enfilade left it, with a log: killed while it was open.
   SQLite::Database old(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  old.exec("PRAGMA journal_mode = WAL; CREATE TABLE kept (a INTEGER)");
+  old.exec("PRAGMA journal_mode = WAL; PRAGMA user_version = 1");
+  old.exec(kMigrations[0]);
   ASSERT_NE(rights_of(file), 0600U);
   Database database(file);
   for (const char* name : {"a.sqlite", "a.sqlite-wal", "a.sqlite-shm"}) {
@@ -390,7 +504,6 @@ TEST(Database, OneThatOthersMayReadIsClosedToThem) {
 
 TEST(Database, OneThatMayNotBeWrittenIsRefused) {
   EN_SKIP_ON_POSTGRES("there is no file");
-  namespace fs = std::filesystem;
   const tests::TemporaryFolder folder("database");
   const auto file = folder.path() / "a.sqlite";
   { const Database made(file); }

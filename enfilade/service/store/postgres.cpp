@@ -216,14 +216,12 @@ class PostgresConnection final : public Connection {
                     "DELETE FROM enfilade_schema; INSERT INTO enfilade_schema VALUES ({})",
                     version));
   }
+  std::vector<std::string> tables() override { return table_names("tablename"); }
 
   bool is_in_place() const override { return true; }
   void check_readable() override {
-    ensure_connected();
-    const Result tables =
-        exec("SELECT quote_ident(tablename) FROM pg_tables WHERE schemaname = current_schema()");
-    for (int row = 0; row < PQntuples(tables.get()); ++row) {
-      exec(fmt::format("SELECT * FROM {} LIMIT 1", PQgetvalue(tables.get(), row, 0)));
+    for (const std::string& table : table_names("quote_ident(tablename)")) {
+      exec(fmt::format("SELECT * FROM {} LIMIT 1", table));
     }
   }
   void check_writable() override { exec("UPDATE enfilade_schema SET version = version"); }
@@ -302,6 +300,16 @@ class PostgresConnection final : public Connection {
     throw DatabaseError(cause, said);
   }
   Result exec(const std::string& sql) { return checked(PQexec(connection_.get(), sql.c_str())); }
+  std::vector<std::string> table_names(const char* written) {
+    ensure_connected();
+    const Result tables =
+        exec(fmt::format("SELECT {} FROM pg_tables WHERE schemaname = current_schema()", written));
+    std::vector<std::string> names;
+    for (int row = 0; row < PQntuples(tables.get()); ++row) {
+      names.emplace_back(PQgetvalue(tables.get(), row, 0));
+    }
+    return names;
+  }
   std::string first_value(const char* sql) {
     const Result result = exec(sql);
     return PQntuples(result.get()) == 0 ? "" : PQgetvalue(result.get(), 0, 0);

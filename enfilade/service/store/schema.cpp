@@ -4,7 +4,7 @@
 
 namespace enfilade::service::store {
 
-const std::array<const char*, 6> kMigrations{
+const std::array<const char*, 7> kMigrations{
     // 1: evaluation
     R"sql(
 CREATE TABLE team (
@@ -300,6 +300,22 @@ CREATE TABLE play_call (  -- by which a play is walked again
     R"sql(
 CREATE UNIQUE INDEX team_name ON team (lower(name));
 CREATE INDEX task_place ON task (item, state, expires);
+)sql",
+    // 7: what phases have given away of their goals, also under former names and rules
+    R"sql(
+CREATE TABLE phase_rule (  -- how a phase with secret goals showed scores
+  id INTEGER PRIMARY KEY,
+  phase TEXT NOT NULL,
+  rule TEXT NOT NULL,         -- evaluation/ledger.cpp
+  digest TEXT NOT NULL,       -- of its goals
+  goals BLOB NOT NULL,        -- goal_keys.h, 8 bytes each
+  levels INTEGER NOT NULL,    -- values that its ladder can show; 0: it has none
+  means_bits REAL NOT NULL,   -- of a row
+  rows_shown INTEGER,         -- when at first; NULL: they are not
+  UNIQUE (phase, rule, digest)
+) STRICT;
+ALTER TABLE submission ADD COLUMN rule INTEGER REFERENCES phase_rule (id);  -- it was scored by
+CREATE INDEX submission_rule ON submission (rule);
 )sql"};
 
 }  // namespace enfilade::service::store

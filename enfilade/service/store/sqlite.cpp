@@ -6,12 +6,16 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <system_error>
 #include <thread>
 #include <unordered_map>
 #include <utility>
+#include <vector>
+
+#include "enfilade/core/names.h"
 
 namespace enfilade::service::store {
 namespace {
@@ -49,6 +53,72 @@ void close_to_others(const fs::path& file) {
 
 fs::path with_suffix(fs::path file, const char* suffix) { return file += suffix; }
 
+std::vector<std::string> tables_of(SQLite::Database& db) {
+  SQLite::Statement tables(
+      db, "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%'");
+  std::vector<std::string> names;
+  while (tables.executeStep()) names.push_back(tables.getColumn(0).getString());
+  return names;
+}
+
+/// A file for SQLite's reading alone, of which nothing is locked, and nothing is left beside it.
+std::string immutable(const fs::path& file) {
+  std::string address = "file:";
+  for (const char c : file.string()) {
+    const bool special = c == '%' || c == '?' || c == '#';
+    address += special ? fmt::format("%{:02x}", c) : std::string(1, c);
+  }
+  return address + "?immutable=1";
+}
+
+/// What is another program's about a database; empty for one of ours, and for one of nobody's.
+std::string foreign_part(SQLite::Database& db) {
+  db.exec("BEGIN");  // so that what another process writes is seen as a whole
+  const int id = db.execAndGet("PRAGMA application_id").getInt();
+  if (id == kApplicationId) return "";
+  if (id != 0) return fmt::format("its application_id is {}", id);
+  const std::vector<std::string> tables = tables_of(db);
+  if (tables.empty()) return "";
+  const int version = db.execAndGet("PRAGMA user_version").getInt();
+  // The first two versions of the schema had no id.
+  const auto is_there = [&](const std::string& name) {
+    return std::ranges::find(tables, name) != tables.end();
+  };
+  const bool old = version >= 1 && std::ranges::all_of(schema_tables(1), is_there);
+  return old ? "" : fmt::format("it has a table {}", quote(tables.front()));
+}
+
+/// What is another program's about a file that is there. \throws SQLite::Exception
+std::string foreign_part(const fs::path& file) {
+  // A connection that only reads would leave the files of a log behind. So it reads no log, unless
+  // one is in use, or may have all that there is.
+  const auto part_of = [](const std::string& name, int flags) {
+    SQLite::Database db(name, SQLite::OPEN_READONLY | flags, kBusyMilliseconds);
+    return foreign_part(db);
+  };
+  if (fs::exists(with_suffix(file, "-shm"))) return part_of(file.string(), 0);
+  const std::string part = part_of(immutable(file), SQLite::OPEN_URI);
+  return part.empty() && fs::exists(with_suffix(file, "-wal")) ? part_of(file.string(), 0) : part;
+}
+
+/// Refuses what another program has made, and leaves it as it is. A missing file and an empty one
+/// are nobody's. \throws FileError
+void check_ours(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  const bool regular = fs::is_regular_file(status);
+  if (!fs::exists(status) || (regular && fs::file_size(file, error) == 0)) return;
+  std::string fault = "no regular file";
+  try {
+    if (regular) fault = foreign_part(fs::canonical(file));
+  } catch (const SQLite::Exception& failure) {
+    throw FileError(fmt::format("{}: not a usable database: {}", file.string(), failure.what()));
+  }
+  if (fault.empty()) return;
+  throw FileError(
+      fmt::format("{}: not a database of Enfilade ({}); it was not changed", file.string(), fault));
+}
+
 using Identity = std::pair<std::uint64_t, std::uint64_t>;  // device and inode
 Identity identity_of(const fs::path& file) {
   struct stat status {};
@@ -66,6 +136,7 @@ SQLite::Database open_file(const fs::path& file, int flags) {
 }
 
 SQLite::Database open_or_create(const fs::path& file) {
+  check_ours(file);
   create_private(file);
   return open_file(file, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
 }
@@ -155,14 +226,16 @@ class SqliteConnection final : public Connection {
     exec(fmt::format("PRAGMA user_version = {}", version));
   }
 
+  std::vector<std::string> tables() override {
+    return told([this] { return tables_of(db_); });
+  }
+
   bool is_in_place() const override { return identity_of(file_) == identity_; }
   void check_readable() override {
     // This connection has pages in memory, and would not notice that the file has been overwritten.
     SQLite::Database fresh = open_file(file_, SQLite::OPEN_READWRITE);
     told([&fresh] {
-      SQLite::Statement tables(fresh, "SELECT name FROM sqlite_schema WHERE type = 'table'");
-      while (tables.executeStep()) {
-        const std::string name = tables.getColumn(0).getString();
+      for (const std::string& name : tables_of(fresh)) {
         SQLite::Statement(fresh, fmt::format("SELECT * FROM \"{}\" LIMIT 1", name)).executeStep();
       }
     });
@@ -223,7 +296,14 @@ std::unique_ptr<Connection> open_sqlite(const fs::path& file) {
   return std::make_unique<SqliteConnection>(file);
 }
 
+std::vector<std::string> schema_tables(std::size_t version) {
+  SQLite::Database db(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  for (const char* script : std::span(kMigrations).first(version)) db.exec(script);
+  return tables_of(db);
+}
+
 void back_up(const fs::path& database, const fs::path& copy) {
+  for (const fs::path& file : {database, copy}) check_ours(file);
   SQLite::Database from = open_file(database, SQLite::OPEN_READWRITE);
   const fs::path part = with_suffix(copy, ".part");
   std::error_code error;

@@ -23,9 +23,11 @@ using ::testing::HasSubstr;
 // given and are gone.
 constexpr const char* kRows = R"sql(
 INSERT INTO team (id, name, contact, created) VALUES (3, 'Ä team', 'a@b.c', 1), (7, 'b', '', 2);
-INSERT INTO submission (id, team, phase, method, created, state, digest, content, shown, near_copy_of) VALUES
-  (1, 3, 'p', 'm', 5, 'scored', 'd', x'00ff27225c0a00', 0.1, NULL),
-  (2, 7, 'p', '', 6, 'queued', '', x'', NULL, 1), (9, 7, 'p', '', 6, 'queued', '', x'', NULL, NULL);
+INSERT INTO phase_rule (id, phase, rule, digest, goals, levels, means_bits) VALUES
+  (4, 'p', 'r', 'd', x'00ff', 0, 0.5);
+INSERT INTO submission (id, team, phase, method, created, state, digest, content, shown, near_copy_of, rule) VALUES
+  (1, 3, 'p', 'm', 5, 'scored', 'd', x'00ff27225c0a00', 0.1, NULL, 4),
+  (2, 7, 'p', '', 6, 'queued', '', x'', NULL, 1, NULL), (9, 7, 'p', '', 6, 'queued', '', x'', NULL, NULL, NULL);
 DELETE FROM submission WHERE id = 9;
 INSERT INTO collection (id, name, title, kind, open, link_key, platform, origins, completion_code, consent,
   instructions, per_item, lease_seconds, tasks_per_visit, created) VALUES
@@ -95,8 +97,8 @@ TEST_F(TransferTest, EveryRowOfEveryTableIsThere) {
   std::size_t told = 0;
   const std::int64_t rows =
       transfer(file_, url, [&told](std::size_t done, std::size_t /*total*/) { told = done; });
-  EXPECT_EQ(rows, 23);
-  EXPECT_EQ(told, 23U);
+  EXPECT_EQ(rows, 24);
+  EXPECT_EQ(told, 24U);
   const auto from = connect(file_), to = connect(url);
   SQLite::Database file(file_);
   SQLite::Statement tables(
@@ -115,7 +117,7 @@ TEST_F(TransferTest, EveryRowOfEveryTableIsThere) {
     EXPECT_EQ(rows_of(*to, table, columns), expected) << table;
     ++filled;
   }
-  EXPECT_EQ(filled, 19);
+  EXPECT_EQ(filled, 20);
   // New rows have ids that nobody has had: 9 was given, and is gone.
   Database database(url);
   EXPECT_EQ(database.insert("INSERT INTO submission (team, phase, method, created, state, digest, "

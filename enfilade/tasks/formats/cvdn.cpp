@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/tasks/formats/records.h"
 
@@ -22,7 +23,7 @@ DialogueTurn read_turn(Element element, const Path& path, Faults& faults) {
     turn.role = *text;
     if (turn.role != "navigator" && turn.role != "oracle") {
       faults.error(found.place("role"), "unknown-role",
-                   fmt::format("{:?}, neither \"navigator\" nor \"oracle\"", turn.role));
+                   quote(turn.role) + ", neither \"navigator\" nor \"oracle\"");
     }
   }
   turn.message = found.text("message");
@@ -53,7 +54,7 @@ std::string text_of(const std::vector<DialogueTurn>& turns, const std::string& t
 
 std::vector<std::string> read_ends(Element element, const Path& path, Faults& faults) {
   const std::size_t errors = faults.errors();
-  std::vector<std::string> ends = json::strings(element, path, faults);
+  std::vector<std::string> ends = json::ids(element, path, faults);
   if (ends.empty() && faults.errors() == errors) {
     faults.error(path, "empty-region", "no viewpoint; one at least is expected");
   }
@@ -64,14 +65,15 @@ void check_start(const std::vector<std::string>& walk, std::size_t at, const std
                  const Path& path, Faults& faults) {
   if (at >= walk.size() || walk[at] == start) return;
   faults.error(Path(path, at), "other-start",
-               fmt::format("{:?}, not {:?}, the start", walk[at], start));
+               fmt::format("{}, not {}, the start", quote(walk[at]), quote(start)));
 }
 
 // A path of the named field, from the start on. Instances with a region have both.
 std::vector<std::string> read_walk(const Fields& found, std::string_view field,
                                    const std::string& start, const Path& path, Faults& faults) {
   if (!found.has(field)) {
-    faults.error(path, "missing-field", fmt::format("has \"end_panos\", but no field {:?}", field));
+    faults.error(path, "missing-field",
+                 fmt::format("has \"end_panos\", but no field {}", quote(field)));
     return {};
   }
   const std::size_t errors = faults.errors();
@@ -103,7 +105,8 @@ void read_goal(const Fields& found, const Path& path, Faults& faults, std::strin
   entry.goal = HiddenGoal{};
   for (const std::string_view field : {"player_path", "planner_path"}) {
     if (!found.has(field)) continue;
-    faults.error(path, "missing-field", fmt::format("has {:?}, but no field \"end_panos\"", field));
+    faults.error(path, "missing-field",
+                 fmt::format("has {}, but no field \"end_panos\"", quote(field)));
   }
 }
 
@@ -115,7 +118,7 @@ PathAnnotation read_instance(Element element, std::size_t /*record*/, const Path
   if (!found) return entry;
   entry.path_id = found.get("inst_idx", read_number).value_or(0);
   entry.id = fmt::to_string(entry.path_id);
-  entry.scan = found.text("scan");
+  entry.scan = found.id("scan");
   std::string target = found.text("target");
   InstructionDetails& details = entry.details.emplace_back();
   details.id = entry.id;
@@ -126,9 +129,9 @@ PathAnnotation read_instance(Element element, std::size_t /*record*/, const Path
   const Fields start(*found["start_pano"], {"pano", "heading"}, {}, place, faults);
   if (!start) return entry;
   entry.heading = start.get("heading", read_angle);
-  const auto viewpoint = start.get("pano", json::string);
-  if (!viewpoint) return entry;
-  entry.path.emplace_back(*viewpoint);
+  std::string viewpoint = start.id("pano");
+  if (viewpoint.empty()) return entry;
+  entry.path.push_back(std::move(viewpoint));
   read_goal(found, path, faults, std::move(target), entry);
   return entry;
 }
@@ -136,7 +139,8 @@ PathAnnotation read_instance(Element element, std::size_t /*record*/, const Path
 void read_steps(const Fields& found, const Path& path, Faults& faults, PathAnnotation& entry) {
   for (const std::string_view field : {"nav_steps", "nav_idx"}) {
     if (found.has(field)) continue;
-    faults.error(path, "missing-field", fmt::format("has \"end_panos\", but no field {:?}", field));
+    faults.error(path, "missing-field",
+                 fmt::format("has \"end_panos\", but no field {}", quote(field)));
     return;
   }
   const std::size_t errors = faults.errors();
@@ -160,13 +164,9 @@ PathAnnotation read_encoded(Element element, std::size_t record, const Path& pat
   const Fields found(element, {"instr_id", "scan", "start_pano", "start_heading", "instr_encoding"},
                      {"target", "end_panos", "nav_steps", "nav_idx"}, path, faults);
   if (!found) return entry;
-  const std::size_t errors = faults.errors();
-  entry.id = found.text("instr_id");
-  if (entry.id.empty() && faults.errors() == errors) {
-    faults.error(found.place("instr_id"), "wrong-id", "an empty text, not the instance's id");
-  }
+  entry.id = found.id("instr_id", kLongestInstructionId);
   entry.path_id = parse_number<std::int64_t>(entry.id).value_or(static_cast<std::int64_t>(record));
-  entry.scan = found.text("scan");
+  entry.scan = found.id("scan");
   entry.heading = found.get("start_heading", read_angle);
   entry.instructions.emplace_back();
   InstructionDetails& details = entry.details.emplace_back();
@@ -174,9 +174,9 @@ PathAnnotation read_encoded(Element element, std::size_t record, const Path& pat
   details.tokens = found.get("instr_encoding", read_tokens);
   NamedRegion region;
   region.target = found.text("target");
-  const auto start = found.get("start_pano", json::string);
-  if (!start) return entry;
-  entry.path.emplace_back(*start);
+  std::string start = found.id("start_pano");
+  if (start.empty()) return entry;
+  entry.path.push_back(std::move(start));
   if (!found.has("end_panos")) {
     entry.goal = HiddenGoal{};
     return entry;
@@ -189,7 +189,7 @@ PathAnnotation read_encoded(Element element, std::size_t record, const Path& pat
 }
 
 ArgumentError not_cvdn(const PathAnnotation& entry, std::string_view why) {
-  return ArgumentError(fmt::format("instance {:?}: {}", entry.id, why));
+  return ArgumentError(fmt::format("instance {}: {}", quote(entry.id), why));
 }
 
 // What both forms ask for. \returns the region, or nullptr for a hidden one
@@ -218,7 +218,7 @@ std::string target_of(const PathAnnotation& entry) {
   const std::string before = text_of(entry.details[0].turns, "");
   const std::string& text = entry.instructions[0];
   if (!text.starts_with(before)) {
-    throw not_cvdn(entry, fmt::format("its text does not begin with its turns, {:?}", before));
+    throw not_cvdn(entry, "its text does not begin with its turns, " + quote(before));
   }
   return text.substr(before.size());
 }
@@ -227,7 +227,8 @@ nlohmann::ordered_json turns_json(const PathAnnotation& entry) {
   auto list = nlohmann::ordered_json::array();
   for (const DialogueTurn& turn : entry.details[0].turns) {
     if ((turn.role != "navigator" && turn.role != "oracle") || turn.nav_step < 0) {
-      throw not_cvdn(entry, fmt::format("a turn of {:?} at step {}", turn.role, turn.nav_step));
+      throw not_cvdn(entry,
+                     fmt::format("a turn of {} at step {}", quote(turn.role), turn.nav_step));
     }
     list.push_back({{"nav_idx", turn.nav_step}, {"role", turn.role}, {"message", turn.message}});
   }
@@ -263,8 +264,8 @@ nlohmann::ordered_json instance_json(const PathAnnotation& entry) {
   if (region == nullptr) return fields;
   check_walks(entry, *region);
   if (region->target != target) {
-    throw not_cvdn(entry, fmt::format("its text ends with {:?}, not with its region's target, {:?}",
-                                      target, region->target));
+    throw not_cvdn(entry, fmt::format("its text ends with {}, not with its region's target, {}",
+                                      quote(target), quote(region->target)));
   }
   fields["end_panos"] = region->viewpoints;
   fields["player_path"] = region->player;

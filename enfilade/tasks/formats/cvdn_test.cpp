@@ -208,7 +208,7 @@ TEST(CvdnEncoded, NamesFieldPlaceAndWhatIsAllowed) {
       {"{}", "$[0]: has no field \"instr_id\""},
       {"[" + kEncoded, "the file ends too early"},
       {edited(kEncoded, "\"1001\"", "1001"), "$[0].instr_id: number 1001, not a string"},
-      {edited(kEncoded, "\"1001\"", "\"\""), "$[0].instr_id: an empty text"},
+      {edited(kEncoded, "\"1001\"", "\"\""), "$[0].instr_id: an empty id"},
       {edited(kEncoded, "\"v2\"", "{\"pano\": \"v2\"}"), "$[0].start_pano: object, not a string"},
       {edited(kEncoded, "\"v2\"", "\"v0\""), "$[0].nav_steps[2]: \"v2\", not \"v0\", the start"},
       {edited(kEncoded, "0.5", "1e400"), "[not-json]"},

@@ -21,7 +21,7 @@ std::int64_t read_object(Element element, const Path& path, Faults& faults) {
     const std::string_view text = json::string(element, path, faults).value_or("");
     const auto number = parse_number<std::int64_t>(text);
     if (number && *number >= 0 && fmt::to_string(*number) == text) return *number;
-    faults.error(path, "wrong-id", fmt::format("{:?}, not the number of an object", text));
+    faults.error(path, "wrong-id", quote(text) + ", not the number of an object");
     return 0;
   }
   return read_number(element, path, faults).value_or(0);
@@ -30,7 +30,7 @@ std::int64_t read_object(Element element, const Path& path, Faults& faults) {
 NamedObject read_goal(const Fields& found, Faults& faults) {
   NamedObject goal{found.get("objid", read_object)};
   const std::size_t errors = faults.errors();
-  goal.seen_from = found.get("pos_vps", json::strings);
+  goal.seen_from = found.get("pos_vps", json::ids);
   if (goal.seen_from.empty() && faults.errors() == errors) {
     faults.error(found.place("pos_vps"), "unseen-object",
                  "no viewpoint that sees the object; one is expected");
@@ -48,7 +48,7 @@ class RecordReader {
     InstructionDetails& details = entry.details.emplace_back();
     entry.instructions.emplace_back();
     read_id(*found["instr_id"], record, entry, found.place("instr_id"), faults);
-    entry.scan = found.text("scan");
+    entry.scan = found.id("scan");
     entry.path = found.get("path", read_path);
     entry.goal = read_goal(found, faults);
     entry.instructions[0] = found.text("instruction");
@@ -61,12 +61,8 @@ class RecordReader {
   void read_id(Element element, std::size_t record, PathAnnotation& entry, const Path& path,
                Faults& faults) {
     entry.path_id = static_cast<std::int64_t>(record);
-    const auto id = json::string(element, path, faults);
+    const auto id = json::id(element, path, faults, kLongestInstructionId);
     if (!id) return;
-    if (id->empty()) {
-      faults.error(path, "bad-instruction-id", "an empty text, not the instruction's id");
-      return;
-    }
     entry.id = *id;
     entry.details[0].id = *id;
     ids_.check(entry.id, record, path, faults);

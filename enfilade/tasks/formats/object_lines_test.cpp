@@ -89,7 +89,7 @@ TEST(ObjectLines, RefusesWhatIsWrong) {
       {edited(R"(["000012", "000013"])", "[]"), "$[0].pos_vps: no viewpoint that sees"},
       {edited(R"(["000012", "000013"])", "[12]"), "$[0].pos_vps[0]: number 12, not a string"},
       {edited(R"(["000007", "000012"])", "[]"), "$[0].path: no viewpoint"},
-      {edited(R"("00000-kfPV7w3FaU5_000007_17_0")", "\"\""), "$[0].instr_id: an empty text"},
+      {edited(R"("00000-kfPV7w3FaU5_000007_17_0")", "\"\""), "$[0].instr_id: an empty id"},
       {edited("[101, 5, 102]", "[-1]"), "$[0].instr_encoding[0]: -1 is no token id"},
       {kLine + "\n" + kLine, "$[1].instr_id: \"00000-kfPV7w3FaU5_000007_17_0\" stands at $[0]"},
   };

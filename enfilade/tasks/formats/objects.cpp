@@ -29,9 +29,6 @@ using formats::Path;
 using PixelBox = std::array<std::int32_t, 4>;
 
 constexpr std::int64_t kViews = 36;
-// Of "<scan>_<viewpoint>", which is a file's name in REVERIE's form. Longer ones would be repeated
-// in the JSON path of each fault below them.
-constexpr std::size_t kMostKeyBytes = 255;
 // Read before their faults are looked at: faults of all files would take too much memory.
 constexpr std::size_t kFilesAtOnce = 1024;
 constexpr std::size_t kFilesPerTask = 16;
@@ -44,17 +41,19 @@ struct Place {
 // Of "<scan>_<viewpoint>", cut at that place. Lengths differ: the ids of other data sets than
 // Matterport3D's are "00000-kfPV7w3FaU5" and "000007".
 std::optional<Place> cut_key(std::string_view key, std::size_t underscore) {
-  if (underscore == std::string_view::npos || underscore == 0 || underscore + 1 == key.size() ||
-      key.size() > kMostKeyBytes) {
-    return std::nullopt;
-  }
+  if (underscore == std::string_view::npos) return std::nullopt;
   return Place{key.substr(0, underscore), key.substr(underscore + 1)};
+}
+
+std::string fault_of(const Place& place) {
+  std::string fault = fault_of_id(place.scan);
+  return fault.empty() ? fault_of_id(place.viewpoint) : fault;
 }
 
 bool describes_object(Element element);
 
-// With the viewpoint that stands alone one level below, if there is that level; else the text after
-// the last underscore.
+// With the viewpoint that stands alone one level below, if there is that level; else cut by
+// underscore_between_ids().
 std::optional<Place> place_of(std::string_view key, Element below) {
   simdjson::dom::object members;
   if (std::ranges::count(key, '_') > 1 && below.get_object().get(members) == simdjson::SUCCESS &&
@@ -65,7 +64,7 @@ std::optional<Place> place_of(std::string_view key, Element below) {
       return cut_key(key, key.size() - member.key.size() - 1);
     }
   }
-  auto place = cut_key(key, key.rfind('_'));
+  auto place = cut_key(key, underscore_between_ids(key));
   if (place) place->is_sure = std::ranges::count(key, '_') == 1;
   return place;
 }
@@ -167,9 +166,9 @@ std::vector<ViewedObject> read_objects(simdjson::dom::object members, std::strin
     const auto id = object_id(member.key);
     if (!id) {
       faults.error(place, "bad-object-id",
-                   fmt::format("neither the viewpoint {:?} nor the number of an object, which has "
+                   fmt::format("neither the viewpoint {} nor the number of an object, which has "
                                "digits alone, and no leading zeros",
-                               viewpoint));
+                               quote(viewpoint)));
       continue;
     }
     if (!ids.insert(*id).second) {
@@ -205,7 +204,7 @@ std::vector<ViewedObject> read_viewpoint(Element element, std::string_view viewp
   for (const auto member : *members) {
     if (member.key != viewpoint) {
       faults.error(Path(path, member.key), "unknown-viewpoint",
-                   fmt::format("beside the viewpoint {:?}, which is to be alone", viewpoint));
+                   fmt::format("beside the viewpoint {}, which is to be alone", quote(viewpoint)));
       continue;
     }
     if (inner) faults.error(Path(path, viewpoint), "repeated-field", "given twice in one object");
@@ -254,6 +253,9 @@ Content read_viewpoint_file(const fs::path& file) {
     }
     const json::Document document = json::Document::parse(read_text_file(file), file.string());
     const Place place = place_of(key, document.root()).value();
+    if (std::string fault = fault_of(place); !fault.empty()) {
+      refuse(file.string(), "$", "bad-id", std::move(fault));
+    }
     content.scan = place.scan;
     content.viewpoint = place.viewpoint;
     content.is_sure = place.is_sure;
@@ -300,7 +302,7 @@ std::string json_text(std::string_view text) {
   try {
     return nlohmann::json(text).dump();
   } catch (const nlohmann::json::type_error&) {
-    throw ArgumentError(fmt::format("{:?} is text that is not UTF-8", text));
+    throw ArgumentError(quote(text) + " is text that is not UTF-8");
   }
 }
 
@@ -335,7 +337,11 @@ ObjectBoxes ObjectBoxes::parse(std::string_view json, const std::string& file) {
       }
       const auto place = place_of(entry.key, entry.value);
       if (!place) {
-        faults.error(path, "bad-key", "not <scan>_<viewpoint>, of at most 255 bytes");
+        faults.error(path, "bad-key", "not <scan>_<viewpoint>");
+        continue;
+      }
+      if (std::string fault = fault_of(*place); !fault.empty()) {
+        faults.error(path, "bad-id", std::move(fault));
         continue;
       }
       if (boxes.has(place->scan, place->viewpoint)) {
@@ -381,21 +387,21 @@ ObjectBoxes ObjectBoxes::load(const fs::path& file_or_folder) {
 
 void ObjectBoxes::add(const std::string& scan, const std::string& viewpoint,
                       std::vector<ViewedObject> objects) {
-  if (!cut_key(scan + "_" + viewpoint, scan.size())) {
+  if (const std::string fault = fault_of({scan, viewpoint}); !fault.empty()) {
     throw ArgumentError(
-        fmt::format("scan {:?}, viewpoint {:?}: empty or too long", scan, viewpoint));
+        fmt::format("scan {}, viewpoint {}: {}", quote(scan), quote(viewpoint), fault));
   }
   if (has(scan, viewpoint)) {
     throw ArgumentError(
-        fmt::format("viewpoint {:?} of scan {:?} is there already", viewpoint, scan));
+        fmt::format("viewpoint {} of scan {} is there already", quote(viewpoint), quote(scan)));
   }
   std::set<std::int64_t> ids;
   for (const ViewedObject& object : objects) {
     std::string fault = object_fault(object);
     if (fault.empty() && !ids.insert(object.id).second) fault = "there twice";
     if (fault.empty()) continue;
-    throw ArgumentError(fmt::format("object {} around viewpoint {:?} of scan {:?}: {}", object.id,
-                                    viewpoint, scan, fault));
+    throw ArgumentError(fmt::format("object {} around viewpoint {} of scan {}: {}", object.id,
+                                    quote(viewpoint), quote(scan), fault));
   }
   insert(scan, viewpoint, true, std::move(objects));
 }

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "enfilade/core/names.h"
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::tasks::formats {
@@ -128,7 +129,7 @@ class LiteralReader {
   bool refuse(std::string_view expected) {
     const std::string_view found = text_.substr(at_, kShownBytes);
     fault_ = {at_, found.empty() ? fmt::format("the text ends; {} is expected", expected)
-                                 : fmt::format("{:?}; {} is expected", found, expected)};
+                                 : fmt::format("{}; {} is expected", quote(found), expected)};
     return false;
   }
 

@@ -25,7 +25,7 @@ void read_midstop(const Fields& found, Task task, PathAnnotation& entry, const P
     faults.error(found.place("midstop"), "unexpected-field",
                  "a turning point, as R2R-Back has them; this file is read as another task's");
   } else if (turns) {
-    entry.goal = NamedTurningPoint{found.text("midstop")};
+    entry.goal = NamedTurningPoint{found.id("midstop")};
   } else if (entry.path.size() > 1) {
     faults.error(path, "missing-field",
                  "has no field \"midstop\", which paths of R2R-Back have, except a start alone");
@@ -54,7 +54,7 @@ class LineReader {
     InstructionDetails& details = entry.details.emplace_back();
     entry.instructions.push_back(found.text("instruction"));
     read_id(*found["instr_id"], record, entry, found.place("instr_id"), faults);
-    entry.scan = found.text("scan");
+    entry.scan = found.id("scan");
     entry.path = found.get("path", read_path);
     entry.heading = found.get("heading", read_angle);
     details.tokens = found.get("instr_encoding", read_tokens);
@@ -65,7 +65,7 @@ class LineReader {
  private:
   void read_id(Element element, std::size_t record, PathAnnotation& entry, const Path& path,
                Faults& faults) {
-    const auto id = json::string(element, path, faults);
+    const auto id = json::id(element, path, faults, kLongestInstructionId);
     if (!id) return;
     const auto name = path_of(*id);
     if (!name) {

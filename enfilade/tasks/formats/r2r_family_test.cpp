@@ -181,7 +181,7 @@ TEST(R2rFamily, NamesFieldPlaceAndWhatIsAllowedOfEntries) {
       {"no instructions", edited(kEncoded, "\"instructions\"", "\"texts\""),
        "$[0]: has no field \"instructions\""},
       {"an empty text for an id", edited(kEncoded, "4332", "\"\""),
-       "$[0].path_id: an empty text, not the path's id"},
+       "$[0].path_id: an empty id"},
       {"id given twice", edited(kEncoded, "\"path_id\": 8", "\"path_id\": 8, \"path_id\": 9"),
        "$[1].path_id: given twice"},
       {"id of another", edited(kEncoded, "\"path_id\": 8", "\"path_id\": 4332"),

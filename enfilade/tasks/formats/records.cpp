@@ -52,6 +52,12 @@ const std::optional<Element>& Fields::operator[](std::string_view name) const {
 
 std::string Fields::text(std::string_view name) const { return get(name, read_text); }
 
+std::string Fields::id(std::string_view name, std::size_t most) const {
+  return get(name, [most](Element element, const Path& path, Faults& faults) {
+    return std::string(json::id(element, path, faults, most).value_or(""));
+  });
+}
+
 std::string read_text(Element element, const Path& path, Faults& faults) {
   return std::string(json::string(element, path, faults).value_or(""));
 }
@@ -65,7 +71,7 @@ std::optional<std::int64_t> read_number(Element element, const Path& path, Fault
 
 std::vector<std::string> read_path(Element element, const Path& path, Faults& faults) {
   const std::size_t errors = faults.errors();
-  std::vector<std::string> viewpoints = json::strings(element, path, faults);
+  std::vector<std::string> viewpoints = json::ids(element, path, faults);
   if (viewpoints.empty() && faults.errors() == errors) {
     faults.error(path, "empty-path", "no viewpoint; the start at least is expected");
   }
@@ -73,7 +79,7 @@ std::vector<std::string> read_path(Element element, const Path& path, Faults& fa
 }
 
 Radians read_angle(Element element, const Path& path, Faults& faults) {
-  return Radians(json::number(element, path, faults).value_or(0));
+  return Radians(json::angle(element, path, faults).value_or(0));
 }
 
 std::vector<std::int32_t> read_tokens(Element element, const Path& path, Faults& faults) {
@@ -132,7 +138,8 @@ nlohmann::ordered_json timed_words_json(std::span<const TimedWord> words, std::s
 void Once::check(const std::string& id, std::size_t record, const Path& path, Faults& faults) {
   const auto [first, fresh] = places_.emplace(id, record);
   if (fresh) return;
-  faults.error(path, "repeated-id", fmt::format("{:?} stands at $[{}] already", id, first->second));
+  faults.error(path, "repeated-id",
+               fmt::format("{} stands at $[{}] already", quote(id), first->second));
 }
 
 namespace {
@@ -140,12 +147,11 @@ namespace {
 void read_path_id(Element element, std::size_t record, const Path& path, Faults& faults,
                   PathAnnotation& entry) {
   if (!element.is_string()) {
-    entry.path_id = json::integer(element, path, faults).value_or(0);
+    entry.path_id = read_number(element, path, faults).value_or(0);
     return;
   }
-  entry.id = json::string(element, path, faults).value_or("");
+  entry.id = json::id(element, path, faults).value_or("");
   entry.path_id = static_cast<std::int64_t>(record);
-  if (entry.id.empty()) faults.error(path, "bad-id", "an empty text, not the path's id");
 }
 
 std::string line_of(const PathAnnotation& entry, const FieldsOf& fields_of) {
@@ -161,7 +167,7 @@ PathAnnotation read_r2r_entry(Element element, std::size_t record, const Path& p
                      path, faults);
   if (!found) return entry;
   read_path_id(*found["path_id"], record, found.place("path_id"), faults, entry);
-  entry.scan = found.text("scan");
+  entry.scan = found.id("scan");
   entry.heading = found.get("heading", read_angle);
   entry.path = found.get("path", read_path);
   entry.instructions = found.get("instructions", json::strings);
@@ -179,10 +185,9 @@ void PathIds::check(const PathAnnotation& entry, std::size_t record, const Path&
   const std::size_t first = number ? numbers_.emplace(entry.path_id, record).first->second
                                    : texts_.emplace(entry.id, record).first->second;
   if (first == record) return;
-  faults.error(
-      Path(path, "path_id"), "repeated-path-id",
-      fmt::format("{} stands at $[{}] already",
-                  number ? fmt::to_string(entry.path_id) : fmt::format("{:?}", entry.id), first));
+  faults.error(Path(path, "path_id"), "repeated-path-id",
+               fmt::format("{} stands at $[{}] already",
+                           number ? fmt::to_string(entry.path_id) : quote(entry.id), first));
 }
 
 PathAnnotation read_entry(Element element, std::size_t record, const ReadMore& read_more,

@@ -53,6 +53,8 @@ class Fields {
   }
   /// A text; empty if it is absent, or no text, which is reported.
   std::string text(std::string_view name) const;
+  /// An id (core/names.h); empty if it is absent, or no id, which is reported.
+  std::string id(std::string_view name, std::size_t most = kLongestId) const;
 
  protected:
   static constexpr std::size_t kMost = 10;
@@ -71,9 +73,9 @@ class Fields {
 std::string read_text(Element element, const Path& path, Faults& faults);
 /// A number from 0 on, of a path, an object or a person.
 std::optional<std::int64_t> read_number(Element element, const Path& path, Faults& faults);
-/// The viewpoint ids of a path; reports an empty one.
+/// The viewpoint ids of a path, one at least.
 std::vector<std::string> read_path(Element element, const Path& path, Faults& faults);
-/// A finite number of radians.
+/// A number of radians within kMostRadians.
 Radians read_angle(Element element, const Path& path, Faults& faults);
 /// Token ids.
 std::vector<std::int32_t> read_tokens(Element element, const Path& path, Faults& faults);

@@ -25,8 +25,7 @@ using formats::Faults;
 using formats::Fields;
 using formats::Path;
 
-constexpr std::size_t kListedIds = 20;   // of missing ones; further ones are only counted
-constexpr std::size_t kShownBytes = 40;  // of an id in a message
+constexpr std::size_t kListedIds = 20;  // of missing ones; further ones are only counted
 // Of an entry of the file. A step in the long form takes up to 100 bytes, so this is some 10,000
 // steps; published agents make at most some hundreds. simdjson takes up to 14 times as much.
 constexpr std::size_t kMostEntryBytes = std::size_t{1} << 20U;
@@ -44,10 +43,6 @@ std::vector<json::Field> wanted_of(Task task) {
           {"midstop", task == Task::kR2rBack},  // R2R-Back
           {"predObjId", false},                 // REVERIE, as its own scorer and HAMT name it
           {"pred_objid", false}};               // and DUET
-}
-
-std::string shown(std::string_view text) {
-  return fmt::format("{:?}{}", text.substr(0, kShownBytes), text.size() > kShownBytes ? "..." : "");
 }
 
 bool is_nested(Element element) { return element.is_array() || element.is_object(); }
@@ -100,7 +95,7 @@ class TrajectoryReader {
   // A viewpoint that an agent names.
   std::optional<ViewpointIndex> named(Element element, const Path& path) {
     const auto id = json::string(element, path, faults_);
-    return id && graph_ != nullptr ? find(*id, path) : std::nullopt;
+    return id ? find(*id, path) : std::nullopt;
   }
 
  private:
@@ -142,8 +137,7 @@ class TrajectoryReader {
     }
     std::array<Radians, 2> angles{};
     for (std::size_t k = 1; k < size; ++k) {
-      const auto angle = json::number(list.at(k).value_unsafe(), Path(path, k), faults_);
-      angles[k - 1] = Radians(angle.value_or(0));
+      angles[k - 1] = formats::read_angle(list.at(k).value_unsafe(), Path(path, k), faults_);
     }
     add(list.at(0).value_unsafe(), Path(path, std::size_t{0}), angles[0], angles[1]);
   }
@@ -156,7 +150,7 @@ class TrajectoryReader {
   void add(Element element, const Path& path, Radians heading, Radians elevation) {
     const bool first = !std::exchange(started_, true);
     const auto id = json::string(element, path, faults_);
-    const auto viewpoint = id && graph_ != nullptr ? find(*id, path) : std::nullopt;
+    const auto viewpoint = id ? find(*id, path) : std::nullopt;
     if (viewpoint) {
       if (first) check_start(*viewpoint, path);
       if (last_) check_step(*viewpoint, path);
@@ -165,16 +159,21 @@ class TrajectoryReader {
     last_ = viewpoint;  // after a bad one, the next step is not checked
   }
 
+  // What a graph has is an id, so that only others are checked.
   std::optional<ViewpointIndex> find(std::string_view id, const Path& path) {
-    const auto found = graph_->find(id);
-    if (!found) {
+    const auto found = graph_ != nullptr ? graph_->find(id) : std::nullopt;
+    if (!found && !is_id(id)) {
+      faults_.error(path, "bad-id", fault_of_id(id));
+    } else if (graph_ == nullptr) {
+      return std::nullopt;
+    } else if (!found) {
       faults_.error(path, "unknown-viewpoint",
-                    fmt::format("viewpoint {} is not one of the {} of scan {}", shown(id),
+                    fmt::format("viewpoint {} is not one of the {} of scan {}", quote(id),
                                 graph_->size(), graph_->scan()));
     } else if (!graph_->included(*found)) {
       faults_.error(path, "excluded-viewpoint",
                     fmt::format("viewpoint {} of scan {} exists but is excluded from its graph",
-                                shown(id), graph_->scan()));
+                                quote(id), graph_->scan()));
       return std::nullopt;
     }
     return found;
@@ -185,8 +184,8 @@ class TrajectoryReader {
     if (viewpoint == start) return;
     faults_.error(
         path, "wrong-start",
-        fmt::format("starts at {}, but path {} starts at {}", shown(graph_->id(viewpoint)),
-                    reference_->path_id, shown(graph_->id(start))));
+        fmt::format("starts at {}, but path {} starts at {}", quote(graph_->id(viewpoint)),
+                    reference_->path_id, quote(graph_->id(start))));
   }
 
   void check_step(ViewpointIndex viewpoint, const Path& path) {
@@ -195,7 +194,7 @@ class TrajectoryReader {
     const double walk = graph_->distance(*last_, viewpoint);
     faults_.error(path, "not-adjacent",
                   fmt::format("no edge leads from {} to {}: {:.2f} m apart, {}",
-                              shown(graph_->id(*last_)), shown(graph_->id(viewpoint)), apart,
+                              quote(graph_->id(*last_)), quote(graph_->id(viewpoint)), apart,
                               std::isfinite(walk) ? fmt::format("{:.2f} m to walk", walk)
                                                   : std::string("out of reach")));
   }
@@ -276,10 +275,10 @@ class Reader {
         faults_.add(Severity::kWarning, id_path, "unscored-instruction",
                     fmt::format("{} is not scored (the first {} instructions of a path are); left "
                                 "out",
-                                shown(*id), kScoredInstructions));
+                                quote(*id), kScoredInstructions));
         return;
       }
-      if (id) episode = identify(*id, id_field, id_path);
+      if (id) episode = identify(*id, id_path);
       keep = episode && claim(*episode, place, id_path);
     } else if (id_field != "instr_id" && element.is_object()) {
       faults_.error(path, "missing-field", fmt::format("neither instr_id nor {}", own_id_field()));
@@ -302,9 +301,9 @@ class Reader {
     const Path id_path = found.place("instr_id");
     if (found.has("instr_id")) id = read_id(*found["instr_id"], "instr_id", id_path);
     if (id && !soon_.knows(*id)) {
-      faults_.error(id_path, "unknown-instr-id",
-                    fmt::format("{} is not one of the {} entries that split {} names", shown(*id),
-                                soon_.size(), episodes_.split));
+      refuse_id(
+          *id, id_path,
+          fmt::format("of the {} entries that split {} names", soon_.size(), episodes_.split));
       id.reset();
     }
     const Path list = found.place("trajectory");
@@ -329,11 +328,11 @@ class Reader {
       if (!episode && found.any) {
         faults_.error(path, "repeated-instr-id",
                       fmt::format("all paths of entry {} that begin at {} have an answer already",
-                                  shown(*id), shown(*start)));
+                                  quote(*id), quote(*start)));
       } else if (!episode) {
         faults_.error(
             Path(path, "path"), "wrong-start",
-            fmt::format("starts at {}, but no path of entry {} does", shown(*start), shown(*id)));
+            fmt::format("starts at {}, but no path of entry {} does", quote(*start), quote(*id)));
       }
     }
     Trajectory read;
@@ -392,9 +391,20 @@ class Reader {
     const Element element = *found[field];
     const Path place = found.place(field);
     if (element.is_null()) return {};
-    if (element.is_string()) return std::string(json::string(element, place, faults_).value_or(""));
+    if (element.is_string()) return read_object_id(element, place);
     const auto id = json::integer(element, place, faults_);
     return id ? std::to_string(*id) : std::string();
+  }
+
+  // Empty names none. Scorers compare texts: "-1" and "128 " are wrong answers, and no faults.
+  std::string read_object_id(Element element, const Path& path) {
+    const auto id = json::string(element, path, faults_).value_or("");
+    if (id.empty() || (id.size() <= kLongestId && is_file_name(id))) return std::string(id);
+    faults_.error(path, "bad-id",
+                  fmt::format("{} is no id of an object: at most {} bytes without control "
+                              "characters, / and \\ are allowed, the first not .",
+                              quote(id), kLongestId));
+    return {};
   }
 
   // How DUET and SOON's own code write a number of the point: [x] and x.
@@ -436,14 +446,30 @@ class Reader {
     return by_id_.contains(fmt::format("{}_{}", id, kScoredInstructions - 1));
   }
 
-  std::optional<std::size_t> identify(std::string_view id, std::string_view field,
-                                      const Path& path) {
-    const auto& known = field == "instruction_id" ? by_number_ : by_id_;
-    const auto episode = known.find(id);
-    if (episode != known.end()) return episode->second;
-    faults_.error(path, "unknown-instr-id",
-                  fmt::format("{} is not one of the {} of split {}", shown(id), places_.size(),
-                              episodes_.split));
+  // An id that is none of those there are. \param those  "of the 7 of split val"
+  void refuse_id(std::string_view id, const Path& path, const std::string& those) {
+    if (is_id(id, kLongestInstructionId)) {
+      faults_.error(path, "unknown-instr-id", fmt::format("{} is not one {}", quote(id), those));
+    } else {
+      faults_.error(path, "bad-id", fault_of_id(id, kLongestInstructionId));
+    }
+  }
+
+  // RxR: "1501", or "150_1501" where the annotations have 1501 alone. Test lines have no path_id,
+  // and the same lines with their goals have one.
+  std::optional<std::size_t> find_numbered(std::string_view id) const {
+    const auto numbered = by_number_.find(id.substr(id.rfind('_') + 1));
+    if (numbered == by_number_.end()) return std::nullopt;
+    const std::string& known = episodes_.episodes[numbered->second].instruction_id;
+    const bool one_is_number = id.find('_') == id.npos || known.find('_') == known.npos;
+    return one_is_number ? std::optional(numbered->second) : std::nullopt;
+  }
+
+  std::optional<std::size_t> identify(std::string_view id, const Path& path) {
+    const auto episode = by_id_.find(id);
+    if (episode != by_id_.end()) return episode->second;
+    if (const auto numbered = find_numbered(id)) return numbered;
+    refuse_id(id, path, fmt::format("of the {} of split {}", places_.size(), episodes_.split));
     return std::nullopt;
   }
 
@@ -453,9 +479,10 @@ class Reader {
       places_[episode] = place;
       return true;
     }
-    faults_.error(path, "repeated-instr-id",
-                  fmt::format("{:?} stands at $[{}] already; one entry each is allowed",
-                              episodes_.episodes[episode].instruction_id, *places_[episode]));
+    faults_.error(
+        path, "repeated-instr-id",
+        fmt::format("{} stands at $[{}] already; one entry each is allowed",
+                    quote(episodes_.episodes[episode].instruction_id), *places_[episode]));
     return false;
   }
 
@@ -464,15 +491,16 @@ class Reader {
     std::size_t count = 0;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (places_[i] || ++count > kListedIds) continue;
-      missing.push_back(fmt::format("{:?}", episodes_.episodes[i].instruction_id));
+      missing.push_back(quote(episodes_.episodes[i].instruction_id));
     }
     if (coverage_ == Coverage::kPart && count < places_.size()) return;
     if (count > kListedIds) {
       faults_.error(
           Path(), "missing-instr-id",
-          fmt::format("no entry for {} of the {} instr_ids of split {}: {} and {} more{}", count,
-                      places_.size(), episodes_.split, fmt::join(missing, ", "), count - kListedIds,
-                      count == places_.size() ? "; is it the file of another split?" : ""));
+          fmt::format("no entry for {} of the {} instr_ids of split {}{}: {} and {} more", count,
+                      places_.size(), episodes_.split,
+                      count == places_.size() ? " (is it the file of another split?)" : "",
+                      fmt::join(missing, ", "), count - kListedIds));
       return;
     }
     for (const std::string& id : missing) {

@@ -119,7 +119,7 @@ TEST(Results, AreReadBackAsTheyWereWritten) {
   written[0].points[0].heading = Radians(0.1);
   written[0].points[0].elevation = Radians(-1e-300);
   written[0].points[1].heading = Radians(-0.0);
-  written[1].points[0].heading = Radians(123456789012345678.0);
+  written[1].points[0].heading = Radians(1234.5678901234568);
   const std::string text = to_json(written, episodes());
   EXPECT_THAT(
       text,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/tasks/results.h"
 
@@ -20,7 +21,7 @@ std::string quoted(const char* what, const std::string& text) {
   try {
     return nlohmann::json(text).dump();
   } catch (const nlohmann::json::type_error&) {
-    throw ArgumentError(fmt::format("{} {:?}: not UTF-8, which JSON is", what, text));
+    throw ArgumentError(fmt::format("{} {}: not UTF-8, which JSON is", what, quote(text)));
   }
 }
 

@@ -71,6 +71,35 @@ TEST(ResultsWriter, RxrsOwnNumberBesideTheId) {
   EXPECT_THAT(to_json(walks(2), set), HasSubstr(R"({"instr_id": "odd", "trajectory")"));
 }
 
+// Test lines of RxR have no path_id, and the same lines with their goals may have one.
+TEST(Results, RxrsIdIsKnownWithThePathOrWithoutIt) {
+  const auto ids_read = [](const char* known, const std::string& id) {
+    const EpisodeSet set = episodes_of(Task::kRxr, {known});
+    return parse_results(R"([{)" + id + R"(, "trajectory": ["v0"]}])", "r.json", set)
+        .trajectories.size();
+  };
+  for (const char* known : {"150_1501", "1501"}) {
+    for (const char* id :
+         {R"("instr_id": "150_1501")", R"("instr_id": "1501")",
+          R"("instruction_id": 1501, "instr_id": "1501")", R"("instruction_id": 1501)"}) {
+      EXPECT_EQ(ids_read(known, id), 1U) << known << " " << id;
+    }
+  }
+  for (const char* id : {R"("instr_id": "15_1501")", R"("instr_id": "150_150")",
+                         R"("instr_id": "150")", R"("instr_id": "_1501")"}) {
+    EXPECT_THROW(ids_read("150_1501", id), InvalidInput) << id;
+  }
+  const EpisodeSet r2r = episodes_of(Task::kR2r, {"150_1501"});
+  EXPECT_THROW(parse_results(R"([{"instr_id": "1501", "trajectory": ["v0"]}])", "r.json", r2r),
+               InvalidInput);
+  const EpisodeSet once = episodes_of(Task::kRxr, {"1501"});
+  EXPECT_THROW(parse_results(R"([{"instr_id": "1501", "trajectory": ["v0"]},
+                                 {"instr_id": "150_1501", "trajectory": ["v0"]}])",
+                             "r.json", once),
+               InvalidInput)
+      << "one episode, named in two ways";
+}
+
 TEST(ResultsWriter, ReveriesObjectAsANumberWhereItIsOne) {
   const EpisodeSet set = episodes_of(Task::kReverie, {"7_66_0", "7_66_1", "7_66_2"});
   auto written = walks(3);

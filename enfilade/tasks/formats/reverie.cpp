@@ -34,9 +34,9 @@ void read_object_goal(const Fields& found, const Path& path, Faults& faults,
   entry.goal = NamedObject{*object};
   const std::string expected = fmt::format("{}_{}", *path_id, *object);
   if (entry.id.empty() || entry.id == expected || plain_number(entry.id)) return;
-  faults.error(
-      Path(path, "id"), "wrong-id",
-      fmt::format("{:?}, not {:?}, its path_id and objId, nor a number", entry.id, expected));
+  faults.error(Path(path, "id"), "wrong-id",
+               fmt::format("{}, not {}, its path_id and objId, nor a number", quote(entry.id),
+                           quote(expected)));
 }
 
 void read_hidden_goal(const Fields& found, const Path& path, Faults& faults,
@@ -45,8 +45,9 @@ void read_hidden_goal(const Fields& found, const Path& path, Faults& faults,
   const auto number = plain_number(entry.id);
   if (number) entry.path_id = *number;
   if (!number && !entry.id.empty()) {
-    faults.error(Path(path, "id"), "wrong-id",
-                 fmt::format("{:?}, not the number of a path, as there is no \"objId\"", entry.id));
+    faults.error(
+        Path(path, "id"), "wrong-id",
+        fmt::format("{}, not the number of a path, as there is no \"objId\"", quote(entry.id)));
   }
   const auto path_id = found.get("path_id", read_number);
   if (path_id && number && *path_id != *number) {
@@ -65,13 +66,8 @@ PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
   const Fields found(element, {"id", "scan", "heading", "path", "instructions"},
                      {"path_id", "objId", "instr_encodings"}, path, faults);
   if (!found) return entry;
-  if (const auto text = found.get("id", json::string)) {
-    entry.id = *text;
-    if (entry.id.empty()) {
-      faults.error(found.place("id"), "wrong-id", "an empty text, not the entry's id");
-    }
-  }
-  entry.scan = found.text("scan");
+  entry.id = found.id("id");
+  entry.scan = found.id("scan");
   entry.heading = found.get("heading", read_angle);
   entry.path = found.get("path", read_path);
   entry.instructions = found.get("instructions", json::strings);
@@ -87,7 +83,7 @@ PathAnnotation read_entry(Element element, const Path& path, Faults& faults) {
 }
 
 ArgumentError not_reverie(const PathAnnotation& entry, std::string_view why) {
-  return ArgumentError(fmt::format("entry {:?}: {}", entry.id, why));
+  return ArgumentError(fmt::format("entry {}: {}", quote(entry.id), why));
 }
 
 // That read_entry() would give the same.
@@ -104,7 +100,7 @@ void check_reverie(const PathAnnotation& entry) {
   // Goals of a test split have its numbers.
   const bool number = object != nullptr && plain_number(entry.id);
   if (entry.id != id && !number) {
-    throw not_reverie(entry, fmt::format("its id has to be {:?}", id));
+    throw not_reverie(entry, fmt::format("its id has to be {}", quote(id)));
   }
   if (entry.path.empty() || (object == nullptr && entry.path.size() > 1)) {
     throw not_reverie(entry, fmt::format("a path of {} viewpoints", entry.path.size()));

@@ -118,7 +118,7 @@ std::string read_language(Element element, const Path& path, Faults& faults) {
   if (std::ranges::find(kLanguages, *text) == kLanguages.end()) {
     faults.error(
         path, "unknown-language",
-        fmt::format("{:?} is no language of RxR; {} are", *text, fmt::join(kLanguages, ", ")));
+        fmt::format("{} is no language of RxR; {} are", quote(*text), fmt::join(kLanguages, ", ")));
   }
   return std::string(*text);
 }
@@ -158,7 +158,7 @@ Line read_guide_line(Element element, const Path& path, Faults& faults) {
                      {"path_id", "timed_instruction", "instr_encoding"}, path, faults);
   if (!found) return line;
   const std::size_t errors = faults.errors();
-  entry.scan = found.text("scan");
+  entry.scan = found.id("scan");
   entry.heading = found.get("heading", read_angle);
   entry.path = found.get("path", read_path);
   entry.instructions.push_back(found.text("instruction"));
@@ -207,7 +207,8 @@ std::int64_t number_of(const PathAnnotation& entry) {
                           ? parse_number<std::int64_t>(std::string_view(id).substr(before.size()))
                           : std::nullopt;
   if (number) return *number;
-  throw not_rxr(entry, fmt::format("instruction id {:?}, not {:?} and a number", id, before));
+  throw not_rxr(entry,
+                fmt::format("instruction id {}, not {} and a number", quote(id), quote(before)));
 }
 
 std::string line_of(const PathAnnotation& entry, const std::string& split) {

@@ -41,11 +41,12 @@ Direction read_direction(Element element, const Path& path, Faults& faults) {
 
 // All boxes of an entry are in one scan; the first one's is taken where the entry names none.
 void check_scan(Element element, const Path& path, Faults& faults, std::string& scan) {
-  const auto name = json::string(element, path, faults);
+  const auto name = json::id(element, path, faults);
   if (!name) return;
   if (scan.empty()) scan = *name;
   if (scan == *name) return;
-  faults.error(path, "two-scans", fmt::format("{:?}, where the entry is in {:?}", *name, scan));
+  faults.error(path, "two-scans",
+               fmt::format("{}, where the entry is in {}", quote(*name), quote(scan)));
 }
 
 NamedBox read_box(Element element, const Path& path, Faults& faults, std::string& scan) {
@@ -53,7 +54,7 @@ NamedBox read_box(Element element, const Path& path, Faults& faults, std::string
   const Fields found(element, {"image_id", "target"}, {"scan", "obj_name"}, path, faults);
   if (!found) return box;
   if (const auto& name = found["scan"]) check_scan(*name, found.place("scan"), faults, scan);
-  box.viewpoint = found.text("image_id");
+  box.viewpoint = found.id("image_id");
   box.object = found.text("obj_name");
   const Path target = found.place("target");
   const Fields directions(*found["target"],
@@ -70,7 +71,7 @@ NamedBox read_box(Element element, const Path& path, Faults& faults, std::string
 // The scan and the goal of an entry, without first alternatives.
 void read_goal(const Fields& found, const Path& path, Faults& faults, PathAnnotation& entry) {
   const std::size_t errors = faults.errors();
-  if (found.has("scan")) entry.scan = found.text("scan");
+  if (found.has("scan")) entry.scan = found.id("scan");
   NamedBoxes goal;
   const Path place = found.place("bboxes");
   if (const auto list = found.get("bboxes", json::array)) {
@@ -213,11 +214,10 @@ class Released {
 
  private:
   void read_id(Element element, const Path& path, Faults& faults, PathAnnotation& entry) {
-    const std::size_t errors = faults.errors();
-    const std::string id = read_text(element, path, faults);
-    if (faults.errors() != errors) return;
-    once_.check(id, static_cast<std::size_t>(*entry.group), path, faults);
-    for (InstructionDetails& details : entry.details) details.entry = id;
+    const auto id = json::id(element, path, faults);
+    if (!id) return;
+    once_.check(std::string(*id), static_cast<std::size_t>(*entry.group), path, faults);
+    for (InstructionDetails& details : entry.details) details.entry = *id;
   }
 
   void add(PathAnnotation entry, const std::vector<std::string>& path,
@@ -256,14 +256,12 @@ PathAnnotation read_soon_line(Element element, std::size_t /*record*/, const Pat
                      {"bboxes", "instr_encodings"}, path, faults);
   if (!found) return entry;
   entry.heading = kStartHeading;
-  if (const auto id = found.get("path_id", json::string)) {
-    entry.id = *id;
-    const auto number = running_number(*id);
-    entry.path_id = number.value_or(0);
-    if (!number) {
-      faults.error(found.place("path_id"), "wrong-id",
-                   fmt::format("{:?}, not \"<split number>-<running number>\"", *id));
-    }
+  entry.id = found.id("path_id");
+  const auto number = running_number(entry.id);
+  entry.path_id = number.value_or(0);
+  if (!number && !entry.id.empty()) {
+    faults.error(found.place("path_id"), "wrong-id",
+                 quote(entry.id) + ", not \"<split number>-<running number>\"");
   }
   entry.path = found.get("path", read_path);
   read_goal(found, path, faults, entry);
@@ -277,7 +275,7 @@ PathAnnotation read_soon_line(Element element, std::size_t /*record*/, const Pat
 }
 
 ArgumentError not_soon(const PathAnnotation& entry, std::string_view why) {
-  return ArgumentError(fmt::format("path {:?}: {}", entry.id, why));
+  return ArgumentError(fmt::format("path {}: {}", quote(entry.id), why));
 }
 
 nlohmann::ordered_json json_of(const PathAnnotation& entry, const Direction& direction) {
@@ -318,7 +316,8 @@ void check_soon(const PathAnnotation& entry) {
     for (const auto& [name, text] : details.fields) {
       part = std::find(part, kParts.end(), name);
       if (part++ == kParts.end()) {
-        throw not_soon(entry, fmt::format("field {:?} is unknown, or not in SOON's order", name));
+        throw not_soon(entry,
+                       fmt::format("field {} is unknown, or not in SOON's order", quote(name)));
       }
     }
   }
@@ -398,16 +397,16 @@ std::string released_line(std::span<const PathAnnotation> paths, const std::stri
   for (const PathAnnotation& path : paths) {
     if (path.path.empty()) throw not_soon(path, "its path has no viewpoint");
     if (&path != &paths.front() && shared_json(path) != shared) {
-      throw not_soon(path, fmt::format("of the group of {:?}, but differs from it in more than the "
+      throw not_soon(path, fmt::format("of the group of {}, but differs from it in more than the "
                                        "path",
-                                       paths.front().id));
+                                       quote(paths.front().id)));
     }
     alternatives.push_back(path.path);
   }
   nlohmann::ordered_json entry{{"path", std::move(alternatives)}};
   entry.update(shared);
   entry["instr_id"] = id;
-  return dump(entry, fmt::format("path {:?}", paths.front().id));
+  return dump(entry, "path " + quote(paths.front().id));
 }
 
 }  // namespace
@@ -429,7 +428,7 @@ Annotations parse_soon_lines(std::string_view lines, const std::string& file, st
 std::string to_soon_lines(const Annotations& annotations) {
   std::string lines;
   for (const PathAnnotation& entry : annotations.paths) {
-    lines += dump(line_of(entry), fmt::format("path {:?}", entry.id)) + '\n';
+    lines += dump(line_of(entry), "path " + quote(entry.id)) + '\n';
   }
   return lines;
 }
@@ -450,7 +449,7 @@ std::string to_released_soon(const Annotations& annotations) {
     const std::string id = formats::entry_id(entry, number);
     if (!ids.insert(id).second) {
       throw formats::not_soon(entry.front(),
-                              fmt::format("its entry has the instr_id {:?} of another", id));
+                              fmt::format("its entry has the instr_id {} of another", quote(id)));
     }
     text += (number == 0 ? "\n" : ",\n") + formats::released_line(entry, id);
     begin = end;

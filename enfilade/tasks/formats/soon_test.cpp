@@ -193,11 +193,11 @@ TEST(Soon, DoesNotRepeatAnEntryWithoutLimit) {
 
 TEST(Soon, ReadsWhatItWrites) {
   const Annotations read =
-      parse_soon("[" + kEntry + ", " + edited(kHidden, "{", "{\"instr_id\": \"\", ") + ", " +
+      parse_soon("[" + kEntry + ", " + edited(kHidden, "{", "{\"instr_id\": \"0\", ") + ", " +
                      edited(kEntry, "\"7\"", "\"b_7\"") + "]",
                  "s.json", "val_unseen_house");
   ASSERT_THAT(read.paths, SizeIs(7));
-  EXPECT_EQ(read.paths[3].details[0].entry, "");
+  EXPECT_EQ(read.paths[3].details[0].entry, "0");
   const std::string written = to_released_soon(read);
   EXPECT_EQ(std::ranges::count(written, '\n'), 5) << "an entry a line";
   EXPECT_EQ(parse_soon(written, "s.json", "val_unseen_house").paths, read.paths);
@@ -267,7 +267,7 @@ TEST(SoonLines, NamesFieldPlaceAndWhatIsAllowed) {
       {edited(kLine, "\"3-17\"", "17"), "$[0].path_id: number 17, not a string"},
       {edited(kLine, "3-17", "17"), "$[0].path_id: \"17\", not \"<split number>-<running number>"},
       {edited(kLine, "3-17", "3--1"), "$[0].path_id: \"3--1\", not"},
-      {edited(kLine, "3-17", ""), "$[0].path_id: \"\", not"},
+      {edited(kLine, "3-17", ""), "$[0].path_id: an empty id"},
       {edited(kLine, "3-17", "3-99999999999999999999"), "$[0].path_id: \"3-9999"},
       {edited(kLine, R"(["v0", "v1", "v2"])", R"([["v0"]])"), "$[0].path[0]: array of 1, not a"},
       {edited(kLine, R"(["v0", "v1", "v2"])", "[]"), "$[0].path: no viewpoint"},

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/geometry/habitat_frame.h"
 
 namespace enfilade::tasks::formats {
@@ -76,6 +77,9 @@ Vec3d read_point(Element element, const Path& path, Faults& faults) {
   for (double* const coordinate : {&point.x, &point.y, &point.z}) {
     *coordinate = json::number(list->at(k).value_unsafe(), Path(path, k), faults).value_or(0);
     ++k;
+    if (std::abs(*coordinate) <= kMostMetres) continue;
+    faults.error(path, "bad-point", fmt::format("{} is no place in metres", *coordinate));
+    return {};
   }
   return from_habitat(point);
 }
@@ -96,9 +100,8 @@ std::vector<Vec3d> read_points(Element element, const Path& path, Faults& faults
 std::optional<FileId> read_id(Element element, const Path& path, Faults& faults) {
   std::string_view text;
   if (element.get(text) == simdjson::SUCCESS) {
-    if (!text.empty()) return std::string(text);
-    faults.error(path, "bad-id", "an empty text; a whole number or a text is expected");
-    return std::nullopt;
+    const auto id = json::id(element, path, faults);
+    return id ? std::optional<FileId>(std::string(*id)) : std::nullopt;
   }
   std::int64_t number = 0;
   if (element.get(number) == simdjson::SUCCESS) return number;
@@ -143,11 +146,12 @@ void add_others(const OtherFields& others, std::span<const json::Field> known, J
   for (const auto& [name, text] : others) {
     const bool is_known = std::ranges::find(known, name, &json::Field::name) != known.end();
     if (is_known || fields.contains(name)) {
-      throw ArgumentError(fmt::format("{}: {:?} is no other field, or there twice", where, name));
+      throw ArgumentError(
+          fmt::format("{}: {} is no other field, or there twice", where, quote(name)));
     }
     Json value = Json::parse(text, nullptr, false);
     if (value.is_discarded()) {
-      throw ArgumentError(fmt::format("{}: field {:?} is no JSON", where, name));
+      throw ArgumentError(fmt::format("{}: field {} is no JSON", where, quote(name)));
     }
     fields[name] = std::move(value);
   }

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/detail/json_entries.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/names.h"
 #include "enfilade/tasks/continuous_episodes.h"
 #include "enfilade/tasks/formats/records.h"
 #include "enfilade/tasks/formats/vln_ce.h"
@@ -65,7 +66,7 @@ EpisodeInfo read_info(Element element, const Path& path, Faults& faults) {
   if (role == "follower") info.role = AnnotationRole::kFollower;
   if (role && !info.role) {
     faults.error(found.place("role"), "unknown-role",
-                 fmt::format("{:?}, neither \"guide\" nor \"follower\"", *role));
+                 quote(*role) + ", neither \"guide\" nor \"follower\"");
   }
   return info;
 }
@@ -130,7 +131,9 @@ Read read_episode(Element element, const Path& path, Faults& faults) {
     episode.scene = *scene;
     if (episode.scan().empty()) {
       faults.error(found.place("scene_id"), "bad-scene",
-                   fmt::format("{:?} names no scan; \"mp3d/SCAN/SCAN.glb\" does", *scene));
+                   quote(*scene) + " names no scan; \"mp3d/SCAN/SCAN.glb\" does");
+    } else if (std::string fault = fault_of_id(episode.scan()); !fault.empty()) {
+      faults.error(found.place("scene_id"), "bad-id", std::move(fault));
     }
   }
   episode.start = found.get("start_position", read_point);
@@ -177,7 +180,7 @@ class EpisodesReader {
     const auto [first, fresh] = places_.emplace(id, index);
     if (fresh) return;
     faults_.error(Path(place, "episode_id"), "repeated-id",
-                  fmt::format("{:?} stands at $.episodes[{}] already", id, first->second));
+                  fmt::format("{} stands at $.episodes[{}] already", quote(id), first->second));
   }
 
   std::vector<ContinuousEpisode>& episodes_;
@@ -258,7 +261,7 @@ ContinuousEpisodes parse_continuous_episodes(std::string_view json, const std::s
     }
   });
   if (faults.errors() == 0 && !seen.contains(std::string(kEpisodes))) {
-    faults.error(root, "missing-field", fmt::format("has no field {:?}", kEpisodes));
+    faults.error(root, "missing-field", fmt::format("has no field {}", quote(kEpisodes)));
   }
   faults.throw_if_errors();
   return result;
@@ -276,6 +279,10 @@ ExpertWalks parse_expert_walks(std::string_view json, const std::string& file) {
     const auto value = members.element(kMostRecordBytes);
     if (!value) {
       refuse_large(members.value().size(), path, faults);
+      return;
+    }
+    if (std::string fault = fault_of_id(members.key()); !fault.empty()) {
+      faults.error(path, "bad-id", std::move(fault));
       return;
     }
     const bool fresh = walks.emplace(members.key(), read_expert_walk(*value, path, faults)).second;

@@ -3,8 +3,6 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <unordered_map>
@@ -109,27 +107,24 @@ class ResultsReader {
   std::optional<std::size_t> claim(const std::string& id, const Path& path) {
     const auto found = by_id_.find(id);
     if (found == by_id_.end()) {
-      faults_.error(path, "unknown-episode",
-                    fmt::format("{:?} is not one of the {} values of {} in split {}", id,
-                                by_id_.size(), id_field_, episodes_.split));
+      if (std::string fault = fault_of_id(id); !fault.empty()) {
+        faults_.error(path, "bad-id", std::move(fault));
+      } else {
+        faults_.error(path, "unknown-episode",
+                      fmt::format("{} is not one of the {} values of {} in split {}", quote(id),
+                                  by_id_.size(), id_field_, episodes_.split));
+      }
       return std::nullopt;
     }
     if (claimed_.emplace(found->second, path.text()).second) return found->second;
-    faults_.error(
-        path, "repeated-episode",
-        fmt::format("{} {:?} stands at {} already", id_field_, id, claimed_.at(found->second)));
+    faults_.error(path, "repeated-episode",
+                  fmt::format("{} {} stands at {} already", id_field_, quote(id),
+                              claimed_.at(found->second)));
     return std::nullopt;
   }
 
   Vec3f read_position(Element element, const Path& path) {
-    constexpr double kMost = std::numeric_limits<float>::max();
-    const Vec3d point = formats::read_point(element, path, faults_);
-    for (const double coordinate : {point.x, point.y, point.z}) {
-      if (std::abs(coordinate) <= kMost) continue;
-      faults_.error(path, "out-of-range", fmt::format("{} is no place in metres", coordinate));
-      return {};
-    }
-    return to_float(point);
+    return to_float(formats::read_point(element, path, faults_));
   }
 
   ContinuousResult read_poses(Element element, const Path& path) {
@@ -205,7 +200,7 @@ class ResultsReader {
     std::size_t count = 0;
     for (std::size_t i = 0; i < walks_.size(); ++i) {
       if (claimed_.contains(i) || ++count > kListedEpisodes) continue;
-      missing.push_back(fmt::format("{:?}", text_of(episodes_.episodes[i].id)));
+      missing.push_back(quote(text_of(episodes_.episodes[i].id)));
     }
     if (count == 0) return;
     faults_.error(

@@ -171,7 +171,7 @@ TEST(ContinuousEpisodes, ReportFaultsWithTheirPaths) {
   EXPECT_THAT(faults("\"episode_id\": 7", "\"episode_id\": 7.5"),
               HasSubstr("$.episodes[0].episode_id: number 7.5, neither a whole number nor a text"));
   EXPECT_THAT(faults("\"episode_id\": 7", "\"episode_id\": \"\""),
-              HasSubstr("$.episodes[0].episode_id: an empty text"));
+              HasSubstr("$.episodes[0].episode_id: an empty id"));
   EXPECT_THAT(faults("mp3d/one/one.glb", "mp3d/one/"),
               HasSubstr("$.episodes[0].scene_id: \"mp3d/one/\" names no scan"));
   EXPECT_THAT(faults("[1.5, 0.25, -4], \"start_r", "[1.5, 0.25], \"start_r"),

@@ -12,6 +12,7 @@
 #include "enfilade/core/detail/json.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/scan/file_tree.h"
 #include "enfilade/scan/npy.h"
 
@@ -58,7 +59,7 @@ class TraceReader {
     const Path place(root_, name);
     if (!tree_.contains(file)) {
       if (need == Need::kRequired) {
-        faults_.error(root_, "missing-array", fmt::format("has no array {:?}", name));
+        faults_.error(root_, "missing-array", fmt::format("has no array {}", quote(name)));
       }
       return std::nullopt;
     }
@@ -116,7 +117,7 @@ class TraceReader {
   bool is_number(std::string_view name, const NpyArray& array) {
     if (array.is_number() && array.kind() != NpyKind::kBool) return true;
     faults_.error(Path(root_, name), "wrong-type",
-                  fmt::format("elements of type {:?}, not numbers", array.type()));
+                  fmt::format("elements of type {}, not numbers", quote(array.type())));
     return false;
   }
 
@@ -127,12 +128,12 @@ class TraceReader {
     return std::nullopt;
   }
 
-  std::optional<float> float_at(const NpyArray& array, std::size_t i, const Path& place) {
-    constexpr double kMost = std::numeric_limits<float>::max();
+  std::optional<float> float_at(const NpyArray& array, std::size_t i, const Path& place,
+                                double most = std::numeric_limits<float>::max()) {
     const auto value = finite(array, i, place);
     if (!value) return std::nullopt;
-    if (std::abs(*value) <= kMost) return static_cast<float>(*value);
-    faults_.error(place, "too-large", fmt::format("{}, beyond {}", *value, kMost));
+    if (std::abs(*value) <= most) return static_cast<float>(*value);
+    faults_.error(place, "too-large", fmt::format("{}, beyond {}", *value, most));
     return std::nullopt;
   }
 
@@ -141,15 +142,15 @@ class TraceReader {
     const Path list(root_, "pano");
     if (!array->is_text()) {
       faults_.error(list, "wrong-type",
-                    fmt::format("elements of type {:?}, not texts", array->type()));
+                    fmt::format("elements of type {}, not texts", quote(array->type())));
       return;
     }
     if (!fits("pano", *array, 1)) return;
     for (std::size_t i = 0; i < array->size() && !faults_.full(); ++i) {
       std::string& viewpoint = trace_.snapshots[i].viewpoint;
       viewpoint = array->text(i);
-      if (viewpoint.empty()) {
-        faults_.error(Path(list, i), "bad-id", "an empty text, not a viewpoint's id");
+      if (std::string fault = fault_of_id(viewpoint); !fault.empty()) {
+        faults_.error(Path(list, i), "bad-id", std::move(fault));
       }
     }
   }
@@ -189,7 +190,7 @@ class TraceReader {
     for (std::size_t i = 0; i < array->size() && !faults_.full(); ++i) {
       const std::size_t row = i / kMatrix, k = i % kMatrix;
       const Path place(list, row);
-      const auto value = float_at(*array, i, Path(place, k));
+      const auto value = float_at(*array, i, Path(place, k), kMostMetres);
       if (value) (trace_.snapshots[row].*matrix)[k] = *value;
     }
   }
@@ -228,7 +229,7 @@ class TraceReader {
   bool is_mask(std::string_view name, const NpyArray& array, std::vector<std::size_t> row) {
     if (array.is_number()) return has_shape(name, array, std::move(row));
     faults_.error(Path(root_, name), "wrong-type",
-                  fmt::format("elements of type {:?}, not bools", array.type()));
+                  fmt::format("elements of type {}, not bools", quote(array.type())));
     return false;
   }
 

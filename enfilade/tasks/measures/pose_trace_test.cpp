@@ -154,7 +154,7 @@ TEST(PoseTrace, RefusesWhatIsDamaged) {
        [&](Arrays& a) {
          a["pano"] = floats({1, 2, 3}, {3, 1});
        }},
-      {"$.pano[1]: an empty text",
+      {"$.pano[1]: an empty id",
        [](Arrays& a) {
          a["pano"] = scan::write_npy(std::vector<std::string>{"v0", "", "v1"}, {3, 1});
        }},

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/tasks/scorers/scorers.h"
 
 namespace enfilade::tasks {
@@ -40,7 +41,8 @@ std::size_t Scorer::place_of(std::string_view mean_name) const {
   if (found != metrics.end()) return static_cast<std::size_t>(found - metrics.begin());
   std::vector<std::string_view> names;
   for (const ScorerMetric& one : metrics) names.emplace_back(one.mean_name());
-  throw LookupError(fmt::format("no metric {:?}; there are {}", mean_name, fmt::join(names, ", ")));
+  throw LookupError(
+      fmt::format("no metric {}; there are {}", quote(mean_name), fmt::join(names, ", ")));
 }
 
 const Scorer& own_scorer() noexcept { return scorers::kR2r.front(); }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { benchmarkOf, endOf, leakageOf, limitsOf, type Phase, primaryName, showingOf } from './phases.ts';
+import { benchmarkOf, endOf, givesAll, leakageOf, limitsOf, type Phase, primaryName, showingOf } from './phases.ts';
 
 const secret: Phase = {
   phase: 'test', title: 'Test', split: 'test', task: 'r2r', task_title: 'R2R', scorer: 'enfilade', episodes: 4173, goals_secret: true,
@@ -11,14 +11,25 @@ const secret: Phase = {
 
 describe('a phase in words', () => {
   it('says what it gives away', () => {
-    expect(leakageOf(secret)).toBe('This phase can give away at most 180 bits of its goals, which take 6,600 bits to write down.');
+    expect(leakageOf(secret)).toBe('This phase can give away at most 180 bits of its goals, which have 6,600 bits.');
     const seen = { ...secret, leakage: { ...secret.leakage!, used_bits: 12, phases: ['test', 'final'] } };
     expect(leakageOf(seen)).toBe(
-      'The phases test, final share their goals, and together can give away at most 180 bits of these goals, which take 6,600 bits to write down; 12 are used.');
+      'The phases test, final share goals, and together can give away at most 180 bits of this phase\'s goals, which have 6,600 bits; 12 are used.');
     expect(leakageOf({ ...secret, leakage: { ...secret.leakage!, most_bits: null } })).toContain('no limit');
     const { leakage, ...open } = secret;
     expect(leakage).toBeDefined();
     expect(leakageOf(open)).toBe('');
+  });
+
+  it('says when its limits give all goals away', () => {
+    expect(givesAll(secret)).toBe(false);
+    const small = { ...secret, leakage: { ...secret.leakage!, goal_bits: 168 } };
+    expect(givesAll(small)).toBe(true);
+    expect(leakageOf(small)).toContain('So the goals may not stay secret.');
+    expect(givesAll({ ...secret, leakage: { ...secret.leakage!, most_bits: null } })).toBe(true);
+    const { leakage, ...open } = secret;
+    expect(leakage).toBeDefined();
+    expect(givesAll(open)).toBe(false);
   });
 
   it('says when it ends and what it takes', () => {

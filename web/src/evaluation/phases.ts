@@ -1,4 +1,5 @@
 /** Phases of an evaluation, and what pages say about them in words. */
+import { make } from '../elements/page.ts';
 import type { Column } from './ranking.ts';
 
 interface Leakage {
@@ -74,15 +75,28 @@ export function showingOf(phase: Phase): string {
   return `Its goals are secret: until the end a team sees its ${primaryName(phase)} only when that is at least ${step} better than its best shown one.`;
 }
 
+/** Whether the limits let all of the goals be read. */
+export function givesAll({ leakage }: Phase): boolean {
+  if (!leakage || leakage.goal_bits === null) return false;
+  return leakage.most_bits === null || leakage.most_bits > leakage.goal_bits;
+}
+
 /** How much of the goals is given away, as the server computes it. */
-export function leakageOf({ leakage }: Phase): string {
+export function leakageOf(phase: Phase): string {
+  const { leakage } = phase;
   if (!leakage) return '';
-  const subject = leakage.phases.length > 1 ? `The phases ${leakage.phases.join(', ')} share their goals, and together` : 'This phase';
-  const whose = leakage.phases.length > 1 ? 'these goals' : 'its goals';
-  const goals = leakage.goal_bits === null ? whose : `${whose}, which take ${number(leakage.goal_bits)} bits to write down`;
+  const subject = leakage.phases.length > 1 ? `The phases ${leakage.phases.join(', ')} share goals, and together` : 'This phase';
+  const whose = leakage.phases.length > 1 ? "this phase's goals" : 'its goals';
+  const goals = leakage.goal_bits === null ? whose : `${whose}, which have ${number(leakage.goal_bits)} bits`;
   const most = leakage.most_bits === null
     ? `${subject} can give away all of ${goals}: there is no limit to a team's submissions`
     : `${subject} can give away at most ${number(leakage.most_bits)} bits of ${goals}`;
   const used = leakage.used_bits === undefined || leakage.used_bits === null ? '' : `; ${number(leakage.used_bits)} are used`;
-  return `${most}${used}.`;
+  return `${most}${used}.${givesAll(phase) ? ' So the goals may not stay secret.' : ''}`;
+}
+
+/** The same as a line of a page; a warning where all of the goals can be read. Nothing for open goals. */
+export function leakageNote(phase: Phase): HTMLElement[] {
+  const text = leakageOf(phase);
+  return text === '' ? [] : [make('p', { class: givesAll(phase) ? 'notice bad' : 'note' }, text)];
 }

@@ -6,7 +6,7 @@ import {
   addSiteHeader, byId, counted, empty, facts, loading, make, problems, run, table,
 } from '../elements/page.ts';
 import {
-  benchmarkOf, leakageOf, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf,
+  benchmarkOf, leakageNote, limitsOf, type Phase, type PhaseList, primaryName, primaryOf, showingOf,
 } from '../evaluation/phases.ts';
 import {
   bestText, type Column, type Direction, factorOf, firstDirection, format, places, type Row, sorted, unitOf, valueOf,
@@ -122,14 +122,14 @@ function progressOf(rows: readonly Row[], phase: Phase): HTMLElement[] {
 /** What is to be known of a phase above its table. */
 function headOf(phase: Phase, organiser: boolean): HTMLElement {
   const ends = phase.ends === null ? (phase.ended ? 'ended' : 'open') : phase.ends.slice(0, 16).replace('T', ' ');
-  const secret = [showingOf(phase), leakageOf(phase),
+  const secret = [showingOf(phase),
     phase.near_copies ? `${phase.near_copies} submissions end where an earlier one does, in all but a few episodes: the page Submit marks them.` : ''];
   const links = [make('a', { href: `/submit?${new URLSearchParams({ phase: phase.phase })}`, class: 'button main' }, 'Submit results'),
     ...(phase.rules ? [make('a', { href: '#rules', class: 'button' }, 'Rules')] : [])];
   return make('div', {},
     facts([['Benchmark', benchmarkOf(phase)], ['Split', phase.split], ['Instructions', phase.episodes.toLocaleString('en-US')], ['Ranked by', primaryName(phase)],
       ['Submissions of a team', limitsOf(phase)], [phase.ends === null || !phase.ended ? (phase.ends === null ? 'State' : 'Ends, UTC') : 'Ended, UTC', ends]]),
-    ...secret.filter((text) => text !== '').map((text) => make('p', { class: 'note' }, text)),
+    ...secret.filter((text) => text !== '').map((text) => make('p', { class: 'note' }, text)), ...leakageNote(phase),
     ...(organiser && phase.goals_secret ? [make('p', { class: 'notice' }, 'You see all scores as an organiser; teams and visitors do not.')] : []),
     make('p', { class: 'buttons' }, ...links));
 }

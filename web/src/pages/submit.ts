@@ -3,7 +3,7 @@ import { jsonFiles } from '../elements/files.ts';
 import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../elements/forms.ts';
 import { addSiteHeader, byId, counted, dateTime, empty, make, problems, run, table } from '../elements/page.ts';
 import {
-  benchmarkOf, endOf, leakageOf, limitsOf, type Phase, type PhaseList, showingOf,
+  benchmarkOf, endOf, leakageNote, limitsOf, type Phase, type PhaseList, showingOf,
 } from '../evaluation/phases.ts';
 import { type Column, format, type Mean, unitOf, valueOf } from '../evaluation/ranking.ts';
 import { api, json } from '../server/api.ts';
@@ -114,8 +114,8 @@ async function showTeam(who: Who): Promise<void> {
   const showRules = () => {
     const chosen = phases.find((p) => p.phase === phase.value);
     if (!chosen) return;
-    const texts = [`${benchmarkOf(chosen)}.`, showingOf(chosen), endOf(chosen), leakageOf(chosen)].filter((text) => text !== '');
-    rules.replaceChildren(...texts.map((text) => make('p', { class: 'note' }, text)));
+    const texts = [`${benchmarkOf(chosen)}.`, showingOf(chosen), endOf(chosen)].filter((text) => text !== '');
+    rules.replaceChildren(...texts.map((text) => make('p', { class: 'note' }, text)), ...leakageNote(chosen));
     if (chosen.goals_secret && who.approved === false) {
       rules.append(make('p', { class: 'problem' }, 'Your team is not approved for this phase yet. Ask the organisers.'));
     }

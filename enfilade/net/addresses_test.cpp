@@ -1,4 +1,4 @@
-#include "enfilade/service/detail/hosts.h"
+#include "enfilade/net/hosts.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace enfilade::service::detail {
+namespace enfilade::net {
 namespace EN_UNIT {
 
 TEST(Addresses, AHomeOfIpv6IsOneAddress) {
@@ -96,4 +96,4 @@ TEST(Addresses, WhatIsNoAddressStaysAsItIs) {
 }
 
 }  // namespace EN_UNIT
-}  // namespace enfilade::service::detail
+}  // namespace enfilade::net

@@ -1,4 +1,4 @@
-#include "enfilade/service/detail/hosts.h"
+#include "enfilade/net/hosts.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include "enfilade/core/errors.h"
 #include "tests/support/refusal.h"
 
-namespace enfilade::service::detail {
+namespace enfilade::net {
 namespace EN_UNIT {
 
 using ::testing::HasSubstr;
@@ -28,7 +28,7 @@ TEST(Hosts, ANameOrAnAddressAndAPort) {
 
 TEST(Hosts, AnythingElseIsNone) {
   for (const std::string text :
-       {"", ".", ":80", "a b", "a/b", "a@b", "a,b", "a:65536", "a:-1", "a:8x", "a:1:2", "::1",
+       {"", ".", "a..", ":80", "a b", "a/b", "a@b", "a,b", "a:65536", "a:-1", "a:8x", "a:1:2", "::1",
         "[::1", "[x]", "[127.0.0.1]", "a\tb", "\xc3\xa9"}) {
     EXPECT_EQ(parsed(text), "none") << text;
   }
@@ -92,4 +92,4 @@ TEST(Hosts, WhatIsNoNameIsRefused) {
 }
 
 }  // namespace EN_UNIT
-}  // namespace enfilade::service::detail
+}  // namespace enfilade::net

@@ -1,4 +1,4 @@
-#include "enfilade/service/detail/hosts.h"
+#include "enfilade/net/hosts.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -14,9 +14,9 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/service/detail/texts.h"
+#include "enfilade/net/texts.h"
 
-namespace enfilade::service::detail {
+namespace enfilade::net {
 namespace {
 
 constexpr std::size_t kLongestHost = 253;  // of DNS
@@ -76,7 +76,7 @@ std::optional<Host> parse_host(std::string_view text) {
     if (!is_literal(AF_INET6, std::string(text.substr(1, text.size() - 2)))) return std::nullopt;
   } else {
     if (text.ends_with('.')) text.remove_suffix(1);
-    if (!is_dns_name(text)) return std::nullopt;
+    if (!is_dns_name(text) || text.ends_with('.')) return std::nullopt;
   }
   host.name = lower_case(std::string(text));
   return host;
@@ -162,4 +162,4 @@ std::string address_group(std::string_view address) {
   return std::string(written.data()) + "/64";
 }
 
-}  // namespace enfilade::service::detail
+}  // namespace enfilade::net

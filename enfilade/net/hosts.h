@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace enfilade::service::detail {
+namespace enfilade::net {
 
 /// Content of a Host header: "vln.example.org", "10.0.0.3:8080", "[::1]:8080".
 struct Host {
@@ -56,4 +56,4 @@ std::optional<std::string> parse_address(std::string_view entry);
 /// unchanged. Any thread.
 std::string address_group(std::string_view address);
 
-}  // namespace enfilade::service::detail
+}  // namespace enfilade::net

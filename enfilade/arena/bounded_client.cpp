@@ -1,0 +1,281 @@
+#include "enfilade/arena/detail/bounded_client.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <cstring>
+#include <ctime>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+#include "enfilade/arena/detail/limits.h"
+#include "enfilade/arena/endpoint.h"
+
+namespace enfilade::arena::detail {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostLines = 64U << 10U;                 // bytes: a head
+constexpr std::size_t kMostBytes = kMostAnswer + (1U << 20U);  // with its head and chunks' lines
+
+/// The present request's use of the connection.
+class Use {
+ public:
+  ~Use() { watch(-1); }
+  Use() = default;
+  Use(const Use&) = delete;
+  Use& operator=(const Use&) = delete;
+
+  void begin() {
+    const std::scoped_lock lock(mutex_);
+    late_ = false;
+    bytes_ = lines_ = 0;
+  }
+  /// A new connection, which is made by this thread. Its own number of it stays that connection's
+  /// as long as it is open here.
+  void watch(socket_t socket) {
+    const std::scoped_lock lock(mutex_);
+    if (socket_ >= 0) ::close(socket_);
+    socket_ = socket < 0 ? -1 : ::dup(socket);
+    if (late_) ::shutdown(socket_, SHUT_RDWR);
+  }
+  /// Ends whatever waits for the connection. Any thread.
+  void end() {
+    const std::scoped_lock lock(mutex_);
+    late_ = true;
+    if (socket_ >= 0) ::shutdown(socket_, SHUT_RDWR);
+  }
+  bool late() {
+    const std::scoped_lock lock(mutex_);
+    return late_;
+  }
+
+  void count_received(std::size_t bytes) { bytes_ += bytes; }
+  /// cpp-httplib reads lines by the byte, and keeps them whatever their number and length.
+  void count_read(std::size_t bytes) { lines_ = bytes > 1 ? 0 : lines_ + bytes; }
+  bool has_too_many_bytes() const noexcept { return bytes_ > kMostBytes; }
+  bool has_too_many_lines() const noexcept { return lines_ > kMostLines; }
+
+ private:
+  std::mutex mutex_;
+  int socket_ = -1;
+  bool late_ = false;
+  std::size_t bytes_ = 0;  // as they came
+  std::size_t lines_ = 0;  // bytes of lines, since the last part of a body
+};
+
+/// The bytes of a connection, which are counted.
+class Counted : public httplib::Stream {
+ public:
+  Counted(socket_t socket, SSL* ssl, Use& use) : socket_(socket), ssl_(ssl), use_(use) {}
+
+  // 0.18 and older ask the first two; newer ones ask the others.
+  bool is_readable() const { return begin_ < end_ || wait(POLLIN); }  // NOLINT(*-override)
+  bool is_writable() const { return wait(POLLOUT); }                  // NOLINT(*-override)
+  bool wait_readable() const { return is_readable(); }                // NOLINT(*-override)
+  bool wait_writable() const { return is_writable(); }                // NOLINT(*-override)
+  time_t duration() const { return 0; }                               // NOLINT(*-override)
+
+  ssize_t read(char* to, std::size_t size) override {
+    if (begin_ == end_) {
+      const ssize_t more = receive();
+      if (more <= 0) return more;
+      begin_ = 0;
+      end_ = static_cast<std::size_t>(more);
+      use_.count_received(end_);
+    }
+    size = std::min(size, end_ - begin_);
+    std::memcpy(to, &buffer_[begin_], size);
+    begin_ += size;
+    use_.count_read(size);
+    const bool good = !use_.has_too_many_bytes() && !use_.has_too_many_lines();
+    return good ? static_cast<ssize_t>(size) : -1;
+  }
+  ssize_t write(const char* from, std::size_t size) override {
+    const int most = static_cast<int>(std::min<std::size_t>(size, 1U << 20U));
+    return repeat(POLLOUT, [&] {
+      return ssl_ != nullptr ? SSL_write(ssl_, from, most)
+                             : ::send(socket_, from, static_cast<std::size_t>(most), MSG_NOSIGNAL);
+    });
+  }
+  void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
+  void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
+  socket_t socket() const override { return socket_; }
+
+ private:
+  /// For as long as the request may take: Use::end() ends it.
+  bool wait(short event) const {
+    pollfd one{socket_, event, 0};
+    int ready = 0;
+    do {
+      ready = ::poll(&one, 1, -1);
+    } while (ready < 0 && errno == EINTR);
+    return ready > 0;
+  }
+  /// Repeats what was interrupted.
+  template <class Move>
+  ssize_t repeat(short event, const Move& move) {
+    for (;;) {
+      ERR_clear_error();
+      const ssize_t moved = move();
+      if (moved >= 0 && (ssl_ == nullptr || moved > 0)) return moved;
+      if (use_.late()) return -1;
+      if (ssl_ != nullptr) {
+        const int why = SSL_get_error(ssl_, static_cast<int>(moved));
+        if (why == SSL_ERROR_ZERO_RETURN) return 0;
+        if (why != SSL_ERROR_WANT_READ && why != SSL_ERROR_WANT_WRITE) return -1;
+        event = why == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT;
+      } else if (errno != EINTR && errno != EAGAIN) {
+        return -1;
+      }
+      if (!wait(event)) return -1;
+    }
+  }
+  ssize_t receive() {
+    return repeat(POLLIN, [this] {
+      return ssl_ != nullptr ? SSL_read(ssl_, buffer_.data(), static_cast<int>(buffer_.size()))
+                             : ::recv(socket_, buffer_.data(), buffer_.size(), 0);
+    });
+  }
+
+  socket_t socket_;
+  SSL* ssl_;  // null: not encrypted
+  Use& use_;
+  std::array<char, 16U << 10U> buffer_;
+  std::size_t begin_ = 0, end_ = 0;  // of what was received and not yet read
+};
+
+/// A client whose responses pass through Counted.
+template <class Base>
+class Bounded : public Base {
+ public:
+  Bounded(const Host& host, Use& use) : Base(host.name, host.port), use_(use) {
+    this->set_socket_options([&use](socket_t socket) { use.watch(socket); });
+  }
+
+ private:
+  using Exchange = std::function<bool(httplib::Stream&)>;
+  // The forms of 0.11 and of newer ones: whichever the installed one has.
+  // NOLINTNEXTLINE(*-override, performance-unnecessary-value-param)
+  bool process_socket(const typename Base::Socket& socket, Exchange exchange) {
+    Counted counted(socket.sock, socket.ssl, use_);
+    return exchange(counted);
+  }
+  // NOLINTNEXTLINE(*-override, performance-unnecessary-value-param)
+  bool process_socket(const typename Base::Socket& socket, Clock::time_point /*began*/,
+                      Exchange exchange) {
+    return process_socket(socket, std::move(exchange));
+  }
+
+  Use& use_;
+};
+
+/// Keeps the signal of a broken pipe from this thread: OpenSSL writes without MSG_NOSIGNAL.
+class NoBrokenPipe {
+ public:
+  NoBrokenPipe() {
+    sigemptyset(&pipe_);
+    sigaddset(&pipe_, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  ~NoBrokenPipe() {
+    constexpr timespec kNow{};
+    while (sigismember(&before_, SIGPIPE) == 0 && sigtimedwait(&pipe_, nullptr, &kNow) > 0) {
+    }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  NoBrokenPipe(const NoBrokenPipe&) = delete;
+  NoBrokenPipe& operator=(const NoBrokenPipe&) = delete;
+
+ private:
+  sigset_t pipe_{}, before_{};
+};
+
+}  // namespace
+
+struct BoundedClient::Impl {
+  double seconds;
+  Use use = {};
+  std::unique_ptr<httplib::ClientImpl> client = {};  // uses `use`
+};
+
+BoundedClient::BoundedClient(const Host& host, const std::optional<Proxy>& proxy, double seconds)
+    : impl_(new Impl{seconds}) {
+  if (host.encrypted) {
+    impl_->client = std::make_unique<Bounded<httplib::SSLClient>>(host, impl_->use);
+  } else {
+    impl_->client = std::make_unique<Bounded<httplib::ClientImpl>>(host, impl_->use);
+  }
+  httplib::ClientImpl& client = *impl_->client;
+  const auto time = std::chrono::microseconds(static_cast<std::int64_t>(seconds * 1e6));
+  client.set_keep_alive(true);
+  client.set_connection_timeout(time);
+  client.set_read_timeout(time);
+  client.set_write_timeout(time);
+  client.set_tcp_nodelay(true);
+  if (proxy) {
+    client.set_proxy(proxy->host, proxy->port);
+    if (!proxy->user.empty()) client.set_proxy_basic_auth(proxy->user, proxy->password);
+  }
+}
+
+BoundedClient::~BoundedClient() {
+  const NoBrokenPipe no_broken_pipe;  // it says goodbye
+  impl_.reset();
+}
+
+Response BoundedClient::post(const std::string& target, const Headers& headers,
+                             std::string_view body) {
+  Use& use = impl_->use;
+  use.begin();
+  const auto time = std::chrono::duration<double>(impl_->seconds);
+  const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(time);
+  const std::jthread alarm([&use, end](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any().wait_until(lock, stop, end, [] { return false; });
+    if (!stop.stop_requested()) use.end();
+  });
+  const NoBrokenPipe no_broken_pipe;
+  Response response;
+  bool is_too_large = false;
+  httplib::Request request;
+  request.method = "POST";
+  request.path = target;
+  for (const auto& [name, value] : headers) request.headers.emplace(name, value);
+  request.body = body;
+  request.content_receiver = [&](const char* data, std::size_t size, std::uint64_t, std::uint64_t) {
+    is_too_large = response.body.size() + size > kMostAnswer;
+    if (!is_too_large) response.body.append(data, size);
+    return !is_too_large;
+  };
+  const httplib::Result result = impl_->client->send(request);
+  if (!result || use.late()) {  // a body without a length ends with its connection
+    const std::string why = use.late() ? fmt::format("no whole answer in {} s", impl_->seconds)
+                            : use.has_too_many_lines()
+                                ? fmt::format("a head of more than {} KiB", kMostLines >> 10U)
+                            : is_too_large || use.has_too_many_bytes()
+                                ? fmt::format("an answer of more than {} MiB", kMostAnswer >> 20U)
+                                : httplib::to_string(result.error());
+    throw EndpointError(0, why);
+  }
+  response.status = result->status;
+  response.type = result->get_header_value("Content-Type");
+  response.retry_after = result->get_header_value("Retry-After");
+  return response;
+}
+
+}  // namespace enfilade::arena::detail

@@ -1,0 +1,65 @@
+/// \file  A server of HTTP/1.1 whose limits hold for every request: heads, bodies, packed bodies,
+/// and clients that send half a request.
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "enfilade/net/messages.h"
+
+namespace enfilade::net {
+
+/// Address, limits and program of a server.
+struct ServerConfig {
+  std::string host = "127.0.0.1";  ///< interface to listen on, an address or a name
+  int port = 0;                    ///< 0: any that is free
+  int threads = 8;                 ///< requests that are answered at the same time
+  /// Largest body that `answer` reads. There is room for four of them, two from one address.
+  std::size_t most_body_bytes = 1U << 20U;
+  double body_seconds = 30;  ///< longest time that a client may take to send a body
+  /// Trust X-Forwarded-For and X-Forwarded-Proto: only behind a proxy that sets them.
+  bool behind_proxy = false;
+  /// Called by many threads at once. \param read_body empty if there is no body. A body that was
+  /// not read ends the connection. Exceptions other than HttpError become status 500.
+  std::function<Response(Request request, const BodyReader& read_body)> answer;
+  /// The response to a request that is refused before `answer`. Called by many threads at once.
+  std::function<Response(const HttpError& error)> refuse;
+};
+
+/// A running server, on threads of its own.
+///
+/// One thread reads the heads of all requests, and bodies of up to 16 KiB; only whole requests take
+/// a thread of ServerConfig::threads. Larger bodies, and those of unknown length, take one while
+/// they arrive: at most three quarters of the threads, and half of them for one address. Others
+/// wait. So clients that send half a request leave threads for others.
+///
+/// - A head has at most 64 KiB, 200 lines, and 8 KiB per line. It arrives within 10 s of its first
+///   byte, or within the time of a body if that is less (408).
+/// - A head has one Host (HTTP/1.0: at most one) and a clear end. A folded line, a bare CR or LF, a
+///   header's name with blanks, or a wrong chunk size is refused at once (400).
+/// - An idle connection is closed after 5 s. When more than 1,024 connections wait, the one that
+///   waits longest is closed.
+/// - After a refusal further bytes of the client are read, and dropped, for some seconds: closing
+/// at
+///   once would make the client forget the response.
+class Server {
+ public:
+  /// Binds the port and starts serving.
+  /// \throws ArgumentError if the address can't be bound
+  explicit Server(ServerConfig config);
+  ~Server();  ///< calls stop(), from the thread that may do so
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  int port() const noexcept;  ///< the bound port; any thread
+  /// Closes connections that wait, and returns when the running requests are answered. A second
+  /// call does nothing. Not safe from two threads at once, nor from ServerConfig::answer.
+  void stop();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::net
