@@ -102,7 +102,7 @@ struct Patience {
   std::function<bool(double seconds)> pause;
   double longest_wait =
       kLongestAskedWait;  ///< seconds: no wait is longer, whatever the server asks
-  /// Gets a sentence before a wait that the server asked for; empty: nobody. Any thread.
+  /// Gets a sentence before a wait that the server asked for; may be empty. Any thread.
   std::function<void(const std::string& sentence)> say = {};
 };
 
@@ -156,7 +156,7 @@ class AnswerCache {
 
   /// \throws FileError; InvalidInput for a file that is damaged or of another request
   std::optional<KeptAnswer> find(std::string_view request) const;
-  /// The same by key_of() a request; no value for a text that is none.
+  /// The same by key_of() a request; no value for another text.
   std::optional<KeptAnswer> find_key(const std::string& key) const;
   /// The answer that is kept, or the one that `ask` gives, which is kept before this returns. Two
   /// threads that ask the same at once ask once. \throws what find() and `ask` throw; FileError

@@ -14,12 +14,12 @@ inline constexpr std::size_t kMostDeviceBytes = std::size_t{1} << 26U;
 
 /// The content of a file. A pipe is read to its end.
 /// \param most  bytes; of a device at most kMostDeviceBytes
-/// \throws FileError naming the path and the system's reason, also for a folder, for more than
+/// \throws FileError naming the path and the system's reason. Also for a folder, for more than
 /// `most` bytes, and for a pipe that no program writes to within 2 s
 std::string read_file(const std::filesystem::path& path, std::size_t most = kMostFileBytes);
 
-/// Refuses what is there and no plain file, before a library opens it: a pipe may block for ever,
-/// and a device may have no end. \throws FileError naming the path
+/// Refuses a folder, pipe or device before a library opens it. A pipe may block for ever, and a
+/// device may have no end. \throws FileError naming the path
 void check_plain_file(const std::filesystem::path& path);
 
 /// Whether there is a file or folder of that name; links are followed.

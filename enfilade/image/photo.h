@@ -57,7 +57,8 @@ inline constexpr std::uint64_t kMostPhotoPixels = std::uint64_t{1} << 26U;
 /// interlaced PNG: they cannot be reduced while they are read
 Photo decode_photo(Bytes bytes, const std::string& file, std::uint64_t most = kMostPhotoPixels);
 /// A JPEG, PNG or HDR (tone-mapped with that exposure) with 3 channels, recognised by its first
-/// bytes. \param most  as for decode_photo(); half of it for HDR, whose pixels are larger
+/// bytes.
+/// \param most  as for decode_photo(); half of it for HDR, whose pixels are larger
 /// \throws FileError; InvalidInput
 Photo load_photo(const std::string& path, std::optional<double> exposure = std::nullopt,
                  std::uint64_t most = kMostPhotoPixels);

@@ -96,7 +96,7 @@ using DecisionFile = std::map<std::string, EpisodeDecisions>;
 /// is optional. Other fields are ignored.
 /// \param file its name in messages
 /// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
-/// - not JSON, fields that are missing or of a wrong type, ids that are none (core/names.h)
+/// - not JSON, fields that are missing or of a wrong type, invalid ids (core/names.h)
 /// - another number of weights than of words, a probability outside [0, 1.001]
 /// - no choice, a chosen one that is not one of the choices
 DecisionFile parse_decisions(std::string_view json, const std::string& file);

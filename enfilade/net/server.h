@@ -31,7 +31,7 @@ struct ServerConfig {
 ///
 /// One thread reads the heads of all requests, and bodies of up to 16 KiB; only whole requests take
 /// a thread of ServerConfig::threads. Larger bodies, and those of unknown length, take one while
-/// they arrive: at most three quarters of the threads, and half of them for one address. Others
+/// they arrive. They have three quarters of the threads, and one address has half of them. Others
 /// wait. So clients that send half a request leave threads for others.
 ///
 /// - A head has at most 64 KiB, 200 lines, and 8 KiB per line. It arrives within 10 s of its first
@@ -40,9 +40,8 @@ struct ServerConfig {
 ///   header's name with blanks, or a wrong chunk size is refused at once (400).
 /// - An idle connection is closed after 5 s. When more than 1,024 connections wait, the one that
 ///   waits longest is closed.
-/// - After a refusal further bytes of the client are read, and dropped, for some seconds: closing
-/// at
-///   once would make the client forget the response.
+/// - After a refusal further bytes of the client are read, and dropped, for some seconds.
+///   Closing at once would make the client forget the response.
 class Server {
  public:
   /// Binds the port and starts serving.

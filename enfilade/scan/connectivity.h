@@ -48,7 +48,7 @@ std::string_view name_in_hm3d(std::string_view scan) noexcept;
 /// - not JSON; a missing, repeated or wrongly typed field
 /// - a pose that isn't 16 numbers; `unobstructed` or `visible` of another length than the file
 /// - numbers beyond kMostMetres (core/numbers.h)
-/// - a viewpoint's id that is none (`bad-id`, core/names.h), or is there twice
+/// - an invalid id (`bad-id`, core/names.h), or one that is there twice
 Connectivity load_connectivity(const std::filesystem::path& directory, std::string_view scan);
 
 /// The same for a file of any name. \throws FileError; InvalidInput

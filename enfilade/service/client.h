@@ -25,8 +25,8 @@ struct SubmissionStatus {
 /// A team's connection to a server. Not thread-safe.
 ///
 /// Every function throws InvalidInput with the faults that the server found in a file. It throws
-/// Error, naming the server, if the server refuses the request for another reason, can't be
-/// reached, or sends more than 16 MiB, unpacked, or for more than 60 s.
+/// Error, naming the server, if the server can't be reached or refuses the request for another
+/// reason. The same holds for a response of more than 16 MiB, unpacked, or 60 s.
 class Client {
  public:
   /// \param server "https://vln.example.org", "http://127.0.0.1:8080"; certificates are checked

@@ -14,12 +14,12 @@
 namespace enfilade::service {
 
 /// Hashes of 64 bits of a scan, a start and an end, ascending, each once. Databases keep them, so
-/// the hash never changes. Whoever has a key and the graphs finds its end by trying all of them.
+/// the hash never changes. A person with a key and the graphs finds its end by trying all ends.
 using GoalKeys = std::vector<std::uint64_t>;
 
-/// The keys of paths: each start with every end of its goal. An end is the path's last viewpoint, a
-/// turning point (R2R-Back), a viewpoint that sees the object (REVERIE) or has a box (SOON), or one
-/// of the region (CVDN). R4R joins two paths, so each pair of its viewpoints in their order counts.
+/// The keys of paths: each start with every end of its goal. An end is the path's last viewpoint or
+/// a turning point (R2R-Back). Or it sees the object (REVERIE), has a box (SOON), or lies in the
+/// region (CVDN). R4R joins two paths, so each pair of its viewpoints in their order counts.
 /// Hidden goals have none.
 GoalKeys goal_keys(std::span<const tasks::ReferencePath> paths, tasks::Task task,
                    const graph::GraphSet& graphs);

@@ -46,9 +46,9 @@ struct SharedSecret {
 /// Graphs, panoramas and annotations of a data set, and the phases of an evaluation. Immutable:
 /// any thread may read it. Secret annotations are in secret_episodes() only, which only scoring
 /// uses. A split that gives secret goals away (SharedKeys::tells()) is public without its goals,
-/// and so is one of a secret phase's split and paths (find_secret()). Left out are splits of R4R
-/// whose texts tell secret ends, and of CVDN whose dialogues begin where secret paths do: later
-/// ones start on the way. Those that are a phase themselves stay.
+/// and so is one of a secret phase's split and paths (find_secret()). Splits of R4R whose texts
+/// tell secret ends are left out. So are splits of CVDN whose dialogues begin where secret paths
+/// do, as later ones start on the way. Those that are a phase themselves stay.
 class Site {
  public:
   /// Opens a data set in a layout of dataset::Dataset: graphs, the splits train, val_seen,

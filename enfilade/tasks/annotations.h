@@ -100,9 +100,10 @@ struct Annotations {
 /// Reads a file. `distance` may be absent. `instructions` may be empty: paths without instructions
 /// yet, as `enfilade sample` writes them. Fields of other names are ignored.
 /// \throws FileError
-/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths: not JSON, missing,
-/// repeated or wrongly typed fields, bad ids (core/names.h), angles beyond kMostRadians
-/// (core/numbers.h), empty paths, negative distances and path_ids, repeated path_ids
+/// \throws InvalidInput listing its faults (up to 1000) with their JSON paths:
+/// - not JSON; missing, repeated or wrongly typed fields
+/// - bad ids (core/names.h), angles beyond kMostRadians (core/numbers.h)
+/// - empty paths, negative distances and path_ids, repeated path_ids
 Annotations load_annotations(const std::filesystem::path& file, std::string split);
 Annotations parse_annotations(std::string_view json, const std::string& file, std::string split);
 

@@ -62,7 +62,7 @@ struct Results {
 /// \throws InvalidInput with *every* problem and its JSON path. After kMostFaultsKept errors the
 /// rest of the file is not read, and the last diagnostic says so. The problems:
 ///   - not JSON, wrong types, an entry that is too large
-///   - an unknown, missing or repeated instr_id; ids that are none (core/names.h)
+///   - an unknown, missing or repeated instr_id; invalid ids (core/names.h)
 ///   - an empty trajectory, a wrong start, unknown or excluded viewpoints, angles beyond 1e4
 ///   - a jump between viewpoints that are not adjacent
 Results load_results(const std::filesystem::path& file, const EpisodeSet& episodes,

@@ -64,7 +64,7 @@ class Split {
   std::shared_ptr<const ExpertWalks> experts_;
 };
 
-/// For whoever runs or scores a split: means over no episode are no numbers.
+/// Called before a split is run or scored: means over no episode are no numbers.
 /// \param file  of its episodes \throws InvalidInput if the split has none
 void require_episodes(const Split& split, const std::string& file);
 

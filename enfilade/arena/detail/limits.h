@@ -10,7 +10,7 @@ namespace enfilade::arena::detail {
 
 /// Bytes of a response, before and after it is unpacked; of an answer in the cache too.
 inline constexpr std::size_t kMostAnswer = 16U << 20U;
-/// Of a response, or of one event of it.
+/// A response, or one event of it, has no more.
 inline constexpr json::Limits kAnswerLimits{.values = 250'000, .depth = 64, .keys = 1'000};
 inline constexpr std::size_t kMostChoices = 16;
 inline constexpr std::size_t kMostCalls = 64;        ///< of tools, in a message

@@ -7,8 +7,8 @@
 
 namespace enfilade::arena::detail {
 
-/// Replaces secrets by "(key)". A secret is found as it is, with characters that are escaped as in
-/// JSON or in addresses, and in base64, also as a part of a longer text that was encoded. Those of
+/// Replaces secrets by "(key)". A secret is found as it is, and with characters that are escaped as
+/// in JSON or in addresses. It is found in base64 too, also within a longer encoded text. Those of
 /// fewer than kLeastPart bytes are words of other texts, and count only where they are a word.
 /// Immutable: any thread.
 class Secrets {

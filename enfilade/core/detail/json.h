@@ -142,7 +142,7 @@ bool fields(Element element, std::span<const Field> wanted, std::span<std::optio
             const Path& path, Faults& faults);
 /// The same for one field.
 std::optional<Element> field(Element element, Field wanted, const Path& path, Faults& faults);
-/// For files that people write: reports each field of an object that is none of `allowed`, as
+/// For files that people write: reports each field of an object that is not in `allowed`, as
 /// "unknown-field" with the nearest allowed name. False if it reported. Not an object: true.
 bool refuse_others(Element element, std::span<const Field> allowed, const Path& path,
                    Faults& faults);

@@ -52,8 +52,8 @@ class LibJpeg {
   std::unique_ptr<Impl> impl_;
 };
 
-/// decode_jpeg(); edges are halved until there are at most `most` pixels, while the picture is
-/// read. \throws InvalidInput, also if one of several scans has more
+/// decode_jpeg(). Edges are halved while the picture is read, until there are at most `most`
+/// pixels. \throws InvalidInput, also if one of several scans has more
 Image8 decode_jpeg(Bytes jpeg, const std::string& file, std::uint64_t most,
                    std::vector<Diagnostic>* findings);
 

@@ -100,13 +100,13 @@ class Lobby {
   Clock::duration head_time_, body_time_;
   int listening_, epoll_, waker_;
   std::size_t most_guests_;
-  // Of the lobby's thread alone:
+  // Used by the lobby's thread alone:
   std::map<std::uint64_t, std::unique_ptr<Guest>> guests_;  // in the order of their arrival
   std::set<std::uint64_t> seekers_;                         // those that wait for a seat
   std::map<std::string, int> seats_;                        // taken, by address
   int seats_taken_ = 0;
   std::uint64_t last_number_ = 0;
-  // Of all threads:
+  // Used by all threads:
   std::atomic<bool> closed_ = false;
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -67,8 +67,8 @@ class Roaming {
   /// metres.
   /// \throws Refusal kNotFound, with the remedy, if there is none; as load_navigation_mesh()
   nlohmann::ordered_json floor_json(ScanIndex scan) const;
-  /// A page of a split's episodes of R2R-CE; without goals, paths and distances where the site
-  /// hides those of R2R's split of that name, or where they are secret in a phase.
+  /// A page of a split's episodes of R2R-CE. Goals, paths and distances are left out if the site
+  /// hides those of R2R's split of that name. So are those that are secret in a phase.
   /// \throws Refusal kNotFound if there is no such file; InvalidInput for a broken one
   nlohmann::ordered_json episodes_json(const std::string& split, const EpisodeFilter& filter);
 

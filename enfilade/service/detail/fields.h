@@ -30,7 +30,7 @@ class Fields {
   using Names = std::initializer_list<std::string_view>;
 
   /// Finds the fields. Reports required ones that are missing, fields that are there twice, and an
-  /// element that is no object; ignores fields of other names, unless refuse_others() is called.
+  /// element that is no object. Ignores fields of other names, unless refuse_others() is called.
   /// \pre path, faults, the names and the document of `element` outlive *this
   Fields(json::Element element, const json::Path& path, json::Faults& faults, Names required,
          Names optional = {});

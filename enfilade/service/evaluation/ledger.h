@@ -31,8 +31,8 @@ enum class Leaks { kRefused, kAccepted };
 /// The rules by which secret phases show scores, with the keys of their goals, as the database has
 /// them of all servers so far. All functions may be called from any thread.
 ///
-/// Phases belong together if they share a key (goal_keys.h), also by way of a third one, or have
-/// the split and the paths of each other (share_paths()).
+/// Phases belong together if they share a key (goal_keys.h), also by way of a third one. So do
+/// phases with one split and the same paths (share_paths()).
 class Ledger {
  public:
   /// Adds the rules of the site's phases. Scores of a phase that older programs stored count as of
