@@ -57,14 +57,14 @@ void print_unanswered(const arena::AskReport& report) {
     parts.push_back(fmt::format("{} {}", count, kReasons.at(static_cast<std::size_t>(flaw))));
   }
   if (all > 0) {
-    fmt::print("{} of the answers had no call: {}\n", all, fmt::join(parts, ", "));
+    say("{} of the answers had no call: {}\n", all, fmt::join(parts, ", "));
   }
   if (report.shortened > 0) {
-    fmt::print("{}: older steps were left out (--window, and what the model's context holds)\n",
-               counted(report.shortened, "episode"));
+    say("{}: older steps were left out (--window, and what the model's context holds)\n",
+        counted(report.shortened, "episode"));
   }
   if (!report.adjusted.empty()) {
-    fmt::print("requests differ from the usual ones: {}\n", fmt::join(report.adjusted, ", "));
+    say("requests differ from the usual ones: {}\n", fmt::join(report.adjusted, ", "));
   }
 }
 
@@ -81,19 +81,19 @@ std::optional<arena::Price> price_of(const Options& options) {
 }
 
 void print_report(const arena::AskReport& report, const std::optional<arena::Price>& price) {
-  fmt::print("{} of {} episodes are done", report.done, report.episodes);
+  say("{} of {} episodes are done", report.done, report.episodes);
   for (const auto& [ending, count] : report.endings) {
-    fmt::print(", {} {}", count, name_of(ending));
+    say(", {} {}", count, name_of(ending));
   }
-  fmt::print("; {} {} could not be carried out\n", report.mistakes,
-             report.mistakes == 1 ? "call" : "calls");
+  say("; {} {} could not be carried out\n", report.mistakes,
+      report.mistakes == 1 ? "call" : "calls");
   print_unanswered(report);
   const arena::Ledger& ledger = report.ledger;
-  fmt::print("{} answers ({} requests), {} pictures, {} tokens in, {} out, {:.0f} s of answers",
-             ledger.answers, ledger.attempts, ledger.pictures, ledger.prompt_tokens,
-             ledger.answer_tokens, ledger.seconds);
-  if (price) fmt::print(", {:.2f} for them", money_of(ledger, *price));
-  fmt::print("\n");
+  say("{} answers ({} requests), {} pictures, {} tokens in, {} out, {:.0f} s of answers",
+      ledger.answers, ledger.attempts, ledger.pictures, ledger.prompt_tokens, ledger.answer_tokens,
+      ledger.seconds);
+  if (price) say(", {:.2f} for them", money_of(ledger, *price));
+  say("\n");
 }
 
 /// "none" or what another check accepts.
@@ -114,9 +114,7 @@ void read_request_options(Options& options) {
   if (!options.limit_field.empty()) {
     options.ask.limit_field = find_enum<arena::LimitField>(options.limit_field);
   }
-  options.ask.say = [](const std::string& sentence) {
-    fmt::print(stderr, "{}\n", printable(sentence));
-  };
+  options.ask.say = [](const std::string& sentence) { say(stderr, "{}\n", sentence); };
   options.ask.shorten = options.window == "auto";
   chat.window = parse_number<std::uint32_t>(options.window);
 }
@@ -165,7 +163,7 @@ ExitCode ask(Options& options) {
   if (options.list) {
     const OpenedWorld opened = open_world(data, options.task, options.split);
     for (const std::size_t e : arena::subset_named(*opened.world, options.subset)) {
-      fmt::print("{}\n", opened.world->episodes().id(e));
+      say("{}\n", opened.world->episodes().id(e));
     }
     return kSuccess;
   }
@@ -215,23 +213,23 @@ ExitCode ask(Options& options) {
   const arena::AskReport report =
       arena::ask(world, opened.sights, which, prompt, options.ask, endpoint.get(), cache, folder,
                  progress_bar(options.ask.chat.model + ", " + options.split));
-  fmt::print("{} with the prompt {}, answers as {}, on {} {}{}\n", options.ask.chat.model,
-             prompt.name(), enum_name(report.answers), opened.title, options.split,
-             data->synthetic() ? ", SYNTHETIC" : "");
+  say("{} with the prompt {}, answers as {}, on {} {}{}\n", options.ask.chat.model, prompt.name(),
+      enum_name(report.answers), opened.title, options.split,
+      data->synthetic() ? ", SYNTHETIC" : "");
   print_report(report, price);
-  for (const std::string& one : report.refused) fmt::print(stderr, "{}\n", printable(one));
+  for (const std::string& one : report.refused) say(stderr, "{}\n", one);
   for (const std::string& one : report.given_up) {
-    fmt::print(stderr, "{} (left for the next run)\n", printable(one));
+    say(stderr, "{} (left for the next run)\n", one);
   }
   if (report.done > 0 && !world.episodes().goals_hidden()) {
     tasks::Trajectories results =
         tasks::load_trajectories(folder / "results.json", world.episodes(), tasks::Coverage::kPart);
     const tasks::Split part = part_of(world.episodes(), results);
     print_score(results, part, agents::open_buildings(part.benchmark(), data->folder()).get());
-    fmt::print("With {} episodes a share of one half may be {:.1f} points off by chance.\n",
-               report.done, 100 * arena::chance_of(report.done));
+    say("With {} episodes a share of one half may be {:.1f} points off by chance.\n", report.done,
+        100 * arena::chance_of(report.done));
   }
-  fmt::print("{}: results.json, transcripts/, run.json\n", options.output);
+  say("{}: results.json, transcripts/, run.json\n", options.output);
   return report.done == report.episodes ? kSuccess : kFaultsFound;
 }
 

@@ -44,14 +44,13 @@ void print_json(const service::RequestRecord& record) {
                               {"bytes", record.bytes},     {"seconds", record.seconds}};
   if (!record.who.empty()) line["who"] = record.who;
   if (!record.fault.empty()) line["fault"] = record.fault;
-  fmt::print(stderr, "{}\n",
-             line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  say(stderr, "{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 void print_text(const service::RequestRecord& record) {
-  fmt::print(stderr, "{} {} {:?} {} {} B {:.1f} ms{}{}\n", record.address, record.method,
-             record.path, record.status, record.bytes, record.seconds * 1000,
-             record.fault.empty() ? "" : " fault: ", record.fault);
+  say(stderr, "{} {} {:?} {} {} B {:.1f} ms{}{}\n", record.address, record.method, record.path,
+      record.status, record.bytes, record.seconds * 1000,
+      record.fault.empty() ? "" : " fault: ", record.fault);
 }
 
 std::function<void(const service::RequestRecord&)> log_of(const std::string& kind) {
@@ -90,8 +89,7 @@ void print_first_steps(const Options& options, const std::string& address) {
   constexpr int kDays = 1;
   const std::string token = service::create_token(
       options.config.database, service::TokenRole::kOrganiser, options.organiser, kDays);
-  fmt::print(
-      "\n"
+  say("\n"
       "You are its organiser. Log in by this link, which is valid for a day:\n"
       "  {0}organise#token={1}\n"
       "\n"
@@ -161,8 +159,7 @@ fs::path make_first_homes() {
   fs::path of_demo = "enfilade-demo/homes", own = "enfilade-demo/two-homes";
   if (is_complete(of_demo)) return of_demo;
   if (is_complete(own)) return own;
-  fmt::print(
-      "No data set is named, and ENFILADE_DATA is not set. So two model homes, which are "
+  say("No data set is named, and ENFILADE_DATA is not set. So two model homes, which are "
       "SYNTHETIC,\n"
       "are made in {}, once. If it is stopped, the next start goes on.\n",
       fs::absolute(own).string());
@@ -224,7 +221,7 @@ void show_first_agents(const fs::path& data, const service::Site& site, const Op
     submit_first_agents(data, site, options.config.database,
                         fmt::format("http://{}:{}", host == "0.0.0.0" ? "127.0.0.1" : host, port));
   } catch (const Error& error) {
-    fmt::print(stderr, "The leaderboard stays without the two agents: {}\n", error.what());
+    say(stderr, "The leaderboard stays without the two agents: {}\n", error.what());
   }
 }
 
@@ -262,16 +259,16 @@ ExitCode serve(Options options) {
   const auto site =
       service::Site::open(data, options.phases.empty() ? std::vector<service::Phase>{}
                                                        : service::load_phases(options.phases));
-  const auto warn = [](std::string_view text) { fmt::print(stderr, "warning: {}\n", text); };
+  const auto warn = [](std::string_view text) { say(stderr, "warning: {}\n", text); };
   for (const std::string& notice : site->notices()) warn(notice);
   config.warn = warn;
   service::give_back_large_memory();
   service::Server server(site, config);
   if (first_visit) show_first_agents(data, *site, options, server.port());
   const std::string address = fmt::format("http://{}:{}/", config.host, server.port());
-  fmt::print("{} scans{} at {}{}\n", site->graphs().size(),
-             site->synthetic() ? " (model homes: synthetic)" : "", address,
-             service::has_web_client() ? "" : "api/v1/ (this build has no web client)");
+  say("{} scans{} at {}{}\n", site->graphs().size(),
+      site->synthetic() ? " (model homes: synthetic)" : "", address,
+      service::has_web_client() ? "" : "api/v1/ (this build has no web client)");
   if (!options.organiser.empty()) print_first_steps(options, address);
   std::fflush(stdout);
   while (sem_wait(&asked_to_end) != 0) {  // until the process is asked to end
@@ -315,9 +312,8 @@ void add_token(CLI::App& serve_verb, int& status) {
                       "enfilade serve token --db vln.sqlite --label Ben --role reviewer",
                       "enfilade serve token --db vln.sqlite --label 'A team' --role team"});
   verb.callback([token, &status] {
-    fmt::print("{}\n",
-               service::create_token(database_of(token->database), kTokenRoles.at(token->role),
-                                     token->label, token->days));
+    say("{}\n", service::create_token(database_of(token->database), kTokenRoles.at(token->role),
+                                      token->label, token->days));
     status = kSuccess;
   });
 }
@@ -336,7 +332,7 @@ void add_revoke(CLI::App& serve_verb, int& status) {
       throw LookupError(
           fmt::format("--label: {:?}, and no {}'s token has it", token->label, token->role));
     }
-    fmt::print("{} revoked\n", revoked);
+    say("{} revoked\n", revoked);
     status = kSuccess;
   });
 }
@@ -361,12 +357,12 @@ void add_approve(CLI::App& serve_verb, int& status) {
                       "enfilade serve approve --db vln.sqlite --team 'A team' --withdraw"});
   verb.callback([approve, &status] {
     if (approve->is_new) {
-      fmt::print("{}\n", service::create_team(database_of(approve->database), approve->team));
+      say("{}\n", service::create_team(database_of(approve->database), approve->team));
     } else {
       service::set_approval(
           database_of(approve->database), approve->team,
           approve->withdraw ? service::Approval::kWithdrawn : service::Approval::kGiven);
-      fmt::print("{}\n", approve->withdraw ? "approval withdrawn" : "approved");
+      say("{}\n", approve->withdraw ? "approval withdrawn" : "approved");
     }
     status = kSuccess;
   });
@@ -403,7 +399,7 @@ void add_copy(CLI::App& serve_verb, int& status) {
   verb.callback([copy, &status] {
     const std::int64_t rows = service::copy_to_postgres(copy->file, database_of(copy->database),
                                                         progress_bar("rows copied"));
-    fmt::print("{} rows copied\n", rows);
+    say("{} rows copied\n", rows);
     status = kSuccess;
   });
 }

@@ -1,7 +1,10 @@
 #include "enfilade/arena/detail/bounded_client.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <httplib.h>
+#include <openssl/ssl.h>
+#include <openssl/x509v3.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -17,11 +20,14 @@
 #include <ctime>
 #include <functional>
 #include <mutex>
+#include <new>
+#include <span>
 #include <stop_token>
 #include <thread>
 
 #include "enfilade/arena/detail/limits.h"
 #include "enfilade/arena/endpoint.h"
+#include "enfilade/core/base64.h"
 
 namespace enfilade::arena::detail {
 namespace {
@@ -42,6 +48,7 @@ class Use {
   void begin() {
     const std::scoped_lock lock(mutex_);
     late_ = false;
+    refusal_.clear();
     bytes_ = lines_ = 0;
   }
   /// A new connection, which is made by this thread. Its own number of it stays that connection's
@@ -50,6 +57,7 @@ class Use {
     const std::scoped_lock lock(mutex_);
     if (socket_ >= 0) ::close(socket_);
     socket_ = socket < 0 ? -1 : ::dup(socket);
+    ++connection_;
     if (late_) ::shutdown(socket_, SHUT_RDWR);
   }
   /// Ends whatever waits for the connection. Any thread.
@@ -63,6 +71,11 @@ class Use {
     return late_;
   }
 
+  std::size_t connection() const noexcept { return connection_; }  ///< how many there were
+  /// Why a new connection is not used.
+  void refuse(std::string why) { refusal_ = std::move(why); }
+  const std::string& refusal() const noexcept { return refusal_; }
+
   void count_received(std::size_t bytes) { bytes_ += bytes; }
   /// cpp-httplib reads lines by the byte, and keeps them whatever their number and length.
   void count_read(std::size_t bytes) { lines_ = bytes > 1 ? 0 : lines_ + bytes; }
@@ -73,6 +86,8 @@ class Use {
   std::mutex mutex_;
   int socket_ = -1;
   bool late_ = false;
+  std::size_t connection_ = 0;
+  std::string refusal_;
   std::size_t bytes_ = 0;  // as they came
   std::size_t lines_ = 0;  // bytes of lines, since the last part of a body
 };
@@ -110,6 +125,9 @@ class Counted : public httplib::Stream {
       return ssl_ != nullptr ? SSL_write(ssl_, from, most)
                              : ::send(socket_, from, static_cast<std::size_t>(most), MSG_NOSIGNAL);
     });
+  }
+  bool shake_hands() {
+    return repeat(POLLIN, [this] { return static_cast<ssize_t>(SSL_connect(ssl_)); }) == 1;
   }
   void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
   void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
@@ -158,29 +176,128 @@ class Counted : public httplib::Stream {
   std::size_t begin_ = 0, end_ = 0;  // of what was received and not yet read
 };
 
-/// A client whose responses pass through Counted.
-template <class Base>
-class Bounded : public Base {
+struct FreeContext {
+  void operator()(SSL_CTX* context) const { SSL_CTX_free(context); }
+};
+struct FreeTls {
+  void operator()(SSL* tls) const { SSL_free(tls); }
+};
+
+/// With the system's certificates, which the server's is checked by.
+std::unique_ptr<SSL_CTX, FreeContext> make_context() {
+  std::unique_ptr<SSL_CTX, FreeContext> context(SSL_CTX_new(TLS_client_method()));
+  if (!context) throw std::bad_alloc();
+  SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
+  SSL_CTX_set_default_verify_paths(context.get());
+  return context;
+}
+
+bool is_address(const std::string& name) {
+  in6_addr address;
+  return ::inet_pton(AF_INET, name.c_str(), &address) == 1 ||
+         ::inet_pton(AF_INET6, name.c_str(), &address) == 1;
+}
+
+std::string bracketed(const std::string& name) {
+  return name.find(':') == std::string::npos ? name : "[" + name + "]";
+}
+
+/// A client whose responses pass through Counted. It makes TLS by itself: cpp-httplib's client of
+/// TLS is a final class from 0.12 on, and its handshake has no time as a whole.
+class Bounded : public httplib::ClientImpl {
  public:
-  Bounded(const Host& host, Use& use) : Base(host.name, host.port), use_(use) {
-    this->set_socket_options([&use](socket_t socket) { use.watch(socket); });
+  Bounded(const Host& host, const std::optional<Proxy>& proxy, Use& use)
+      : ClientImpl(host.encrypted && proxy ? proxy->host : host.name,
+                   host.encrypted && proxy ? proxy->port : host.port),
+        host_name_(host.name),
+        use_(use) {
+    set_socket_options([&use](socket_t socket) { use.watch(socket); });
+    if (host.encrypted) {
+      context_ = make_context();
+      if (proxy) tunnel_ = tunnel_request(host, *proxy);
+    } else if (proxy) {
+      set_proxy(proxy->host, proxy->port);
+      if (!proxy->user.empty()) set_proxy_basic_auth(proxy->user, proxy->password);
+    }
   }
 
  private:
-  using Exchange = std::function<bool(httplib::Stream&)>;
-  // The forms of 0.11 and of newer ones: whichever the installed one has.
-  // NOLINTNEXTLINE(*-override, performance-unnecessary-value-param)
-  bool process_socket(const typename Base::Socket& socket, Exchange exchange) {
-    Counted counted(socket.sock, socket.ssl, use_);
-    return exchange(counted);
-  }
-  // NOLINTNEXTLINE(*-override, performance-unnecessary-value-param)
-  bool process_socket(const typename Base::Socket& socket, Clock::time_point /*began*/,
-                      Exchange exchange) {
-    return process_socket(socket, std::move(exchange));
+  static std::string tunnel_request(const Host& host, const Proxy& proxy) {
+    const std::string name = fmt::format("{}:{}", bracketed(host.name), host.port);
+    std::string request = fmt::format("CONNECT {0} HTTP/1.1\r\nHost: {0}\r\n", name);
+    if (!proxy.user.empty()) {
+      const std::string login = proxy.user + ":" + proxy.password;
+      request += "Proxy-Authorization: Basic ";
+      append_base64(std::as_bytes(std::span(login)), request);
+      request += "\r\n";
+    }
+    return request + "\r\n";
   }
 
+  bool process_socket(const Socket& socket,
+                      std::function<bool(httplib::Stream&)> exchange) override {
+    if (!context_) {
+      Counted counted(socket.sock, nullptr, use_);
+      return exchange(counted);
+    }
+    // The number of a closed connection may be another's now: use_ counts them.
+    if (!tls_ || connection_ != use_.connection()) {
+      tls_.reset();
+      if (!connect(socket.sock)) return false;
+      connection_ = use_.connection();
+    }
+    Counted counted(socket.sock, tls_.get(), use_);
+    return exchange(counted);
+  }
+
+  /// Through the proxy, if there is one. \returns whether the server is the one that is named
+  bool connect(socket_t socket) {
+    if (!tunnel_.empty() && !open_tunnel(socket)) return false;
+    tls_.reset(SSL_new(context_.get()));
+    if (!tls_) return false;
+    SSL_set_mode(tls_.get(), SSL_MODE_AUTO_RETRY);
+    if (is_address(host_name_)) {
+      X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(tls_.get()), host_name_.c_str());
+    } else {
+      SSL_set1_host(tls_.get(), host_name_.c_str());
+      // SSL_set_tlsext_host_name(), which has a cast of C.
+      SSL_ctrl(tls_.get(), SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name,
+               host_name_.data());
+    }
+    SSL_set_fd(tls_.get(), socket);
+    Counted counted(socket, tls_.get(), use_);
+    if (counted.shake_hands()) return true;
+    const long why = SSL_get_verify_result(tls_.get());
+    if (why != X509_V_OK) use_.refuse(X509_verify_cert_error_string(why));
+    tls_.reset();
+    return false;
+  }
+
+  /// The proxy's answer is a head alone.
+  bool open_tunnel(socket_t socket) {
+    Counted proxy(socket, nullptr, use_);
+    for (std::string_view rest = tunnel_; !rest.empty();) {
+      const ssize_t sent = proxy.write(rest.data(), rest.size());
+      if (sent <= 0) return false;
+      rest.remove_prefix(static_cast<std::size_t>(sent));
+    }
+    std::string head;
+    while (!head.ends_with("\r\n\r\n")) {
+      char c = 0;
+      if (proxy.read(&c, 1) != 1) return false;
+      head += c;
+    }
+    const bool good = head.starts_with("HTTP/1.") && head.substr(8, 2) == " 2";
+    if (!good) use_.refuse("the proxy: " + head.substr(0, head.find('\r')));
+    return good;
+  }
+
+  std::string host_name_, tunnel_;  // the second is the request to the proxy; empty: none
   Use& use_;
+  std::unique_ptr<SSL_CTX, FreeContext> context_;  // null: not encrypted
+  std::unique_ptr<SSL, FreeTls> tls_;
+  std::size_t connection_ = 0;
 };
 
 /// Keeps the signal of a broken pipe from this thread: OpenSSL writes without MSG_NOSIGNAL.
@@ -208,16 +325,17 @@ class NoBrokenPipe {
 
 struct BoundedClient::Impl {
   double seconds;
+  std::string host = {};  // the header, where the library would not write it so
   Use use = {};
   std::unique_ptr<httplib::ClientImpl> client = {};  // uses `use`
 };
 
 BoundedClient::BoundedClient(const Host& host, const std::optional<Proxy>& proxy, double seconds)
     : impl_(new Impl{seconds}) {
+  impl_->client = std::make_unique<Bounded>(host, proxy, impl_->use);
   if (host.encrypted) {
-    impl_->client = std::make_unique<Bounded<httplib::SSLClient>>(host, impl_->use);
-  } else {
-    impl_->client = std::make_unique<Bounded<httplib::ClientImpl>>(host, impl_->use);
+    const bool usual = host.port == 443;
+    impl_->host = bracketed(host.name) + (usual ? "" : fmt::format(":{}", host.port));
   }
   httplib::ClientImpl& client = *impl_->client;
   const auto time = std::chrono::microseconds(static_cast<std::int64_t>(seconds * 1e6));
@@ -226,10 +344,6 @@ BoundedClient::BoundedClient(const Host& host, const std::optional<Proxy>& proxy
   client.set_read_timeout(time);
   client.set_write_timeout(time);
   client.set_tcp_nodelay(true);
-  if (proxy) {
-    client.set_proxy(proxy->host, proxy->port);
-    if (!proxy->user.empty()) client.set_proxy_basic_auth(proxy->user, proxy->password);
-  }
 }
 
 BoundedClient::~BoundedClient() {
@@ -256,6 +370,9 @@ Response BoundedClient::post(const std::string& target, const Headers& headers,
   request.method = "POST";
   request.path = target;
   for (const auto& [name, value] : headers) request.headers.emplace(name, value);
+  if (!impl_->host.empty() && !request.has_header("Host")) {
+    request.headers.emplace("Host", impl_->host);
+  }
   request.body = body;
   request.content_receiver = [&](const char* data, std::size_t size, std::uint64_t, std::uint64_t) {
     is_too_large = response.body.size() + size > kMostAnswer;
@@ -269,7 +386,8 @@ Response BoundedClient::post(const std::string& target, const Headers& headers,
                                 ? fmt::format("a head of more than {} KiB", kMostLines >> 10U)
                             : is_too_large || use.has_too_many_bytes()
                                 ? fmt::format("an answer of more than {} MiB", kMostAnswer >> 20U)
-                                : httplib::to_string(result.error());
+                            : !use.refusal().empty() ? use.refusal()
+                                                     : httplib::to_string(result.error());
     throw EndpointError(0, why);
   }
   response.status = result->status;

@@ -140,8 +140,7 @@ std::optional<double> seconds_of(const std::string& text) {
 }
 
 /// The headers that each request has.
-BoundedClient::Headers headers_of(const HttpEndpointConfig& config, const Address& address,
-                                  const std::optional<Proxy>& proxy) {
+BoundedClient::Headers headers_of(const HttpEndpointConfig& config) {
   BoundedClient::Headers headers = config.headers;
   const auto has = [&headers](std::string_view name) {
     return std::ranges::any_of(
@@ -151,10 +150,6 @@ BoundedClient::Headers headers_of(const HttpEndpointConfig& config, const Addres
   const std::string key_header = bearer ? "Authorization" : config.key_header;
   if (!config.key.empty() && !has(key_header)) {
     headers.emplace_back(key_header, bearer ? "Bearer " + config.key : config.key);
-  }
-  // The library sends the proxy's login to the server, too, unless this header is there.
-  if (proxy && !proxy->user.empty() && address.host.encrypted) {
-    headers.emplace_back("Proxy-Authorization", "");
   }
   headers.emplace_back("Content-Type", "application/json");
   return headers;
@@ -189,7 +184,7 @@ class HttpEndpoint : public Endpoint {
     if (proxy_) {
       shown_ += fmt::format(" through the proxy {} ({})", proxy_->address(), proxy_->variable);
     }
-    headers_ = headers_of(config, address_, proxy_);
+    headers_ = headers_of(config);
     secrets_ = secrets_of(config, proxy_);
   }
 

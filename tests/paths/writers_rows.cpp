@@ -6,14 +6,11 @@ const std::vector<DirectWriter>& direct_writers() {
   static constexpr const char* kUser = "the user names the file";
   static constexpr const char* kCaller = "the caller names the file";
   static constexpr const char* kFixed = "names that are fixed, in a folder that the user names";
-  static constexpr const char* kLater = "its prints are not yet through say()";
   static const std::vector<DirectWriter> kRows{
       {"apps/common/program.cpp", kUser},
-      {"apps/enfilade/ask.cpp", kLater},
       {"apps/enfilade/export.cpp", kUser},
       {"apps/enfilade/learning/train.cpp", "lines that are drawn over; the name is printable()"},
       {"apps/enfilade/r4r.cpp", kUser},
-      {"apps/enfilade/serve.cpp", kLater},
       {"enfilade/arena/ask.cpp", kFixed},
       {"enfilade/arena/endpoint.cpp", "names are hashes of requests"},
       {"enfilade/arena/play.cpp", kFixed},
