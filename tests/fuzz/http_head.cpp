@@ -1,4 +1,5 @@
-// Texts in the head of a request: its query, Host, Origin and X-Forwarded-For, a line each.
+// A request's head as a whole, and the texts in it: query, Host, Origin and X-Forwarded-For, a line
+// each.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -6,13 +7,14 @@
 #include <string_view>
 
 #include "enfilade/core/check.h"
-#include "enfilade/service/detail/hosts.h"
+#include "enfilade/net/detail/head.h"
+#include "enfilade/net/hosts.h"
 #include "enfilade/service/http/messages.h"
 
 namespace {
 
 using namespace enfilade;
-namespace hosts = enfilade::service::detail;
+namespace hosts = enfilade::net;
 
 /// The lines of an input; those that are missing are empty.
 std::array<std::string_view, 4> lines_of(std::string_view text) {
@@ -25,12 +27,28 @@ std::array<std::string_view, 4> lines_of(std::string_view text) {
   return lines;
 }
 
+/// The input as the bytes of a connection: its head is found at the same place however it arrives.
+void read_head(std::string_view bytes) {
+  try {
+    net::detail::HeadEnd whole;
+    const std::size_t end = whole.find(bytes);
+    if (end == 0) return;
+    net::detail::HeadEnd pieces;
+    EN_CHECK(pieces.find(bytes.substr(0, end / 2)) == 0 && pieces.find(bytes) == end);
+    const net::detail::Head head = net::detail::parse_head(bytes.substr(0, end));
+    EN_CHECK(!head.request.method.empty() && !head.request.path.empty());
+  } catch (const net::HttpError& error) {
+    EN_CHECK(error.status() >= 400 && error.status() < 500);
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const hosts::OwnNames kNames("127.0.0.1", {"vln.example.org"});
-  const auto [target, host, origin, forwarded] =
-      lines_of({reinterpret_cast<const char*>(data), size});
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  read_head(text);
+  const auto [target, host, origin, forwarded] = lines_of(text);
   std::size_t bytes = 0;
   for (const auto& [name, value] : service::http::parse_query(target))
     bytes += name.size() + value.size();
