@@ -200,10 +200,7 @@ TEST_F(TrainingLogTest, RefusesAFileThatIsNoLog) {
 
 TEST_F(TrainingLogTest, AFullDiskIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
-  TrainingLog log(path_, 0);
-  fs::remove(path_);
-  fs::create_symlink("/dev/full", path_);
-  detail::AppendFile full(path_);
+  detail::AppendFile full("/dev/full");
   EXPECT_THAT([&] { full.write("x"); }, ThrowsMessage<FileError>(HasSubstr("No space left")));
 }
 

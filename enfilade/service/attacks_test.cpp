@@ -117,7 +117,7 @@ TEST(Attacks, WhatIsRefusedBeforeItIsReadHasThemToo) {
   const std::string host = " HTTP/1.1\r\nHost: localhost\r\n";
   for (const std::string& request :
        {"OPTIONS /healthz" + host, "TRACE /" + host, "FOO /" + host, "GET /a%0ab" + host,
-        "GET /" + std::string(3000, 'a') + host, "GET /healthz" + host + "Range: bytes=9-2\r\n",
+        "GET /" + std::string(3000, 'a') + host,
         "POST /api/v1/teams" + host + "Content-Type: multipart/form-data\r\nContent-Length: 0\r\n",
         "POST /api/v1/teams" + host + "Content-Length: -5\r\n",
         "GET /healthz" + host + "Folded: a\r\n b\r\n",

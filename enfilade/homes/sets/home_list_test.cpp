@@ -46,8 +46,10 @@ TEST_F(WrittenFilesTest, ReplaceThoseOfTheRunBefore) {
 }
 
 TEST_F(WrittenFilesTest, RemoveNothingOutsideThatAForeignListNames) {
-  for (const std::string name : {"../outside/kept.json", "r2r/../../outside/kept.json",
-                                 (outside_ / "kept.json").c_str(), "a//b", "./a", "a/"}) {
+  const std::string absolute = outside_ / "kept.json";
+  for (const std::string& name :
+       {std::string("../outside/kept.json"), std::string("r2r/../../outside/kept.json"), absolute,
+        std::string("a//b"), std::string("./a"), std::string("a/")}) {
     list(name + "\n");
     EXPECT_THAT(tests::refusal<InvalidInput>([&] { WrittenFiles(out_).finish(); }),
                 HasSubstr("annotations.txt: line 1: \"" + name.substr(0, 10)));
