@@ -188,6 +188,16 @@ TEST_F(ContinuousPhases, AWalkHasTheStepsOfABody) {
   };
   EXPECT_THAT(refused(text(jumping)), HasSubstr("step-too-long"));
   EXPECT_THAT(refused(text(jumping)), HasSubstr("episode 2, pose"));
+  // A slide around a corner: longer than a step, shorter than two.
+  auto sliding = walks("shortest");
+  sliding[1].positions.at(1).y += 0.13F;
+  EXPECT_NO_THROW(score(text(sliding)));
+  // Each as long as the longest slide.
+  auto striding = walks("shortest");
+  for (std::size_t k = 0; k < striding[1].positions.size(); ++k) {
+    striding[1].positions[k].x = striding[1].positions[0].x + 0.5F * static_cast<float>(k);
+  }
+  EXPECT_THAT(refused(text(striding)), HasSubstr("0.500 m from the pose before"));
   auto long_one = walks("shortest");
   long_one[0].actions.assign(501, 2);
   long_one[0].positions.assign(502, long_one[0].positions[0]);
