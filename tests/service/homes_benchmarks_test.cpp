@@ -107,6 +107,10 @@ TEST_F(HomesBenchmarks, AreRunServedSubmittedAndScored) {
                       {"task", of.task},
                       {"annotations", (secret_ / of.goals).string()},
                       {"scores", "hidden"}});
+    // `score` compares continuous trajectories with the experts' too.
+    for (const fs::path& experts : tasks::expert_places(tasks::benchmark(of.task), "test")) {
+      if (fs::exists(whole_ / experts)) phases.back()["experts"] = (whole_ / experts).string();
+    }
     run({"run", "--task", of.task, "--data", data_, "--split", "test", "--agent", "random", "-o",
          results(of)});
   }
