@@ -83,7 +83,8 @@ void leave_halves(const fs::path& folder, const Reference& reference,
                   const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     const std::string& whole = reference.content.at(file);
-    const fs::path half = folder / (file + (file.ends_with(".enfilade") ? ".part" : ".part999999999"));
+    const fs::path half =
+        folder / (file + (file.ends_with(".enfilade") ? ".part" : ".part999999999"));
     fs::create_directories(half.parent_path());
     write_file_atomically(half, whole.substr(0, whole.size() / 2 + 7));
   }

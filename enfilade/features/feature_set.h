@@ -46,9 +46,9 @@ struct FeatureKey {
 class FeatureSet {
  public:
   /// \throws FileError
-  /// \throws InvalidInput naming the viewpoint: sizes that differ, a repeated viewpoint, invalid ids
-  /// (core/names.h), broken base64. In formats that are read into memory, also for numbers that are
-  /// not finite
+  /// \throws InvalidInput naming the viewpoint: sizes that differ, a repeated viewpoint, invalid
+  /// ids (core/names.h), broken base64. In formats that are read into memory, also for numbers that
+  /// are not finite
   static FeatureSet open(const std::filesystem::path& file);
 
   const FeatureInfo& info() const noexcept;

@@ -28,8 +28,8 @@ TEST(Hosts, ANameOrAnAddressAndAPort) {
 
 TEST(Hosts, AnythingElseIsNone) {
   for (const std::string text :
-       {"", ".", "a..", ":80", "a b", "a/b", "a@b", "a,b", "a:65536", "a:-1", "a:8x", "a:1:2", "::1",
-        "[::1", "[x]", "[127.0.0.1]", "a\tb", "\xc3\xa9"}) {
+       {"", ".", "a..", ":80", "a b", "a/b", "a@b", "a,b", "a:65536", "a:-1", "a:8x", "a:1:2",
+        "::1", "[::1", "[x]", "[127.0.0.1]", "a\tb", "\xc3\xa9"}) {
     EXPECT_EQ(parsed(text), "none") << text;
   }
   EXPECT_EQ(parsed(std::string(254, 'a')), "none");

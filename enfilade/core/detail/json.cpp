@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/gzip.h"
-#include "enfilade/core/numbers.h"
 #include "enfilade/core/nearest_name.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::json {
