@@ -120,7 +120,7 @@ void refuse_unknown_verb(const CLI::App& app, int argc, char** argv) {
       fmt::format("unknown verb {:?}; the verbs are {}", verb, fmt::join(names, ", ")));
 }
 
-// Of all verbs at once. An empty name would be taken for a missing option.
+// For all verbs. An empty name would be taken for a missing option.
 void refuse_empty_names(CLI::App& app) {
   const CLI::Validator named(
       [](const std::string& text) {
