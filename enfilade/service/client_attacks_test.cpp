@@ -59,12 +59,17 @@ TEST(ClientAttacks, AnAddressOfTheClientsOwnMakingIsNotBelieved) {
                       return httplib::Headers{{"X-Forwarded-For", made_up(k) + ", 198.51.100.1"}};
                     }),
               ::testing::Contains(429));
-  EXPECT_THAT(guess(proxied, 5,
-                    [&](int k) {
-                      return httplib::Headers{{"X-Forwarded-For", made_up(k)},
-                                              {"X-Forwarded-For", "198.51.100.2"}};
-                    }),
-              ::testing::Contains(429));
+  std::string responses;  // of requests by hand: cpp-httplib need not keep the order of lines
+  for (int k = 0; k < 5; ++k) {
+    responses += exchange(
+        proxied.port(),
+        {fmt::format("GET /api/v1/submissions HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
+                     "X-Forwarded-For: {}\r\nX-Forwarded-For: 198.51.100.2\r\n"
+                     "Authorization: Bearer enfilade_{}\r\n\r\n",
+                     made_up(k), k)},
+        0);
+  }
+  EXPECT_THAT(responses, HasSubstr("HTTP/1.1 429"));
   EXPECT_THAT(guess(proxied, 3,
                     [](int) {
                       return httplib::Headers{{"X-Forwarded-For", "198.51.100.3"}};
@@ -179,19 +184,27 @@ TEST(ClientAttacks, OverTlsNothingIsSentWithoutIt) {
   config.public_names = {"vln.example.org"};
   Served served(config);
   const std::string body = nlohmann::json{{"token", token_in(served.team("A"))}}.dump();
-  const auto log_in = [&](httplib::Headers headers) {
-    headers.emplace("Host", "vln.example.org");
-    return served.client().Post("/api/v1/session", headers, body, "application/json");
+  // The client's own word for it, then the proxy's. By hand: cpp-httplib need not keep their order.
+  const auto log_in = [&](const char* first, const char* second) {
+    return exchange(
+        served.port(),
+        {fmt::format("POST /api/v1/session HTTP/1.1\r\nHost: vln.example.org\r\n"
+                     "Connection: close\r\nX-Enfilade: 1\r\nContent-Type: application/json\r\n"
+                     "X-Forwarded-Proto: {}\r\nX-Forwarded-Proto: {}\r\n"
+                     "Content-Length: {}\r\n\r\n{}",
+                     first, second, body.size(), body)},
+        0);
   };
-  // The client's own word for it, then the proxy's.
-  const auto encrypted = log_in({{"X-Forwarded-Proto", "http"}, {"X-Forwarded-Proto", "https"}});
-  EXPECT_THAT(encrypted->get_header_value("Set-Cookie"), HasSubstr("; Secure"));
-  EXPECT_THAT(encrypted->get_header_value("Strict-Transport-Security"), HasSubstr("max-age="));
-  const auto open = log_in({{"X-Forwarded-Proto", "https"}, {"X-Forwarded-Proto", "http"}});
-  EXPECT_THAT(open->get_header_value("Set-Cookie"), Not(HasSubstr("Secure")));
-  EXPECT_FALSE(open->has_header("Strict-Transport-Security"));
-  for (const char* name : {"Server", "X-Powered-By"}) {
-    EXPECT_FALSE(encrypted->has_header(name)) << name;
+  const std::string encrypted = log_in("http", "https");
+  EXPECT_THAT(encrypted, HasSubstr("Set-Cookie: "));
+  EXPECT_THAT(encrypted, HasSubstr("; Secure"));
+  EXPECT_THAT(encrypted, HasSubstr("Strict-Transport-Security: max-age="));
+  const std::string open = log_in("https", "http");
+  EXPECT_THAT(open, HasSubstr("Set-Cookie: "));
+  EXPECT_THAT(open, Not(HasSubstr("Secure")));
+  EXPECT_THAT(open, Not(HasSubstr("Strict-Transport-Security")));
+  for (const char* name : {"\r\nServer:", "\r\nX-Powered-By:"}) {
+    EXPECT_THAT(encrypted, Not(HasSubstr(name)));
   }
 }
 
