@@ -69,27 +69,31 @@ def known_tests():
     return names
 
 
+def not_there(names, tests):
+    """Names that are neither tests nor files."""
+    return [name for name in names if name not in tests and not (ROOT / name).is_file()]
+
+
+def report(page, faults):
+    """Prints the faults of a page. Returns the exit code."""
+    found = list(faults)
+    for fault in found:
+        print(f"docs/{page}: {fault}")
+    return 1 if found else 0
+
+
 def faults():
     tests, seen = known_tests(), Counter()
     for items, shown in rows():
         seen.update(items)
         if shown == []:
             yield f"{', '.join(items)}: nothing shows it"
-        for name in shown or []:
-            if name not in tests and not (ROOT / name).is_file():
-                yield f"{', '.join(items)}: no test and no file {name}"
+        yield from (f"{', '.join(items)}: no test and no file {name}" for name in not_there(shown or [], tests))
     all_items = set(wanted())
     yield from (f"{item}: missing" for item in sorted(all_items - set(seen)))
     yield from (f"{item}: is no item of level 2" for item in sorted(set(seen) - all_items))
     yield from (f"{item}: {times} times" for item, times in seen.items() if times > 1)
 
 
-def main():
-    found = list(faults())
-    for fault in found:
-        print(f"docs/asvs.md: {fault}")
-    return 1 if found else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(report("asvs.md", faults()))

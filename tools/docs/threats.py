@@ -4,7 +4,7 @@
 import re
 import sys
 
-from asvs import ROOT, known_tests
+from asvs import ROOT, known_tests, not_there, report
 
 PAGE = ROOT / "docs" / "threats.md"
 
@@ -29,16 +29,8 @@ def faults():
     for attack, names in all_attacks:
         if not names:
             yield f"{attack}: nothing shows it"
-        yield from (f"{attack}: no test and no file {name}" for name in names
-                    if name not in tests and not (ROOT / name).is_file())
-
-
-def main():
-    found = list(faults())
-    for fault in found:
-        print(f"docs/threats.md: {fault}")
-    return 1 if found else 0
+        yield from (f"{attack}: no test and no file {name}" for name in not_there(names, tests))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(report("threats.md", faults()))
