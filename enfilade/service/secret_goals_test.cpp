@@ -18,11 +18,10 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::row_results;
-using testing::Served;
 
 constexpr std::int64_t kEnd = 2'000'000;  // the clock begins at 1,000,000
 
-class SecretGoals : public ::testing::Test {
+class SecretGoals : public testing::ServedByAClock {
  protected:
   /// Serves one phase "test" with secret goals. \param fields more of them, in JSON
   void serve(const std::string& fields) {
@@ -52,17 +51,6 @@ class SecretGoals : public ::testing::Test {
         .Put("/api/v1/teams/" + std::to_string(team) + "/approval", who,
              json{{"approved", approved}}.dump(), "application/json")
         ->status;
-  }
-
-  std::atomic<std::int64_t> now_{1'000'000};
-  Served served_{config()};
-  httplib::Headers organiser_ = served_.organiser();
-
- private:
-  ServerConfig config() {
-    ServerConfig config;
-    config.clock = [this] { return now_.load(); };
-    return config;
   }
 };
 

@@ -1,5 +1,6 @@
 /// \file  A small data set on disk with pictures and a secret, and a server of it on a free port.
 #pragma once
+#include <gtest/gtest.h>
 #include <httplib.h>
 #include <atomic>
 #include <chrono>
@@ -159,6 +160,21 @@ class Served {
   ServerConfig config_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<httplib::Client> client_;
+};
+
+/// A server with a clock of the test's own, and its organiser. The clock begins at 1,000,000.
+class ServedByAClock : public ::testing::Test {
+ protected:
+  std::atomic<std::int64_t> now_{1'000'000};
+  Served served_{config()};
+  httplib::Headers organiser_ = served_.organiser();
+
+ private:
+  ServerConfig config() {
+    ServerConfig config;
+    config.clock = [this] { return now_.load(); };
+    return config;
+  }
 };
 
 }  // namespace enfilade::service::testing

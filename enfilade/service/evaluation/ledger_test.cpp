@@ -18,7 +18,6 @@ namespace EN_UNIT {
 
 using nlohmann::json;
 using service::testing::row_results;
-using service::testing::Served;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -27,7 +26,7 @@ using ::testing::IsEmpty;
 constexpr std::int64_t kEnd = 2'000'000;  // the clock begins at 1,000,000
 const double kOneOfALadder = std::log2(101);
 
-class LedgerTest : public ::testing::Test {
+class LedgerTest : public service::testing::ServedByAClock {
  protected:
   /// Serves one phase of the split test. \param fields more of them, in JSON
   void serve(const std::string& name, const std::string& fields) {
@@ -44,17 +43,6 @@ class LedgerTest : public ::testing::Test {
     return served_.json("/api/v1/phases", organiser_).at("phases")[0].at("leakage");
   }
   double used() { return leakage().at("used_bits").get<double>(); }
-
-  std::atomic<std::int64_t> now_{1'000'000};
-  Served served_{config()};
-  httplib::Headers organiser_ = served_.organiser();
-
- private:
-  ServerConfig config() {
-    ServerConfig config;
-    config.clock = [this] { return now_.load(); };
-    return config;
-  }
 };
 
 constexpr const char* kLadder = R"(, "scores": "ladder")";
