@@ -316,5 +316,23 @@ TEST(HttpEndpoint, TheServerDoesNotGetTheProxysLogin) {
   }
 }
 
+TEST(HttpEndpoint, AServerIsTheOneOfItsCertificate) {
+  const Certificate certificate("model.invalid");
+  const TemporaryFolder folder("certificate");
+  certificate.write(folder.path() / "host.pem");
+  Listener server(std::make_unique<httplib::SSLServer>(certificate.x509, certificate.key));
+  const Variable none("no_proxy", "*");
+  const auto why = [&server](const std::string& host) {
+    const std::string url = "https://" + host + ":" + std::to_string(server.port) + "/v1";
+    return refusal<arena::EndpointError>(
+        [&] { arena::make_http_endpoint({.url = url, .key = "secret"})->post("{}", {}); });
+  };
+  EXPECT_THAT(why("localhost"), HasSubstr("self-signed certificate"));
+  const Variable trusted("SSL_CERT_FILE", folder.path() / "host.pem");
+  EXPECT_THAT(why("localhost"), HasSubstr("hostname mismatch"));
+  EXPECT_THAT(why("127.0.0.1"), HasSubstr("IP address mismatch"));
+  EXPECT_TRUE(server.requests().empty());
+}
+
 }  // namespace EN_UNIT
 }  // namespace enfilade::tests
