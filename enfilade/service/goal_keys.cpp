@@ -47,7 +47,7 @@ GoalKeys goal_keys(std::span<const tasks::ReferencePath> paths, tasks::Task task
       if (start != end) keys.push_back(key_of(graph, start, graph.id(end)));
     };
     const std::vector<ViewpointIndex>& steps = path.viewpoints;
-    const std::size_t starts = task == tasks::Task::kR4r ? steps.size() : 1;
+    const std::size_t starts = tasks::benchmark(task).joins_paths ? steps.size() : 1;
     for (std::size_t k = 0; k < starts; ++k) {
       for (std::size_t end = starts == 1 ? steps.size() - 1 : k + 1; end < steps.size(); ++end) {
         add(steps[k], steps[end]);

@@ -330,20 +330,19 @@ bool Site::hide_in(PublicSplit& split, const std::set<std::string, std::less<>>&
 std::string Site::reason_to_leave_out(const tasks::Annotations& annotations,
                                       std::span<const tasks::ReferencePath> paths,
                                       const SharedSecret& shared) const {
-  using tasks::Task;
-  const bool own = std::ranges::any_of(phases_, [&annotations](const Phase& phase) {
-    return phase.split == annotations.split && !phase.benchmark->continuous() &&
-           phase.benchmark->task == annotations.task;
+  const tasks::Benchmark& benchmark = tasks::benchmark(annotations.task);
+  const bool own = std::ranges::any_of(phases_, [&](const Phase& phase) {
+    return phase.split == annotations.split && phase.benchmark == &benchmark;
   });
   if (own) return {};  // teams need its starts and texts
-  if (annotations.task == Task::kR4r) {
-    const Phase* named = find_secret(phases_, annotations.split, tasks::benchmark(Task::kR4r));
+  if (benchmark.joins_paths) {
+    const Phase* named = find_secret(phases_, annotations.split, benchmark);
     if (named == nullptr && shared.keys.tells()) named = shared.phase;
     // Its texts are those of two paths, and the second starts near the end of the first.
     if (named == nullptr) return {};
     return fmt::format("its joined texts tell secret goals of phase {}", named->name);
   }
-  if (annotations.task != Task::kCvdn) return {};
+  if (!benchmark.starts_between) return {};
   const GoalKeys starts = start_keys(first_of_games(annotations, paths), *graphs_);
   for (const Phase& phase : phases_) {
     const auto& secret = secret_episodes(phase).split.on_graph();

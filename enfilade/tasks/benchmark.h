@@ -43,6 +43,8 @@ struct Benchmark {
   Task paths = Task::kR2r;  ///< whose paths its own were made from: equal paths tell equal goals
   GoalKind goal = GoalKind::kNearEnd;
   AnswerKind answer = AnswerKind::kNone;
+  bool joins_paths = false;     ///< each path joins two of `paths`: any two viewpoints tell of one
+  bool starts_between = false;  ///< later episodes of a group start on the way to its goal
   /// The splits that its public files have, in their order. Any other name may be asked for, too.
   std::span<const std::string_view> splits;
   /// What files call the split "test"; empty: "test". Both names find it.

@@ -79,9 +79,9 @@ double goal_bits(const tasks::Split& split, const graph::GraphSet& graphs) {
     if (possible > 0) bits += std::log2(static_cast<double>(possible));
   };
   if (const auto& episodes = split.on_graph()) {
-    std::set<std::size_t> games;  // of CVDN: later instances start elsewhere, and end there too
+    std::set<std::size_t> games;  // later instances start elsewhere, and end there too
     for (const tasks::ReferencePath& path : episodes->paths) {
-      if (episodes->task == tasks::Task::kCvdn && !games.insert(path.group).second) continue;
+      if (split.benchmark().starts_between && !games.insert(path.group).second) continue;
       add(episodes->graphs->graph(path.scan), path.viewpoints.front());
     }
     return bits;
