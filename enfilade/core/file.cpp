@@ -8,12 +8,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
-#include <memory>
 #include <new>
 #include <system_error>
 #include <vector>
 
+#include "enfilade/core/detail/replace_file.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/mapped_file.h"
 #include "enfilade/core/numbers.h"
@@ -21,11 +20,6 @@
 namespace enfilade {
 namespace fs = std::filesystem;
 namespace {
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
 
 // Ending of a file that is being written, before the process id: "a.json.part4711".
 constexpr std::string_view kPart = ".part";
@@ -35,24 +29,19 @@ constexpr std::string_view kPart = ".part";
                   std::generic_category().message(reason));
 }
 
-// A temporary file is new: nothing that stands there is written to, and no link followed.
-constexpr int kNewFile = O_CREAT | O_EXCL | O_NOFOLLOW;
-
-void write_whole(const fs::path& path, int how, std::string_view content, const fs::path& named) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | how, 0666);
-  if (descriptor < 0) fail(named, "write", errno);
-  File file(::fdopen(descriptor, "wb"));
-  if (!file) {
-    const int reason = errno;
-    ::close(descriptor);
-    fail(named, "write", reason);
+// A full disk may be reported only when the file is closed, so that is part of writing.
+void write_and_close(int file, std::string_view content, const fs::path& shown) {
+  int reason = 0;
+  while (!content.empty() && reason == 0) {
+    const ssize_t written = ::write(file, content.data(), content.size());
+    if (written >= 0) {
+      content.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno != EINTR) {
+      reason = errno;
+    }
   }
-  if (std::fwrite(content.data(), 1, content.size(), file.get()) != content.size()) {
-    fail(named, "write", errno);
-  }
-  // A full disk may be reported only when buffers are flushed, so closing is part of writing.
-  if (std::fflush(file.get()) != 0) fail(named, "write", errno);
-  if (std::fclose(file.release()) != 0) fail(named, "write", errno);
+  if (::close(file) != 0 && reason == 0 && errno != EINTR) reason = errno;
+  if (reason != 0) fail(shown, "write", reason);
 }
 
 // Whether a temporary file's process still runs on this machine.
@@ -126,26 +115,40 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
   const fs::file_status status = fs::status(path, code);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     if (fs::is_directory(status)) fail(path, "write", EISDIR);
-    write_whole(path, O_TRUNC, content, path);
-    return;
+    const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_TRUNC);
+    if (file < 0) fail(path, "write", errno);
+    return write_and_close(file, content, path);
   }
   const fs::path target = fs::is_symlink(path, code) ? fs::weakly_canonical(path, code) : path;
-  fs::path part = target;
-  part += std::string(kPart) + std::to_string(::getpid());
-  fs::remove(part, code);  // of a killed process that had this number, or planted
+  const fs::path parent = target.parent_path();
+  const Descriptor folder(::open(parent.empty() ? "." : parent.c_str(), detail::kOpenFolder));
+  if (folder.number() < 0) fail(path, "write", errno);
+  detail::replace_file(folder.number(), target.filename().string(), content, path);
+}
+
+namespace detail {
+
+void replace_file(int folder, const std::string& name, std::string_view content,
+                  const fs::path& shown) {
+  const std::string part = name + std::string(kPart) + std::to_string(::getpid());
+  ::unlinkat(folder, part.c_str(), 0);  // of a killed process that had this number, or planted
+  const int file =
+      ::openat(folder, part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (file < 0) fail(shown, "write", errno);
   try {
-    write_whole(part, kNewFile, content, path);
+    write_and_close(file, content, shown);
+    struct stat status {};
+    // Renaming over a folder would fail with a reason that does not name it.
+    const bool exists = ::fstatat(folder, name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0;
+    if (exists && S_ISDIR(status.st_mode)) fail(shown, "write", EISDIR);
+    if (::renameat(folder, part.c_str(), folder, name.c_str()) != 0) fail(shown, "write", errno);
   } catch (const FileError&) {
-    fs::remove(part, code);
+    ::unlinkat(folder, part.c_str(), 0);
     throw;
   }
-  fs::rename(part, target, code);
-  if (code) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
-    fail(path, "write", code.value());
-  }
 }
+
+}  // namespace detail
 
 void make_folder(const fs::path& path) {
   std::error_code code;

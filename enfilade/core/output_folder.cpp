@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/core/detail/replace_file.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/names.h"
@@ -42,10 +43,8 @@ std::vector<std::string> parts_of(const fs::path& folder, std::string_view name)
   return parts;
 }
 
-constexpr int kFolder = O_RDONLY | O_DIRECTORY | O_CLOEXEC;
-
 Descriptor open_root(const fs::path& folder) {
-  const int root = ::open(folder.empty() ? "." : folder.c_str(), kFolder);
+  const int root = ::open(folder.empty() ? "." : folder.c_str(), detail::kOpenFolder);
   if (root < 0) stop(folder, "open", errno);
   return Descriptor(root);
 }
@@ -66,60 +65,12 @@ int open_below(const fs::path& folder, const std::vector<std::string>& parts, st
         errno != EEXIST) {
       stop(path, "make the folder", errno);
     }
-    at = ::openat(parent.number(), parts[i].c_str(), kFolder | O_NOFOLLOW);
+    at = ::openat(parent.number(), parts[i].c_str(), detail::kOpenFolder | O_NOFOLLOW);
     if (at < 0 && errno == ENOENT && missing == Missing::kSkip) return at;
     if (at < 0) stop(path, "open", errno);
   }
   return at;
 }
-
-void write_all(int file, std::string_view content, const fs::path& path) {
-  while (!content.empty()) {
-    const ssize_t written = ::write(file, content.data(), content.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      stop(path, "write", errno);
-    }
-    content.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
-// A temporary file in a folder; removed unless it was renamed.
-class Part {
- public:
-  Part(int folder, std::string name, const fs::path& path)
-      : folder_(folder), name_(std::move(name)), path_(path) {
-    ::unlinkat(folder_, name_.c_str(), 0);  // of a process that was killed, or planted
-    file_.emplace(::openat(folder_, name_.c_str(),
-                           O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
-    if (file_->number() < 0) stop(path_, "write", errno);
-  }
-  ~Part() {
-    if (!name_.empty() && file_->number() >= 0) ::unlinkat(folder_, name_.c_str(), 0);
-  }
-  Part(const Part&) = delete;
-  Part& operator=(const Part&) = delete;
-
-  void write(std::string_view content) const { write_all(file_->number(), content, path_); }
-  void rename_to(const std::string& name) {
-    struct stat status {};
-    // Renaming over a folder would fail with a reason that does not name it.
-    if (::fstatat(folder_, name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 &&
-        S_ISDIR(status.st_mode)) {
-      stop(path_, "write", EISDIR);
-    }
-    if (::renameat(folder_, name_.c_str(), folder_, name.c_str()) != 0) {
-      stop(path_, "write", errno);
-    }
-    name_.clear();
-  }
-
- private:
-  int folder_;
-  std::string name_;
-  const fs::path& path_;
-  std::optional<Descriptor> file_;
-};
 
 }  // namespace
 
@@ -130,11 +81,7 @@ OutputFolder::OutputFolder(fs::path folder) : path_(std::move(folder)) {
 void OutputFolder::write(std::string_view name, std::string_view content) const {
   const std::vector<std::string> parts = parts_of(path_, name);
   const Descriptor folder(open_below(path_, parts, parts.size() - 1));
-  const fs::path path = path_ / name;
-  // The same ending as write_file_atomically(), so that remove_unfinished() finds it.
-  Part part(folder.number(), fmt::format("{}.part{}", parts.back(), ::getpid()), path);
-  part.write(content);
-  part.rename_to(parts.back());
+  detail::replace_file(folder.number(), parts.back(), content, path_ / name);
 }
 
 fs::path OutputFolder::file(std::string_view name) const {
