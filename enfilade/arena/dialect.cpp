@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "enfilade/core/enum_names.h"
+#include "enfilade/core/texts.h"
 #include "enfilade/core/utf8.h"
 
 namespace enfilade::arena {
@@ -19,12 +20,6 @@ constexpr std::size_t kQuotedBytes = 300;    // bytes of a server's words in a m
 constexpr std::size_t kRefusalBytes = 4096;  // bytes of a refusal in the cache
 constexpr int kDeepest = 16;                 // levels of a refusal that are read
 constexpr const char* kRefused = "refused";
-
-std::string in_lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lower;
-}
 
 /// Where a word or phrase stands by itself in a text of lower case; npos: nowhere.
 std::size_t find_word(std::string_view text, std::string_view word) {
@@ -50,7 +45,7 @@ struct Told {
 
 void collect(const Json& value, int depth, Told& told) {
   if (depth > kDeepest) return;
-  if (value.is_string()) told.text += in_lower_case(value.get<std::string>()) + "\n";
+  if (value.is_string()) told.text += lower_case(value.get<std::string>()) + "\n";
   if (value.is_array()) {
     for (const Json& one : value) collect(one, depth + 1, told);
   }
@@ -58,11 +53,11 @@ void collect(const Json& value, int depth, Told& told) {
   for (const auto& [name, one] : value.items()) {
     if (name == "input" || name == "body") continue;  // the request is repeated there
     if (name == "param" && one.is_string()) {
-      const std::string field = in_lower_case(one.get<std::string>());
+      const std::string field = lower_case(one.get<std::string>());
       if (!field.empty()) told.fields.push_back(field.substr(0, field.find_first_of(".[")));
     } else if (name == "loc" && one.is_array()) {
       for (const Json& part : one) {
-        if (part.is_string()) told.fields.push_back(in_lower_case(part.get<std::string>()));
+        if (part.is_string()) told.fields.push_back(lower_case(part.get<std::string>()));
       }
     } else {
       collect(one, depth + 1, told);
@@ -76,7 +71,7 @@ Told read_refusal(std::string_view body) {
   if (parsed.is_structured()) {
     collect(parsed, 0, told);
   } else {
-    told.text = in_lower_case(body);
+    told.text = lower_case(body);
   }
   return told;
 }
@@ -199,7 +194,7 @@ RefusalKind kind_of(const Refusal& refusal) {
   if (refusal.status == 401 || refusal.status == 402 || refusal.status == 404) {
     return RefusalKind::kOther;
   }
-  const std::string text = in_lower_case(refusal.body);
+  const std::string text = lower_case(refusal.body);
   if (refusal.status == 413 ||
       has_any(text,
               {"context_length", "context length", "context size", "context_size", "context window",
@@ -232,7 +227,7 @@ std::string words_in(std::string_view body) {
   // Of FastAPI's list, the message alone does not say which field is meant.
   const Told told = read_refusal(body);
   if (!told.fields.empty() &&
-      find_word(in_lower_case(text), told.fields.back()) == std::string::npos) {
+      find_word(lower_case(text), told.fields.back()) == std::string::npos) {
     text += " (" + told.fields.back() + ")";
   }
   std::ranges::replace_if(
@@ -242,7 +237,7 @@ std::string words_in(std::string_view body) {
 
 bool says_invalid(std::string_view body) {
   return is_silent(body) ||
-         has_any(in_lower_case(body),
+         has_any(lower_case(body),
                  {"invalid_request", "invalid request", "validation error", "badrequest",
                   "bad request", "_error', 'loc'", "literal_error", "extra_forbidden",
                   "'loc':", "\"loc\":", "not supported", "unsupported", "not permitted",

@@ -4,23 +4,16 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/texts.h"
 
 namespace enfilade {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string made(text);
-  std::ranges::transform(made, made.begin(), [](unsigned char c) { return std::tolower(c); });
-  return made;
-}
 
 /// A host and the text after its colon; brackets of IPv6 addresses are taken off.
 struct HostPort {
@@ -30,15 +23,15 @@ HostPort split_host(std::string_view text) {
   if (text.starts_with('[')) {
     const std::size_t end = std::min(text.find(']'), text.size());
     const std::string_view rest = text.substr(std::min(end + 1, text.size()));
-    return {lower(text.substr(1, end - 1)),
+    return {lower_case(text.substr(1, end - 1)),
             std::string(rest.starts_with(':') ? rest.substr(1) : std::string_view())};
   }
   const std::size_t colon = text.find(':');
   // More than one colon: an IPv6 address without brackets.
   if (colon == std::string_view::npos || text.find(':', colon + 1) != std::string_view::npos) {
-    return {lower(text), {}};
+    return {lower_case(text), {}};
   }
-  return {lower(text.substr(0, colon)), std::string(text.substr(colon + 1))};
+  return {lower_case(text.substr(0, colon)), std::string(text.substr(colon + 1))};
 }
 
 /// The scheme and the host of an address, with its port or the scheme's.
@@ -49,7 +42,7 @@ Target target_of(std::string_view url) {
   Target target;
   const std::size_t scheme = url.find("://");
   if (scheme != std::string_view::npos) {
-    target.scheme = lower(url.substr(0, scheme));
+    target.scheme = lower_case(url.substr(0, scheme));
     url.remove_prefix(scheme + 3);
   }
   url = url.substr(0, url.find_first_of("/?#"));
@@ -106,28 +99,12 @@ bool is_excepted_by(const Target& target, std::string_view list) {
   return false;
 }
 
-std::string decoded(std::string_view text) {
-  std::string made;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    unsigned value = 0;
-    const char* const begin = text.data() + k + 1;
-    if (text[k] == '%' && k + 2 < text.size() &&
-        std::from_chars(begin, begin + 2, value, 16).ptr == begin + 2) {
-      made += static_cast<char>(value);
-      k += 2;
-    } else {
-      made += text[k];
-    }
-  }
-  return made;
-}
-
 Proxy parse_proxy(std::string_view text, const std::string& variable) {
   const auto refuse = [&variable](const char* why) {
     throw ArgumentError(fmt::format("{}: {}; http://HOST:PORT is expected", variable, why));
   };
   if (const std::size_t scheme = text.find("://"); scheme != std::string_view::npos) {
-    if (lower(text.substr(0, scheme)) != "http") refuse("a proxy of another kind than HTTP");
+    if (lower_case(text.substr(0, scheme)) != "http") refuse("a proxy of another kind than HTTP");
     text.remove_prefix(scheme + 3);
   }
   text = text.substr(0, text.find_first_of("/?#"));
@@ -136,8 +113,8 @@ Proxy parse_proxy(std::string_view text, const std::string& variable) {
   if (const std::size_t at = text.rfind('@'); at != std::string_view::npos) {
     const std::string_view name = text.substr(0, at);
     const std::size_t colon = std::min(name.find(':'), name.size());
-    proxy.user = decoded(name.substr(0, colon));
-    proxy.password = decoded(name.substr(std::min(colon + 1, name.size())));
+    proxy.user = decode_percent(name.substr(0, colon));
+    proxy.password = decode_percent(name.substr(std::min(colon + 1, name.size())));
     text.remove_prefix(at + 1);
   }
   const auto [host, port] = split_host(text);

@@ -72,7 +72,7 @@ std::optional<Team> find_team(store::Database& db, std::int64_t id) {
 
 std::optional<std::int64_t> find_team_named(store::Database& db, const std::string& name) {
   return db.find<std::int64_t>("SELECT id FROM team WHERE lower(name) = ?",
-                               detail::lower_case(name));
+                               lower_case(name));
 }
 
 bool is_approved(store::Database& db, std::int64_t team) {
@@ -101,7 +101,7 @@ int revoke_tokens(store::Database& db, ClientRole role, const std::string& label
   return db.run(
       "UPDATE token SET revoked = ?1 WHERE role = ?2 AND revoked IS NULL AND "
       "(label = ?3 OR team = (SELECT id FROM team WHERE lower(name) = ?4))",
-      db.now(), role, label, detail::lower_case(label));
+      db.now(), role, label, lower_case(label));
 }
 
 std::string add_worker_token(store::Database& db, std::int64_t visit, const std::string& label) {

@@ -181,9 +181,9 @@ std::vector<Collection> list_collections(store::Database& db, std::string_view t
                                          bool archived) {
   auto found = db.select<Collection>(collections_where(
       fmt::format("WHERE archived IS {} NULL ORDER BY collection.id", archived ? "NOT" : "")));
-  const std::string wanted = detail::lower_case(std::string(text));
+  const std::string wanted = lower_case(text);
   const auto has = [&wanted](const std::string& words) {
-    return detail::lower_case(words).find(wanted) != std::string::npos;
+    return lower_case(words).find(wanted) != std::string::npos;
   };
   std::erase_if(found, [&has](const Collection& one) { return !has(one.name) && !has(one.title); });
   return found;

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "enfilade/net/texts.h"
+#include "enfilade/core/texts.h"
 
 namespace enfilade::service::detail {
 
@@ -22,8 +22,6 @@ bool is_label(std::string_view text, std::size_t most);
 /// of all kinds are allowed anywhere. So are the invisible characters that some scripts need.
 bool is_prose(std::string_view text, std::size_t most);
 
-using net::lower_case;
-
 /// Whether `text` may be a part of a URL: 1 to 40 of a-z, 0-9, - and _.
 bool is_name(std::string_view text);
 
@@ -34,8 +32,6 @@ bool is_https_address(std::string_view text);
 /// Whether `text` may be a platform's id of a worker, an assignment or a study: 1 to 100 of A-Z,
 /// a-z, 0-9, - and _.
 bool is_external_id(std::string_view text);
-
-using net::decode_percent;
 
 /// A time in UTC as in ISO 8601: "2026-11-21T16:15:09Z". \param seconds since 1970
 std::string iso_time(std::int64_t seconds);

@@ -92,7 +92,7 @@ Response try_later(std::string_view message) {
 std::string decode(std::string_view text) {
   std::string blanks(text);
   std::ranges::replace(blanks, '+', ' ');
-  return detail::decode_percent(blanks);
+  return decode_percent(blanks);
 }
 
 constexpr std::size_t kWorthCompressing = 1024;  // bytes; of less, the headers are the larger part

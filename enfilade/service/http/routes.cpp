@@ -64,7 +64,7 @@ std::string_view bearer_token(std::string_view authorization) {
   constexpr std::string_view kScheme = "bearer ";
   if (authorization.size() < kScheme.size()) return {};
   const std::string scheme(authorization.substr(0, kScheme.size()));
-  if (detail::lower_case(scheme) != kScheme) return {};
+  if (lower_case(scheme) != kScheme) return {};
   authorization.remove_prefix(kScheme.size());
   authorization.remove_prefix(std::min(authorization.find_first_not_of(' '), authorization.size()));
   return authorization;

@@ -84,7 +84,7 @@ std::vector<NamedPath> transcripts_in(const fs::path& run) {
   auto found = named_paths(run / "transcripts", [](const fs::path& file) {
     // The inverse of what arena::detail::transcript_file() makes of an id.
     return file.extension() == kSuffix && is_file(file)
-               ? detail::decode_percent(file.stem().string())
+               ? decode_percent(file.stem().string())
                : std::string();
   });
   std::ranges::sort(found, {}, [](const NamedPath& file) {

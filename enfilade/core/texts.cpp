@@ -1,14 +1,15 @@
-#include "enfilade/net/texts.h"
+#include "enfilade/core/texts.h"
 
 #include <charconv>
 
-namespace enfilade::net {
+namespace enfilade {
 
-std::string lower_case(std::string text) {
-  for (char& c : text) {
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }
-  return text;
+  return lower;
 }
 
 std::string decode_percent(std::string_view text) {
@@ -28,4 +29,4 @@ std::string decode_percent(std::string_view text) {
   return decoded;
 }
 
-}  // namespace enfilade::net
+}  // namespace enfilade
