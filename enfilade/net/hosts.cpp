@@ -14,7 +14,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
-#include "enfilade/net/texts.h"
+#include "enfilade/core/texts.h"
 
 namespace enfilade::net {
 namespace {
@@ -78,7 +78,7 @@ std::optional<Host> parse_host(std::string_view text) {
     if (text.ends_with('.')) text.remove_suffix(1);
     if (!is_dns_name(text) || text.ends_with('.')) return std::nullopt;
   }
-  host.name = lower_case(std::string(text));
+  host.name = lower_case(text);
   return host;
 }
 

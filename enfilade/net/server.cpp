@@ -10,15 +10,15 @@
 #include <utility>
 #include <vector>
 
-#include "enfilade/net/detail/body.h"
-#include "enfilade/net/detail/lobby.h"
-#include "enfilade/net/detail/response_text.h"
+#include "enfilade/net/connections/body.h"
+#include "enfilade/net/connections/lobby.h"
+#include "enfilade/net/connections/response_text.h"
 
 namespace enfilade::net {
 namespace {
 
-using detail::Guest;
-using detail::Lobby;
+using connections::Guest;
+using connections::Lobby;
 
 constexpr int kQueue = 511;          // of connections that are not accepted yet, as nginx has it
 constexpr int kMostRequests = 1000;  // of a connection
@@ -74,7 +74,7 @@ int port_of(int socket) {
 
 struct Server::Impl {
   ServerConfig config;
-  detail::BodyRoom room;
+  connections::BodyRoom room;
   int port;
   Lobby lobby;
   std::vector<std::jthread> workers;
@@ -114,18 +114,20 @@ struct Server::Impl {
     Response response;
     bool stays = ++guest.answered < kMostRequests && !guest.head.closes && !lobby.is_closed();
     {
-      detail::RequestBody body(guest.socket, guest.head, guest.bytes, guest.group, room,
-                               config.body_seconds);
+      connections::RequestBody body(guest.socket, guest.head, guest.bytes, guest.group, room,
+                                    config.body_seconds);
       BodyReader reader;
       if (guest.head.has_body()) reader = [&body](std::size_t most) { return body.read(most); };
       response = answer(std::move(guest.head.request), reader);
       stays = body.finish() && stays;
     }
-    std::string text = head_text(response, stays ? detail::After::kStays : detail::After::kCloses);
+    std::string text =
+        head_text(response, stays ? connections::After::kStays : connections::After::kCloses);
     std::string_view rest = *response.body;
-    if (guest.head.head_only || !detail::may_have_content(response.status)) rest = {};
+    if (guest.head.head_only || !connections::may_have_content(response.status)) rest = {};
     if (rest.size() <= kOnePacket) text += std::exchange(rest, {});
-    const bool sent = detail::send_all(guest.socket, text) && detail::send_all(guest.socket, rest);
+    const bool sent =
+        connections::send_all(guest.socket, text) && connections::send_all(guest.socket, rest);
     return sent && stays ? Lobby::Stay::kYes : Lobby::Stay::kNo;
   }
 };

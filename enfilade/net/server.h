@@ -39,7 +39,7 @@ struct ServerConfig {
 /// - A head has one Host (HTTP/1.0: at most one) and a clear end. A folded line, a bare CR or LF, a
 ///   header's name with blanks, or a wrong chunk size is refused at once (400).
 /// - An idle connection is closed after 5 s. When more than 1,024 connections wait, the one that
-///   waits longest is closed.
+///   waits longest is closed. When 512 whole requests wait for a thread, further ones get 503.
 /// - After a refusal further bytes of the client are read, and dropped, for some seconds.
 ///   Closing at once would make the client forget the response.
 class Server {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <chrono>
+#include <future>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -155,6 +156,28 @@ TEST(Server, TheConnectionThatWaitsLongestGoesWhenThereAreTooMany) {
   char byte = 0;
   EXPECT_EQ(::recv(others.socket(0), &byte, 1, MSG_DONTWAIT), 0);      // closed
   EXPECT_EQ(::recv(others.socket(1029), &byte, 1, MSG_DONTWAIT), -1);  // not yet
+}
+
+TEST(Server, WholeRequestsBeyondTheRoomAreRefused) {
+  std::promise<void> end;
+  const auto ended = end.get_future().share();
+  ServerConfig config = echo();
+  config.threads = 1;
+  config.answer = [ended](const Request&, const BodyReader&) {
+    ended.wait();
+    return Response{};
+  };
+  Server server(config);
+  {
+    // One has the thread, 512 wait.
+    const tests::HalfSent others(server.port(), 513, head("GET /"));
+    double seconds = 0;
+    EXPECT_THAT(tests::timed_get(server.port(), "/", seconds), StartsWith("HTTP/1.1 503"));
+    EXPECT_LT(seconds, 3);  // of which 2 are for what a refused client still sends
+  }
+  end.set_value();
+  double seconds = 0;
+  EXPECT_THAT(tests::timed_get(server.port(), "/", seconds), StartsWith("HTTP/1.1 200"));
 }
 
 TEST(Server, StopsWhileClientsStillSend) {

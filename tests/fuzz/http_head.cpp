@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "enfilade/core/check.h"
-#include "enfilade/net/detail/head.h"
+#include "enfilade/net/connections/head.h"
 #include "enfilade/net/hosts.h"
 #include "enfilade/service/http/messages.h"
 
@@ -30,12 +30,12 @@ std::array<std::string_view, 4> lines_of(std::string_view text) {
 /// The input as the bytes of a connection: its head is found at the same place however it arrives.
 void read_head(std::string_view bytes) {
   try {
-    net::detail::HeadEnd whole;
+    net::connections::HeadEnd whole;
     const std::size_t end = whole.find(bytes);
     if (end == 0) return;
-    net::detail::HeadEnd pieces;
+    net::connections::HeadEnd pieces;
     EN_CHECK(pieces.find(bytes.substr(0, end / 2)) == 0 && pieces.find(bytes) == end);
-    const net::detail::Head head = net::detail::parse_head(bytes.substr(0, end));
+    const net::connections::Head head = net::connections::parse_head(bytes.substr(0, end));
     EN_CHECK(!head.request.method.empty() && !head.request.path.empty());
   } catch (const net::HttpError& error) {
     EN_CHECK(error.status() >= 400 && error.status() < 500);

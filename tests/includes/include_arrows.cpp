@@ -324,6 +324,7 @@ const std::map<std::string, Arrows, std::less<>>& rooms() {
         {"benchmarks", {"instructions"}}}},
       {"mesh", {{"light", {}}, {"readers", {}}}},
       {"models", {{"vocabularies", {}}}},
+      {"net", {{"connections", {}}}},
       {"neural",
        {{"core", {}},
         {"encoders", {"core"}},

@@ -14,10 +14,10 @@
 #include <thread>
 #include <vector>
 
-#include "enfilade/net/detail/head.h"
+#include "enfilade/net/connections/head.h"
 #include "enfilade/net/server.h"
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 
 using Clock = std::chrono::steady_clock;
 
@@ -80,6 +80,7 @@ class Lobby {
   };
 
   void run();
+  std::size_t count_whole();
   bool watch(int socket, std::uint64_t number) const;
   void wake() const;
   void accept_all();
@@ -116,4 +117,4 @@ class Lobby {
   std::thread thread_;  // last: it uses the others
 };
 
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections

@@ -1,11 +1,11 @@
-#include "enfilade/net/detail/head.h"
+#include "enfilade/net/connections/head.h"
 
 #include <gmock/gmock.h>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 namespace EN_UNIT {
 
 /// What is wrong with a head, or "good".
@@ -108,4 +108,4 @@ TEST(Head, EndsWhereItEndsHoweverItArrives) {
 }
 
 }  // namespace EN_UNIT
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections

@@ -6,7 +6,7 @@
 
 #include "enfilade/net/messages.h"
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 
 /// Finds the end of a head whose bytes arrive piece by piece. Looks at each byte once.
 class HeadEnd {
@@ -37,4 +37,4 @@ struct Head {
 /// \throws HttpError 400, also where a proxy could see another end of the request; 414
 Head parse_head(std::string_view text);
 
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections

@@ -1,4 +1,4 @@
-#include "enfilade/net/detail/head.h"
+#include "enfilade/net/connections/head.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "enfilade/core/numbers.h"
-#include "enfilade/net/texts.h"
+#include "enfilade/core/texts.h"
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 namespace {
 
 constexpr std::size_t kMostHead = 64U << 10U;
@@ -72,7 +72,7 @@ void read_header(std::string_view line, Texts& headers) {
     refuse("a header has a control character");
   }
   // Lines of one name are one list (RFC 9110, 5.3): proxies may add theirs to the client's.
-  const auto [at, added] = headers.emplace(lower_case(std::string(line.substr(0, colon))), value);
+  const auto [at, added] = headers.emplace(lower_case(line.substr(0, colon)), value);
   if (!added) at->second.append(at->first == "cookie" ? "; " : ", ").append(value);
 }
 
@@ -137,13 +137,12 @@ Head parse_head(std::string_view text) {
     refuse("Host: must be there, once");
   }
   read_end(head, method->second, old);
-  const std::string connection = lower_case(std::string(request.header("connection")));
+  const std::string connection = lower_case(request.header("connection"));
   head.closes = old || connection.find("close") != std::string::npos;
-  head.waits = !old && head.has_body() &&
-               lower_case(std::string(request.header("expect"))) == "100-continue";
+  head.waits = !old && head.has_body() && lower_case(request.header("expect")) == "100-continue";
   head.head_only = request.method == "HEAD";
   if (head.head_only) request.method = "GET";
   return head;
 }
 
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections

@@ -8,10 +8,10 @@
 #include <string>
 #include <string_view>
 
-#include "enfilade/net/detail/head.h"
+#include "enfilade/net/connections/head.h"
 #include "enfilade/net/messages.h"
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 
 /// Whether the socket is ready for an event of poll() within that time.
 bool is_ready(int socket, short event, std::chrono::milliseconds time);
@@ -85,4 +85,4 @@ class RequestBody {
   bool begun_ = false, whole_ = false;
 };
 
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections

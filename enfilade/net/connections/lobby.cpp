@@ -1,4 +1,4 @@
-#include "enfilade/net/detail/lobby.h"
+#include "enfilade/net/connections/lobby.h"
 
 #include <netdb.h>
 #include <netinet/in.h>
@@ -15,11 +15,11 @@
 #include <string_view>
 #include <utility>
 
-#include "enfilade/net/detail/body.h"
-#include "enfilade/net/detail/response_text.h"
+#include "enfilade/net/connections/body.h"
+#include "enfilade/net/connections/response_text.h"
 #include "enfilade/net/hosts.h"
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 namespace {
 
 using std::chrono::milliseconds;
@@ -164,9 +164,15 @@ void Lobby::accept_all() {
   }
 }
 
+/// Requests that wait for a worker.
+std::size_t Lobby::count_whole() {
+  const std::scoped_lock lock(mutex_);
+  return whole_.size();
+}
+
 /// Null where the system has no room.
 Guest* Lobby::keep(std::unique_ptr<Guest> guest) {
-  if (guests_.size() >= most_guests_) drop_oldest();
+  if (guests_.size() + count_whole() >= most_guests_) drop_oldest();
   Guest& kept = *guest;
   kept.number = ++last_number_;
   kept.state = Guest::State::kIdle;
@@ -226,8 +232,11 @@ void Lobby::advance(Guest& guest) {
     if (guest.state != State::kBody) return;
     const std::size_t length = guest.head.length.value_or(0);
     const bool small = !guest.head.chunked && !guest.head.waits && length <= kSmallBody;
-    if (small && guest.bytes.size() >= length) return give_to_worker(guest);
-    if (small) return;
+    if (small && guest.bytes.size() < length) return;
+    if (small && count_whole() >= most_guests_ / 2) {
+      throw HttpError(503, "too many requests at once; try again");
+    }
+    if (small) return give_to_worker(guest);
     ::epoll_ctl(epoll_, EPOLL_CTL_DEL, guest.socket, nullptr);
     guest.state = State::kSeat;
     seekers_.insert(guest.number);
@@ -341,4 +350,4 @@ void Lobby::leave(Guest& guest) {
   guest.end = std::min(guest.latest, Clock::now() + kQuietTime);
 }
 
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections

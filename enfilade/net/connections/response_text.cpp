@@ -1,4 +1,4 @@
-#include "enfilade/net/detail/response_text.h"
+#include "enfilade/net/connections/response_text.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 namespace {
 
 constexpr std::array<std::pair<int, std::string_view>, 22> kReasons{
@@ -52,4 +52,4 @@ std::string head_text(const Response& response, After after) {
   return text + "\r\n";
 }
 
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections

@@ -1,4 +1,4 @@
-#include "enfilade/net/detail/body.h"
+#include "enfilade/net/connections/body.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "enfilade/core/gzip.h"
-#include "enfilade/net/texts.h"
+#include "enfilade/core/texts.h"
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 namespace {
 
 using std::chrono::milliseconds;
@@ -103,7 +103,7 @@ RequestBody::RequestBody(int socket, const Head& head, std::string& bytes, std::
       head_(head),
       bytes_(bytes),
       address_(std::move(address)),
-      coding_(lower_case(std::string(head.request.header("content-encoding")))),
+      coding_(lower_case(head.request.header("content-encoding"))),
       room_(room),
       end_(std::chrono::steady_clock::now() +
            std::chrono::duration_cast<std::chrono::steady_clock::duration>(
@@ -252,4 +252,4 @@ bool RequestBody::finish() {
   return whole_ || !head_.has_body();
 }
 
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections

@@ -4,7 +4,7 @@
 
 #include "enfilade/net/messages.h"
 
-namespace enfilade::net::detail {
+namespace enfilade::net::connections {
 
 /// Whether the connection takes a further request after the response.
 enum class After { kStays, kCloses };
@@ -15,4 +15,4 @@ std::string head_text(const Response& response, After after);
 /// Whether a response of that status has a body.
 inline bool may_have_content(int status) { return status != 204 && status != 304; }
 
-}  // namespace enfilade::net::detail
+}  // namespace enfilade::net::connections
