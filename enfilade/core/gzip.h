@@ -26,10 +26,12 @@ std::string gunzip(std::string_view packed, std::size_t most);
 /// Largest size of a packed text file's content: ten times the largest annotations of the field
 /// (RxR's guide).
 inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 32U;
-/// A packed text file may have kAlwaysUnpacked bytes of content, or kMostPacking times its own size
-/// if that is more. Annotations stay below a third of it; a file of one repeated byte has 1000
+/// Bytes of content that a packed text file may always have.
+inline constexpr std::size_t kAlwaysUnpacked = std::size_t{1} << 26U;
+/// Times its own size that a packed text file's content may have, if that is more than
+/// kAlwaysUnpacked. Annotations stay below a third of it; a file of one repeated byte has 1000
 /// times.
-inline constexpr std::size_t kAlwaysUnpacked = std::size_t{1} << 26U, kMostPacking = 100;
+inline constexpr std::size_t kMostPacking = 100;
 /// The file; where it is not there, the same packed (`x.json.gz` for `x.json`) or unpacked
 /// (`x.json` for `x.json.gz`). The file's own name if neither is there. All readers of text files
 /// below open what this finds.

@@ -7,7 +7,7 @@ find_program(DOXYGEN_PROGRAM doxygen)
 if(EN_DOCS_PYTHON AND DOXYGEN_PROGRAM)
   add_test(NAME docs.site
     COMMAND ${EN_DOCS_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/site.py -o ${PROJECT_BINARY_DIR}/docs --no-runs)
-  set_tests_properties(docs.site PROPERTIES TIMEOUT 300 LABELS slow)
+  set_tests_properties(docs.site PROPERTIES TIMEOUT 300)
   add_test(NAME docs.tools COMMAND ${EN_DOCS_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/tools_test.py)
 else()
   add_test(NAME docs.site COMMAND ${CMAKE_COMMAND} -E echo
