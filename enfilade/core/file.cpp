@@ -1,5 +1,6 @@
 #include "enfilade/core/file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -94,7 +95,8 @@ std::string read_file(const fs::path& path, std::size_t most) try {
     if (content.size() > most) too_large();
     if (got > 0 || (got < 0 && (reason == EAGAIN || reason == EINTR))) continue;
     if (got < 0) fail(path, "read", reason);
-    if (!silent || !fifo) return content;
+    // A writer may have come and gone between the two calls.
+    if (!silent || !fifo || !content.empty()) return content;
     throw FileError(path.string() + ": cannot read: a pipe that no program writes to");
   }
 } catch (const std::bad_alloc&) {
@@ -148,6 +150,41 @@ void replace_file(int folder, const std::string& name, std::string_view content,
   }
 }
 
+int list_names(int folder, std::vector<std::string>& names) {
+  // Opened anew: `folder` may be no more than a place, and closedir() closes what it lists.
+  const int number = ::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  DIR* const list = number < 0 ? nullptr : ::fdopendir(number);
+  if (list == nullptr) {
+    const int reason = errno;
+    if (number >= 0) ::close(number);
+    return reason;
+  }
+  errno = 0;
+  while (const dirent* entry = ::readdir(list)) {
+    const std::string_view name = entry->d_name;
+    if (name != "." && name != "..") names.emplace_back(name);
+    errno = 0;
+  }
+  const int reason = errno;
+  ::closedir(list);
+  return reason;
+}
+
+void remove_unfinished(int folder, std::string_view ending, const fs::path& shown) {
+  std::vector<std::string> names;
+  list_names(folder, names);  // one that cannot be read holds nothing of ours
+  for (const std::string& name : names) {
+    const fs::path path = name;
+    struct stat status {};
+    if (is_unfinished(path) && path.stem().string().ends_with(ending) &&
+        ::fstatat(folder, name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+        S_ISREG(status.st_mode) && !is_being_written(path) &&
+        ::unlinkat(folder, name.c_str(), 0) != 0 && errno != ENOENT) {
+      fail(shown / path, "remove", errno);
+    }
+  }
+}
+
 }  // namespace detail
 
 void make_folder(const fs::path& path) {
@@ -163,18 +200,8 @@ bool is_unfinished(const fs::path& path) {
 }
 
 void remove_unfinished(const fs::path& folder, std::string_view ending) {
-  std::error_code code;
-  std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, code)) {
-    const fs::path& path = entry.path();
-    if (is_unfinished(path) && path.stem().string().ends_with(ending) &&
-        entry.is_regular_file(code) && !is_being_written(path)) {
-      found.push_back(path);
-    }
-  }
-  for (const fs::path& file : found) {
-    if (!fs::remove(file, code) && code) fail(file, "remove", code.value());
-  }
+  const Descriptor there(::open(folder.empty() ? "." : folder.c_str(), detail::kOpenFolder));
+  if (there.number() >= 0) detail::remove_unfinished(there.number(), ending, folder);
 }
 
 }  // namespace enfilade

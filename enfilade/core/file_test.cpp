@@ -1,5 +1,6 @@
 #include "enfilade/core/file.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -148,14 +149,17 @@ TEST_F(FileTest, ReadsAPipeToItsEnd) {
   const fs::path pipe = folder_ / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   const std::string text(300'000, 'x');
-  std::thread writer([&] {
+  // Open before the reader looks, however late the thread begins.
+  const int end = ::open(pipe.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_GE(end, 0);
+  const std::jthread writer([&] {
     std::ofstream out(pipe, std::ios::binary);
-    out << text << std::flush;
+    out << text << std::flush;  // more than a pipe holds: then the reader has opened it, too
+    ::close(end);
     std::this_thread::sleep_for(std::chrono::milliseconds(2200));  // longer than the patience
     out << "end";
   });
   EXPECT_EQ(read_file(pipe), text + "end");
-  writer.join();
 }
 
 // Each would hang, or take all memory.

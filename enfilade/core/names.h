@@ -7,7 +7,8 @@
 
 namespace enfilade {
 
-/// Longest id in bytes. Two ids and an ending of 54 bytes are still a file's name (255 bytes).
+/// Longest id in bytes. Two ids and an ending of 42 bytes are still a file's name (255
+/// bytes), with the 12 that OutputFolder puts behind it.
 inline constexpr std::size_t kLongestId = 100;
 /// An instruction's id is a path's id with `_<k>` behind it.
 inline constexpr std::size_t kLongestInstructionId = kLongestId + 10;

@@ -107,6 +107,53 @@ TEST_F(OutputFolderTest, RemovesNothingBehindALink) {
   EXPECT_TRUE(fs::exists(kept));
 }
 
+// Whoever holds a folder holds its place, not what stands there later.
+TEST_F(OutputFolderTest, FollowsNoLinkThatIsPlantedLater) {
+  const OutputFolder held = out_.folder("a/b"), below = held.folder("c");
+  EXPECT_EQ(below.path(), out_.path() / "a/b/c");
+  below.write("x", "1");
+  EXPECT_EQ(read_file(out_.path() / "a/b/c/x"), "1");
+  make_folder(outside_ / "c");
+  write_file_atomically(outside_ / "kept", "old");
+  write_file_atomically(outside_ / "a.json.part999999999", "half");
+  fs::rename(out_.path() / "a/b", out_.path() / "moved");
+  fs::create_directory_symlink(outside_, out_.path() / "a/b");
+  EXPECT_THROW(held.write("kept", "new"), FileError);
+  EXPECT_THROW(below.write("x", "2"), FileError);
+  EXPECT_THROW(static_cast<void>(held.file("kept")), FileError);
+  EXPECT_THROW(static_cast<void>(held.folder("d")), FileError);
+  EXPECT_THROW(held.remove("kept"), FileError);
+  EXPECT_THROW(held.remove_all("c"), FileError);
+  EXPECT_THROW(held.rename("kept", "x"), FileError);
+  held.remove_unfinished();
+  EXPECT_EQ(read_file(outside_ / "kept"), "old");
+  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(outside_), {}), 3);
+}
+
+TEST_F(OutputFolderTest, RemovesLinksWithinAFolderAndNotTheirTargets) {
+  write_file_atomically(outside_ / "kept", "old");
+  out_.write("a/b/c/d", "1");
+  fs::create_directory_symlink(outside_, out_.path() / "a/b/link");
+  fs::create_symlink(outside_ / "kept", out_.path() / "a/file");
+  out_.remove_all("a");
+  EXPECT_TRUE(fs::is_empty(out_.path()));
+  EXPECT_EQ(read_file(outside_ / "kept"), "old");
+}
+
+TEST_F(OutputFolderTest, MakesNothingForAMissingFileThatIsRenamed) {
+  EXPECT_THROW(out_.rename("a/b", "c/d"), FileError);
+  EXPECT_THROW(out_.rename("a", "c/d"), FileError);
+  EXPECT_TRUE(fs::is_empty(out_.path()));
+}
+
+TEST_F(OutputFolderTest, TakesNamesThatFitWithThoseOfTheirParts) {
+  const std::string longest(243, 'a');
+  out_.write(longest, "1");
+  EXPECT_TRUE(OutputFolder::is_name(std::string(255, 'b') + "/" + longest));
+  EXPECT_FALSE(OutputFolder::is_name(longest + "a"));
+  EXPECT_FALSE(OutputFolder::is_name(std::string(256, 'b') + "/a"));
+}
+
 TEST_F(OutputFolderTest, ItsOwnPathMayBeALink) {
   const fs::path link = temp_.path() / "l";
   fs::create_directory_symlink(outside_, link);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/mesh/mesh.h"
 
 namespace enfilade::mesh {
@@ -60,6 +61,8 @@ ReadResult parse_mesh(std::string_view bytes, const std::string& name,
 /// as Matterport3D ships its textured meshes. Groups are objects (`g <place>_<name>`).
 /// \throws FileError
 void write_obj(const Mesh& mesh, const std::filesystem::path& folder, const std::string& name);
+/// The same, in a folder whose links are not followed.
+void write_obj(const Mesh& mesh, const OutputFolder& folder, const std::string& name);
 
 /// Writes a binary glTF 2.0 file (.glb), textures inside, as Habitat, Isaac Sim and Blender open
 /// it. Objects are nodes, whose `extras` hold instance, category and region. In the file +y is up,

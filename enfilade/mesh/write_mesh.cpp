@@ -375,7 +375,10 @@ void write_faces(const Mesh& mesh, fmt::memory_buffer& out) {
 }  // namespace
 
 void write_obj(const Mesh& mesh, const std::filesystem::path& folder, const std::string& name) {
-  const OutputFolder to(folder);
+  write_obj(mesh, OutputFolder(folder), name);
+}
+
+void write_obj(const Mesh& mesh, const OutputFolder& to, const std::string& name) {
   write_materials(mesh, to, name);
   fmt::memory_buffer out;
   fmt::format_to(std::back_inserter(out), "mtllib {}.mtl\n", name);

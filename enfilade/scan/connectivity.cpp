@@ -219,9 +219,12 @@ std::string to_json(const Connectivity& connectivity) {
 }
 
 void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity) {
-  const std::filesystem::path file = scan_list_file(directory);
+  save_connectivity(OutputFolder(directory), connectivity);
+}
+
+void save_connectivity(const OutputFolder& out, const Connectivity& connectivity) {
+  const std::filesystem::path file = scan_list_file(out.path());
   auto [scans, text] = read_scan_list(file);
-  const OutputFolder out(directory);
   out.write(connectivity_file({}, connectivity.scan).string(), to_json(connectivity));
   if (std::ranges::find(scans, connectivity.scan) != scans.end()) return;
   if (!text.empty() && !text.ends_with('\n')) text += '\n';

@@ -9,6 +9,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/ids.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/geometry/vec.h"
 
 namespace enfilade::scan {
@@ -66,6 +67,8 @@ std::string to_json(const Connectivity& connectivity);
 /// \throws FileError; InvalidInput if the list repeats an id or holds one that is no scan id: then
 /// nothing is written
 void save_connectivity(const std::filesystem::path& directory, const Connectivity& connectivity);
+/// The same, in a folder whose links are not followed.
+void save_connectivity(const OutputFolder& directory, const Connectivity& connectivity);
 
 /// Throws what save_connectivity() would because of `scans.txt`. For callers that write other files
 /// first. \throws FileError; InvalidInput

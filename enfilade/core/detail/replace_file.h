@@ -1,9 +1,10 @@
-/// \file  The one way in which whole files are written. Internal.
+/// \file  The one way in which whole files are written, and what is done in open folders. Internal.
 #pragma once
 #include <fcntl.h>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace enfilade::detail {
 
@@ -17,5 +18,13 @@ inline constexpr int kOpenFolder = O_PATH | O_DIRECTORY | O_CLOEXEC;
 /// \throws FileError naming `shown` and the system's reason
 void replace_file(int folder, const std::string& name, std::string_view content,
                   const std::filesystem::path& shown);
+
+/// Appends the names of all files and folders in an open folder, without "." and "..".
+/// \param folder  a descriptor  \returns the system's reason if it cannot be read, else 0
+int list_names(int folder, std::vector<std::string>& names);
+
+/// remove_unfinished() of core/file.h in an open folder. \param shown  the folder's path in
+/// messages
+void remove_unfinished(int folder, std::string_view ending, const std::filesystem::path& shown);
 
 }  // namespace enfilade::detail
