@@ -15,7 +15,7 @@
 
 #include "enfilade/core/check.h"
 #include "enfilade/core/detail/json.h"
-#include "enfilade/core/output_folder.h"
+#include "enfilade/core/numbers.h"
 #include "enfilade/tasks/score_table.h"
 
 namespace enfilade::models {
@@ -198,7 +198,14 @@ DecisionStep read_decision(Element element, std::size_t words, const Path& path,
     });
   }
   if (found[kObject]) {
-    step.object = json::id(*found[kObject], Path(path, "object"), faults).value_or("");
+    const Element object = *found[kObject];
+    // Numbers may be below 0.
+    std::string_view number;
+    if (object.get(number) == simdjson::SUCCESS && parse_number<std::int64_t>(number)) {
+      step.object = number;
+    } else {
+      step.object = json::id(object, Path(path, "object"), faults).value_or("");
+    }
   }
   return step;
 }
@@ -420,15 +427,15 @@ EpisodeDecisions DecisionRecorder::episode(std::size_t episode,
   return named;
 }
 
-void DecisionRecorder::write(const std::filesystem::path& file, const tasks::EpisodeSet& episodes,
-                             const std::vector<tasks::Trajectory>& trajectories,
-                             std::size_t count) const {
+std::string DecisionRecorder::text(const tasks::EpisodeSet& episodes,
+                                   const std::vector<tasks::Trajectory>& trajectories,
+                                   std::size_t count) const {
   EN_CHECK_EQ(episodes.episodes.size(), recorded_.size());
   std::vector<std::pair<std::string, EpisodeDecisions>> shown;
   for (const std::size_t i : shown_episodes(trajectories, episodes, count)) {
     shown.emplace_back(episodes.episodes[i].instruction_id, episode(i, episodes));
   }
-  OutputFolder(file.parent_path()).write(file.filename().string(), decisions_json(shown));
+  return decisions_json(shown);
 }
 
 std::set<std::size_t> shown_episodes(const std::vector<tasks::Trajectory>& trajectories,

@@ -168,10 +168,10 @@ class DecisionRecorder {
   /// An episode with the names of its viewpoints. \pre `episodes` are the recorded ones
   EpisodeDecisions episode(std::size_t episode, const tasks::EpisodeSet& episodes) const;
   static constexpr std::size_t kShown = 60;  ///< count for shown_episodes(), as files have them
-  /// Writes the file of shown_episodes(). \pre as in episode(); a trajectory an episode
-  /// \throws FileError
-  void write(const std::filesystem::path& file, const tasks::EpisodeSet& episodes,
-             const std::vector<tasks::Trajectory>& trajectories, std::size_t count = kShown) const;
+  /// decisions_json() of shown_episodes(). \pre as in episode(); a trajectory an episode
+  std::string text(const tasks::EpisodeSet& episodes,
+                   const std::vector<tasks::Trajectory>& trajectories,
+                   std::size_t count = kShown) const;
 
  private:
   struct RecordedSteps {

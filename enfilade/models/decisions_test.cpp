@@ -107,6 +107,14 @@ TEST_P(DecisionFaults, AreNamedWithTheirPlace) {
   }
 }
 
+// As object sets and results have them.
+TEST(Decisions, ReadsObjectsWhoseNumbersAreBelowZero) {
+  std::string text = kGood;
+  text.replace(text.find("\"66\""), 4, "\"-1\"");
+  const DecisionFile file = parse_decisions(text, "a.json");
+  EXPECT_EQ(file.at("1_0").steps[0].object, "-1");
+}
+
 #define EN_STEP(fields)                                                       \
   R"({"1_0": {"agent": "duet", "words": ["a"], "steps": [{"viewpoint": "v",)" \
   R"( "heading": 0, "elevation": 0, )" fields "}]}}"
@@ -148,7 +156,8 @@ INSTANTIATE_TEST_SUITE_P(
             "nodes[0].visited"},
         Bad{EN_STEP(EN_STAYS R"("nodes": [{"viewpoint": "v", "visited": true, "stop": 3}])"),
             "bad-probability", "nodes[0].stop"},
-        Bad{EN_STEP(EN_STAYS R"("object": 66)"), "not-a-string", "object"}));
+        Bad{EN_STEP(EN_STAYS R"("object": 66)"), "not-a-string", "object"},
+        Bad{EN_STEP(EN_STAYS R"("object": "-x")"), "bad-id", "object"}));
 
 TEST(DecisionRecorder, MakesProbabilitiesOfLogits) {
   const float never = -std::numeric_limits<float>::infinity();
@@ -194,9 +203,7 @@ TEST_F(Recorder, WritesWhatWasChosenByName) {
                      .nodes = {{ViewpointIndex(0), true, 0.25F}, {ViewpointIndex(1), false}}});
   }
   EXPECT_EQ(recorder.episode(3, episodes_).steps.size(), 1U);
-  const auto file = made_.run() / "new/results/val_unseen.attention.json";
-  recorder.write(file, episodes_, walks_);
-  const auto read = std::get<DecisionFile>(load_recorded_split(file));
+  const DecisionFile read = parse_decisions(recorder.text(episodes_, walks_), "recorded");
   EXPECT_EQ(read.size(), 6U);
   const EpisodeDecisions& episode = read.at("2_2");
   EXPECT_EQ(episode.agent, "duet");

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "enfilade/agents/agent.h"
@@ -26,6 +27,14 @@ struct SplitRollout {
   /// Processes that share the batches; all have all trajectories then, and rank 0 writes the files.
   /// Null: this one alone.
   Ranks* ranks = nullptr;
+  /// The model's folder, if the files belong into it: no link below it is followed. Empty: a user
+  /// names the folder of the files, which may be a link.
+  std::filesystem::path model = {};
+
+  /// Writes one of the files. \throws FileError
+  void write(const std::filesystem::path& file, std::string_view content) const {
+    models::write_file({model.empty() ? file.parent_path() : model}, file, content);
+  }
 };
 
 /// Chooses the most likely action, without dropout. As an Agent it uses the simulator's

@@ -62,7 +62,8 @@ void evaluate(const Options& options, neural::TrainedAgent& agent,
   const bool named = !options.output.empty();
   const auto trajectories = agent.walk(
       {options.batch_size, named ? folder / (name + ".json") : files.results(name),
-       named ? folder / (name + ".attention.json") : files.attention(name), &ranks},
+       named ? folder / (name + ".attention.json") : files.attention(name), &ranks,
+       named ? fs::path() : files.folder},
       ranks.is_first() ? progress_bar(fmt::format("{}, {}", options.model, name)) : Progress());
   if (!ranks.is_first()) return;
   say("{} ({}, iteration {}) on {}: {} episodes\n", options.model, agent.name(), agent.iteration(),
@@ -105,8 +106,8 @@ void evaluate_continuous(const Options& options) {
     throw UsageError("--features, --objects: not for a continuous agent");
   }
   for (const std::string& split : options.splits) {
-    const OutputFolder out(options.output.empty() ? fs::path(options.model) / "results"
-                                                  : fs::path(options.output));
+    const OutputFolder out = options.output.empty() ? OutputFolder(options.model).folder("results")
+                                                    : OutputFolder(options.output);
     const fs::path file = out.file(models::ModelFiles{}.results(split).filename().string());
     run_agent_over_split({.data = options.data,
                           .meshes = options.meshes,

@@ -49,7 +49,10 @@ class Study {
       : o_(options), config_(options.training.config()), folder_(options.output) {}
 
   int run() {
-    OutputFolder(folder_).remove_unfinished();  // of a killed run
+    // Of a killed run. A user's own files may be there.
+    for (const char* own : {"study.html", "study.svg"}) {
+      OutputFolder(folder_).remove_unfinished({}, own);
+    }
     const std::size_t most = std::ranges::max(o_.homes);
     step({"homes", "-o", data(), "--preset", "training", "--homes", std::to_string(set_size(most)),
           "--tasks", "r2r"});

@@ -335,8 +335,8 @@ class CeLearner : public core::NetworkLearner<CeNetwork> {
     run(walker, episodes, Rng(config().seed, sets_).next());
     std::vector<RecordedEpisode> walks = walker.walks();
     for (std::size_t i = 0; i < walks.size(); ++i) walks[i].episode = chosen[i];
-    const OutputFolder out(file.parent_path());
-    write_episodes(out.file(file.filename().string()), walks, weights);
+    const OutputFolder out(files_.folder);
+    write_episodes(out.file(file.lexically_relative(files_.folder).string()), walks, weights);
   }
 
   const std::vector<std::vector<std::size_t>>& order(const UpdatePlace& place) {

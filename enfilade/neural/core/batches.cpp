@@ -1,7 +1,6 @@
 #include "enfilade/neural/core/batches.h"
 
 #include "enfilade/core/check.h"
-#include "enfilade/core/output_folder.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/models/decisions.h"
 
@@ -65,7 +64,9 @@ std::vector<tasks::Trajectory> unpacked_trajectories(std::span<const std::string
 void write_decisions(Ranks& ranks, const SplitRollout& options,
                      const models::DecisionRecorder& recorder, const tasks::EpisodeSet& episodes,
                      const std::vector<tasks::Trajectory>& trajectories) {
-  if (ranks.alone()) return recorder.write(options.attention, episodes, trajectories);
+  if (ranks.alone()) {
+    return options.write(options.attention, recorder.text(episodes, trajectories));
+  }
   const auto shown =
       models::shown_episodes(trajectories, episodes, models::DecisionRecorder::kShown);
   std::vector<std::pair<std::string, models::EpisodeDecisions>> own, all;
@@ -84,8 +85,7 @@ void write_decisions(Ranks& ranks, const SplitRollout& options,
     const std::string& name = episodes.episodes[i].instruction_id;
     all.emplace_back(name, std::move(found.at(name)));
   }
-  OutputFolder(options.attention.parent_path())
-      .write(options.attention.filename().string(), models::decisions_json(all));
+  options.write(options.attention, models::decisions_json(all));
 }
 
 }  // namespace enfilade::neural::core

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/output_folder.h"
 #include "enfilade/core/progress.h"
 #include "enfilade/models/decisions.h"
 #include "enfilade/neural/core/packing.h"
@@ -119,8 +118,7 @@ std::vector<tasks::Trajectory> rollout_and_write(Network& network, Split& split,
       });
   std::vector<tasks::Trajectory> trajectories = unpacked_trajectories(batches);
   if (!options.results.empty() && ranks.is_first()) {
-    OutputFolder(options.results.parent_path())
-        .write(options.results.filename().string(), to_json(trajectories, set));
+    options.write(options.results, to_json(trajectories, set));
   }
   if (recording) {
     write_decisions(ranks, options, recording->recorder(), set, trajectories);

@@ -231,7 +231,7 @@ class SplitLearner : public NetworkLearner<Network> {
     return ValidationRollout{
         loss, rollout_and_write(agent, validation(split),
                                 SplitRollout{this->config().batch_size, files.results(name),
-                                             files.attention(name), &this->ranks()})};
+                                             files.attention(name), &this->ranks(), files.folder})};
   }
 
  private:

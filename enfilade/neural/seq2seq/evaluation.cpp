@@ -6,7 +6,6 @@
 #include "enfilade/agents/simple_agents.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
-#include "enfilade/core/output_folder.h"
 #include "enfilade/models/decisions.h"
 #include "enfilade/neural/core/batches.h"
 #include "enfilade/tasks/score_table.h"
@@ -147,20 +146,17 @@ double compute_loss(Network& network, const PreparedSplit& split, const LossOpti
   return sum / static_cast<double>(total * options.batches.max_steps);
 }
 
-void write_rollout(const std::filesystem::path& results, const std::filesystem::path& attention,
-                   const GreedyRollout& walk, const PreparedSplit& split,
+void write_rollout(const SplitRollout& files, const GreedyRollout& walk, const PreparedSplit& split,
                    const tasks::Vocabulary& vocabulary, std::size_t attention_episodes) {
-  OutputFolder(results.parent_path())
-      .write(results.filename().string(), to_json(walk.trajectories, split.episodes));
-  if (attention.empty()) return;
+  files.write(files.results, to_json(walk.trajectories, split.episodes));
+  if (files.attention.empty()) return;
   std::vector<std::pair<std::string, models::EpisodeAttention>> shown;
   for (const std::size_t i :
        models::shown_episodes(walk.trajectories, split.episodes, attention_episodes)) {
     shown.emplace_back(split.episodes.episodes[i].instruction_id,
                        episode_attention(walk, i, split, vocabulary));
   }
-  OutputFolder(attention.parent_path())
-      .write(attention.filename().string(), models::attention_json(shown));
+  files.write(files.attention, models::attention_json(shown));
 }
 
 R2rEnvironment::R2rEnvironment(const tasks::EpisodeSet& episodes,
@@ -266,7 +262,7 @@ std::vector<tasks::Trajectory> Seq2SeqAgent::walk(const SplitRollout& options,
       *model_.network, *split_,
       {options.batch_size, model_.config.training.max_steps, options.ranks}, progress);
   if (!options.results.empty() && (options.ranks == nullptr || options.ranks->is_first())) {
-    write_rollout(options.results, options.attention, walk, *split_, model_.vocabulary);
+    write_rollout(options, walk, *split_, model_.vocabulary);
   }
   return std::move(walk.trajectories);
 }

@@ -124,12 +124,10 @@ struct LossOptions {
 /// \pre options.rollout.feedback is not kArgmax; the split's goals are known
 double compute_loss(Network& network, const PreparedSplit& split, const LossOptions& options);
 
-/// Writes `results/<split>.json` and `results/<split>.attention.json` of a model directory. The
-/// latter, unless its name is empty, has the first `attention_episodes` episodes. If the split can
-/// be scored, it also has a third as many of the best by SPL and of the worst by navigation error.
-/// \throws FileError
-void write_rollout(const std::filesystem::path& results, const std::filesystem::path& attention,
-                   const GreedyRollout& walk, const PreparedSplit& split,
+/// Writes the results file and the attention file that `files` names. The latter, unless its name
+/// is empty, has the first `attention_episodes` episodes. If the split can be scored, a third as
+/// many of the best by SPL follow, and of the worst by navigation error. \throws FileError
+void write_rollout(const SplitRollout& files, const GreedyRollout& walk, const PreparedSplit& split,
                    const tasks::Vocabulary& vocabulary, std::size_t attention_episodes = 60);
 
 /// The content of a model directory, without the checkpoint.

@@ -98,7 +98,8 @@ TEST_F(EvaluationTest, AttentionFilesSayWhatWasReadDoneAndSeen) {
   const PreparedSplit split = prepared("val_seen");
   const GreedyRollout walk = rollout_greedily(*model_.network, split, options());
   const fs::path file = small_->model("results") / "val_seen.attention.json";
-  write_rollout(file.parent_path() / "val_seen.json", file, walk, split, model_.vocabulary, 6);
+  write_rollout({.results = file.parent_path() / "val_seen.json", .attention = file}, walk, split,
+                model_.vocabulary, 6);
   const auto json = nlohmann::json::parse(read_file(file));
   EXPECT_GE(json.size(), 6U);
   EXPECT_LE(json.size(), 10U);  // six, two of the best, two of the worst

@@ -58,7 +58,10 @@ class Seq2SeqLearner : public core::Learner {
     const std::string& name = prepared.episodes.split;
     GreedyRollout walk = rollout_greedily(network_, prepared, batch_options());
     if (ranks_->is_first()) {
-      write_rollout(files.results(name), files.attention(name), walk, prepared, vocabulary_);
+      write_rollout({.results = files.results(name),
+                     .attention = files.attention(name),
+                     .model = files.folder},
+                    walk, prepared, vocabulary_);
     }
     return core::ValidationRollout{loss, std::move(walk.trajectories)};
   }
