@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/output_folder.h"
 #include "enfilade/core/written_lists.h"
@@ -214,6 +215,7 @@ std::optional<image::Image8> whole_sphere(const image::Image8& part,
     return std::nullopt;
   }
   if (2 * rows * rows > static_cast<double>(most)) {
+    if (part.width == 1) return std::nullopt;  // has no smaller copy
     return whole_sphere(shrink(part, image::halved(part.width, 1), image::halved(part.height, 1)),
                         crop, most);
   }
@@ -419,13 +421,14 @@ void write(const fs::path& folder, std::span<const PanoramaFiles> panoramas,
            const std::vector<Strip>& strips, const Connectivity& graph) {
   const OutputFolder out(folder);
   const std::string images = graph.scan + "/matterport_skybox_images/";
-  out.remove_unfinished(graph.scan + "/matterport_skybox_images");
+  out.remove_unfinished(graph.scan + "/matterport_skybox_images", ".jpg");
+  for (const char* ending : {".json", "scans.txt"}) out.remove_unfinished("connectivity", ending);
   for (std::size_t k = 0; k < strips.size(); ++k) {
     const std::vector<std::uint8_t>& jpeg = strips[k].jpeg;
     out.write(images + scan::skybox_strip_name(panoramas[k].viewpoint, scan::Layer::kColour),
               {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
-  save_connectivity(out.folder("connectivity").path(), graph);
+  save_connectivity(out.folder("connectivity"), graph);
 }
 
 void check(std::span<const PanoramaFiles> panoramas, const ImportOptions& o,
@@ -434,9 +437,7 @@ void check(std::span<const PanoramaFiles> panoramas, const ImportOptions& o,
   std::set<std::string> seen;
   for (const PanoramaFiles& panorama : panoramas) {
     const std::string& id = panorama.viewpoint;
-    if (!scan::is_scan_id(id)) {
-      throw ArgumentError(fmt::format("viewpoint {:?}: letters, digits, _ and - are allowed", id));
-    }
+    if (!is_id(id)) throw ArgumentError(fmt::format("viewpoint {}", fault_of_id(id)));
     if (panorama.files.size() != 1 && panorama.files.size() != kCubeFaces) {
       throw ArgumentError(
           fmt::format("viewpoint {:?}: {} pictures, not 1 or 6", id, panorama.files.size()));

@@ -289,6 +289,22 @@ TEST_F(ImportPhotos, AreReducedWhileTheyAreRead) {
   EXPECT_LT(used.ru_maxrss, 900'000) << "kilobytes; it was 1.2 GB";
 }
 
+// No copy of such a part is smaller: making it so had no end.
+TEST_F(ImportPhotos, OfOnePixelOfALargeSphereAreRefused) {
+  write("hall.jpg", tests::with_xmp(tests::jpeg_of(image::Image8(1, 1, 3)),
+                                    tests::gpano({{"FullPanoWidthPixels", "20000"},
+                                                  {"FullPanoHeightPixels", "10000"},
+                                                  {"CroppedAreaImageWidthPixels", "1"},
+                                                  {"CroppedAreaImageHeightPixels", "1"},
+                                                  {"CroppedAreaLeftPixels", "0"},
+                                                  {"CroppedAreaTopPixels", "0"}})));
+  EXPECT_THAT(
+      [&] {
+        import("home", {{"hall", {file("hall.jpg")}}});
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("of 20000 x 10000 pixels (GPano) does not fit")));
+}
+
 TEST_F(ImportPhotos, NameAProjectionThatIsAnother) {
   write("hall.jpg",
         tests::with_xmp(tests::jpeg_of(sky()), tests::gpano({{"ProjectionType", "cylindrical"}})));

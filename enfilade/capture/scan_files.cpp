@@ -45,9 +45,7 @@ void validate(const scan::Connectivity& connectivity, const ScanFilesOptions& o)
   const auto check = [](bool good, const std::string& message) {
     if (!good) throw ArgumentError(message);
   };
-  check(scan::is_scan_id(connectivity.scan),
-        fmt::format("scan {:?}: letters, digits, _, - and . are allowed, not first a - or a .",
-                    connectivity.scan));
+  check(is_id(connectivity.scan), fmt::format("scan {}", fault_of_id(connectivity.scan)));
   for (const scan::ConnectivityEntry& entry : connectivity.entries) {
     check(is_id(entry.id),
           fmt::format("scan {}: viewpoint {}", connectivity.scan, fault_of_id(entry.id)));
@@ -402,7 +400,7 @@ void write_mesh(const mesh::Mesh& mesh, const OutputFolder& out, const std::stri
   if (is_there(out.path() / target)) return;
   const std::string part = target + ".part";
   out.remove_all(part);
-  mesh::write_obj(mesh, out.folder(part).path(), name);
+  mesh::write_obj(mesh, out.folder(part), name);
   mesh::write_glb(mesh, out.file(part + "/" + name + ".glb"));
   out.rename(part, target);
 }
@@ -443,11 +441,13 @@ std::vector<std::string> all_files(const std::vector<Task>& tasks, const Texts& 
   return files;
 }
 
-/// What killed runs left beside the files.
+/// What killed runs left beside the files: of their kinds, as a user's own may be there.
 void remove_left(const OutputFolder& out, const std::vector<std::string>& files) {
-  std::set<std::string> folders;
-  for (const std::string& file : files) folders.insert(file.substr(0, file.rfind('/')));
-  for (const std::string& folder : folders) out.remove_unfinished(folder);
+  std::set<std::pair<std::string, std::string>> kinds;
+  for (const fs::path file : files) {
+    kinds.emplace(file.parent_path().string(), file.extension().string());
+  }
+  for (const auto& [folder, ending] : kinds) out.remove_unfinished(folder, ending);
 }
 
 }  // namespace
@@ -506,11 +506,12 @@ ScanFilesReport write_scan(const mesh::LitMesh& mesh, const scan::Connectivity& 
       joined(read_manifest(manifest_file), root, report.folder, state, writer.poses(), claimed);
   if (options.parts.connectivity) scan::check_scan_list(root / "connectivity");
   const OutputFolder out(root);
-  remove_left(out, files);
+  std::vector<std::string> written = claimed;
+  written.push_back(folder + "/" + kManifest);
+  if (options.parts.connectivity) written.emplace_back("connectivity/scans.txt");
+  remove_left(out, written);
   out.write(folder + "/" + kManifest, text_of(manifest));
-  if (options.parts.connectivity) {
-    save_connectivity(out.folder("connectivity").path(), connectivity);
-  }
+  if (options.parts.connectivity) save_connectivity(out.folder("connectivity"), connectivity);
   for (const auto& [file, content] : texts) {
     out.write(file, content);
     report.bytes += content.size();

@@ -344,14 +344,21 @@ TEST(ScanFiles, FollowNoLinkThatSomebodyPutIntoTheFolder) {
 
 TEST(ScanFiles, RemoveWhatAKilledRunLeft) {
   const TemporaryFolder root("scan_files");
-  const auto options = small([](ScanParts& p) { p.faces = true; });
-  const fs::path skybox =
-      write_scan(rooms(), tests::furnished_room_graph(), root.path(), options).folder /
-      "matterport_skybox_images";
+  const auto options = small([](ScanParts& p) { p.faces = p.connectivity = true; });
+  const fs::path folder =
+      write_scan(rooms(), tests::furnished_room_graph(), root.path(), options).folder;
+  const fs::path users = folder / "matterport_skybox_images" / "backup.tar.part900900900";
+  write_file_atomically(users, "a user's");
   const std::size_t files = files_below(root.path());
-  write_file_atomically(skybox / "a_skybox0_sami.jpg.part999999999", "half");
+  for (const fs::path& left :
+       {folder / "matterport_skybox_images" / "a_skybox0_sami.jpg", folder / "enfilade_scan.json",
+        root.path() / "connectivity" / "rooms_connectivity.json",
+        root.path() / "connectivity" / "scans.txt"}) {
+    write_file_atomically(left.string() + ".part999999999", "half");
+  }
   write_scan(rooms(), tests::furnished_room_graph(), root.path(), options);
   EXPECT_EQ(files_below(root.path()), files);
+  EXPECT_TRUE(fs::exists(users));
 }
 
 TEST(ScanFiles, RefuseArgumentsOutOfRange) {
@@ -367,7 +374,7 @@ TEST(ScanFiles, RefuseArgumentsOutOfRange) {
   EXPECT_THAT(with([](auto& o) { o.samples = 3; }), HasSubstr("samples: 3, not 1, 4, 9 or 16"));
   EXPECT_THAT(with([](auto& o) { o.jpeg_quality = 101; }), HasSubstr("jpeg_quality: 101"));
   EXPECT_THAT(with([](auto& o) { o.image_width = 9; }), HasSubstr("image_width: 9"));
-  EXPECT_THAT(with([](auto&) {}, "../x"), HasSubstr("scan \"../x\": letters, digits"));
+  EXPECT_THAT(with([](auto&) {}, "../x"), HasSubstr("scan \"../x\" is not an id"));
   EXPECT_EQ(files_below(root.path()), 0U);
 }
 

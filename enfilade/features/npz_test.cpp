@@ -105,11 +105,11 @@ TEST_F(NpzTest, AnArrayOfAnotherTypeIsLeftOut) {
   EXPECT_THAT(refusal({{"b.npy", npy("<i2", "False", "(1,)", "\1\2")}}), HasSubstr("<i2"));
 }
 
-// 3 x 40 MB of zeros, in 120 kB.
+// 2 x 40 MB of zeros, in 80 kB.
 TEST_F(NpzTest, ZerosThatTakeMuchMemoryAreRefused) {
   const std::string zeros = scan::write_npy(std::vector<float>(10'000'000), {10'000'000});
   EXPECT_EQ(open({{"a.npy", zeros}}).arrays().size(), 1U);
-  EXPECT_THAT(refusal({{"a.npy", zeros}, {"b.npy", zeros}, {"c.npy", zeros}}),
+  EXPECT_THAT(refusal({{"a.npy", zeros}, {"b.npy", zeros}}),
               HasSubstr("its arrays have more than 67108864 bytes, 100 times"));
 }
 

@@ -79,11 +79,6 @@ formats::StoredArrays read_npz(const std::filesystem::path& file) {
   std::uintmax_t bytes = 0;
   for (const std::string& entry : zip->names()) {
     if (faults.size() >= kMostFaultsKept) break;
-    if (bytes > most) {
-      refuse(file.string(), "", "too-large",
-             fmt::format("its arrays have more than {} bytes, {} times those of the file", most,
-                         kMostPacking));
-    }
     const std::string array = entry.substr(0, entry.size() - kEnding.size());
     try {
       read_array(*zip, entry, read);
@@ -101,6 +96,11 @@ formats::StoredArrays read_npz(const std::filesystem::path& file) {
       unsupported.push_back({Severity::kError, file.string(), array, "bad-array", type.what()});
     } catch (const Error& wrong) {
       faults.push_back({Severity::kError, file.string(), array, "bad-array", wrong.what()});
+    }
+    if (bytes > most) {
+      refuse(file.string(), "", "too-large",
+             fmt::format("its arrays have more than {} bytes, {} times those of the file", most,
+                         kMostPacking));
     }
   }
   if (!faults.empty() || read.arrays.empty()) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -228,10 +229,16 @@ std::size_t drop_copies(Mesh& mesh) {
   const std::size_t count = mesh.triangles.size();
   const std::size_t mask = std::bit_ceil(count + 1) - 1;
   const auto hash = [&](std::size_t t) {
-    std::uint64_t sum = mesh.triangle_material[t] + (std::uint64_t{object_of(mesh, t)} << 32U);
-    for (const std::uint32_t corner : mesh.triangles[t]) {
-      const Vec3f p = mesh.positions[corner];
-      for (const float value : {p.x, p.y, p.z}) {
+    // The same place in any order of corners. A sum of zeros has no sign, and no number is NaN.
+    std::array<std::array<float, 3>, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3f p = mesh.positions[mesh.triangles[t][k]];
+      corners[k] = {p.x + 0.0F, p.y + 0.0F, p.z + 0.0F};
+    }
+    std::ranges::sort(corners);
+    std::uint64_t sum = mesh.triangle_material[t];
+    for (const auto& corner : corners) {
+      for (const float value : corner) {
         sum = (sum ^ std::bit_cast<std::uint32_t>(value)) * 0x9E3779B97F4A7C15U;
         sum ^= sum >> 32U;
       }

@@ -117,9 +117,9 @@ class MeshCollector {
   bool any_texture_point_ = false, any_normal_ = false, any_object_ = false;
 };
 
-/// Triangles of one material and object with the same corners that are kept. Exporters write two,
-/// for two sides. No tree of boxes parts those of a file that repeats a triangle, so that each ray
-/// would meet all of them.
+/// Triangles of one material with the same corners, in any order, that are kept. Exporters write
+/// two, for two sides. No tree of boxes parts those of a file that repeats a triangle, so that each
+/// ray would meet all of them.
 inline constexpr std::uint32_t kMostCopies = 64;
 /// Drops those beyond kMostCopies, in linear time. \returns how many
 std::size_t drop_copies(Mesh& mesh);
