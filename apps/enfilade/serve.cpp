@@ -423,7 +423,7 @@ void add(CLI::App& app, int& status) {
   add_setting(verb, "--host", options->config.host, "", "Interface to listen on");
   add_setting(verb, "--port", options->config.port, "", "Port; 0: any free one",
               CLI::Range(0, 65535));
-  add_setting(verb, "--threads", options->config.threads, "", "Connections served at the same time",
+  add_setting(verb, "--threads", options->config.threads, "", "Requests answered at the same time",
               CLI::Range(1, 4096));
   add_value(verb, "--public-name", options->config.public_names, "NAME",
             "Host name of the server; other hosts are refused; may be repeated")

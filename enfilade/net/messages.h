@@ -1,5 +1,6 @@
 /// \file  Requests and responses of HTTP as a server's program sees them.
 #pragma once
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,6 +13,10 @@
 #include "enfilade/core/errors.h"
 
 namespace enfilade::net {
+
+/// Bodies up to this many bytes are read at any time: pages and scripts send them all the time.
+/// Only larger ones are counted, and wait for their turn.
+inline constexpr std::size_t kSmallBody = 16U << 10U;
 
 using Texts = std::map<std::string, std::string, std::less<>>;  ///< by name
 

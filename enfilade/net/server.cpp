@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/core/mapped_file.h"
 #include "enfilade/net/connections/body.h"
 #include "enfilade/net/connections/lobby.h"
 #include "enfilade/net/connections/response_text.h"
@@ -79,11 +80,11 @@ struct Server::Impl {
   Lobby lobby;
   std::vector<std::jthread> workers;
 
-  explicit Impl(ServerConfig settings, int listening)
+  Impl(ServerConfig settings, std::unique_ptr<Descriptor> listening)
       : config(std::move(settings)),
         room(config.most_body_bytes),
-        port(port_of(listening)),
-        lobby(listening, config) {
+        port(port_of(listening->number())),
+        lobby(std::move(listening), config) {
     try {
       for (int k = 0; k < config.threads; ++k) workers.emplace_back([this] { work(); });
     } catch (...) {
@@ -94,7 +95,12 @@ struct Server::Impl {
 
   void work() {
     while (auto guest = lobby.next()) {
-      const Lobby::Stay stay = serve(*guest);
+      auto stay = Lobby::Stay::kNo;
+      try {
+        stay = serve(*guest);
+      } catch (...) {
+        // Of ServerConfig::refuse, or for want of memory: it costs this connection alone.
+      }
       lobby.give_back(std::move(guest), stay);
     }
   }
@@ -104,7 +110,7 @@ struct Server::Impl {
       return config.answer(std::move(request), read_body);
     } catch (const HttpError& error) {
       return config.refuse(error);
-    } catch (const std::exception&) {
+    } catch (...) {
       return config.refuse(HttpError(500, "the server failed"));
     }
   }
@@ -126,8 +132,9 @@ struct Server::Impl {
     std::string_view rest = *response.body;
     if (guest.head.head_only || !connections::may_have_content(response.status)) rest = {};
     if (rest.size() <= kOnePacket) text += std::exchange(rest, {});
-    const bool sent =
-        connections::send_all(guest.socket, text) && connections::send_all(guest.socket, rest);
+    const auto gives_up = [this] { return lobby.is_overdue(); };
+    const bool sent = connections::send_all(guest.socket, text, gives_up) &&
+                      connections::send_all(guest.socket, rest, gives_up);
     return sent && stays ? Lobby::Stay::kYes : Lobby::Stay::kNo;
   }
 };
@@ -135,8 +142,9 @@ struct Server::Impl {
 Server::Server(ServerConfig config) {
   check_range("port", config.port, 0, 65535);
   check_range("threads", config.threads, 1, 4096);
-  const int listening = listen_on(config.host, config.port);
-  impl_ = std::make_unique<Impl>(std::move(config), listening);
+  check_range("stop_seconds", config.stop_seconds, 0, 3600);
+  auto listening = std::make_unique<Descriptor>(listen_on(config.host, config.port));
+  impl_ = std::make_unique<Impl>(std::move(config), std::move(listening));
 }
 
 Server::~Server() { stop(); }

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <atomic>
 #include <chrono>
 #include <future>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -32,6 +34,7 @@ ServerConfig echo(double body_seconds = 30) {
   config.body_seconds = body_seconds;
   config.answer = [](const Request& request, const BodyReader& read_body) {
     if (request.path == "/fail") throw ArgumentError("a secret");
+    if (request.path == "/number") throw 7;  // no std::exception
     Response response;
     response.type = "text/plain";
     const std::string body = read_body && request.path != "/unread" ? read_body(kMost) : "";
@@ -61,7 +64,7 @@ TEST(Server, AnswersOneRequestAfterTheOther) {
   const std::string responses = exchange(
       server.port(),
       {head("GET /one") + head("POST /two", "Content-Length: 3\r\n") + "abc" + head("HEAD /three"),
-       head("POST /four", kChunked) + "2\r\nab\r\n1;x=y\r\nc\r\n0\r\nTrailer: 1\r\n\r\n",
+       head("POST /four", kChunked) + "2\r\nab\r\n1 \t;x=y\r\nc\r\n0 \r\nTrailer: 1\r\n\r\n",
        head("POST /unread", "Content-Length: 3\r\n") + "abc", head("GET /five", kClose),
        head("GET /never")},
       20);
@@ -105,7 +108,8 @@ TEST(Server, RefusesWhatIsNoHttpAtOnce) {
         head("GET /", "A: b\r\n c\r\n"), std::string("\x16\x03\x01\x02\n"),
         head("POST /", "Content-Length: -5\r\n"), chunked + "-5\r\n", chunked + "0x5\r\nhello\r\n",
         chunked + "\r\n", chunked + "fffffffff\r\n", chunked + "2\r\nabc\r\n",
-        chunked + "5\nhello\r\n", chunked + "g\r\n"}) {
+        chunked + "5\nhello\r\n", chunked + "g\r\n", chunked + "5 garbage\r\nhello\r\n",
+        chunked + "5;a\rb\r\nhello\r\n", chunked + std::string("5;\0\r\nhello\r\n", 12)}) {
     const auto began = Clock::now();
     EXPECT_THAT(exchange(server.port(), {text}, 0), StartsWith("HTTP/1.1 400 Bad Request\r\n"))
         << text;
@@ -115,9 +119,39 @@ TEST(Server, RefusesWhatIsNoHttpAtOnce) {
 
 TEST(Server, AnExceptionIsNotTold) {
   const Server server(echo());
-  const std::string response = exchange(server.port(), {head("GET /fail", kClose)}, 0);
-  EXPECT_THAT(response, StartsWith("HTTP/1.1 500"));
-  EXPECT_THAT(response, Not(HasSubstr("secret")));
+  for (const char* path : {"GET /fail", "GET /number"}) {
+    const std::string response = exchange(server.port(), {head(path, kClose)}, 0);
+    EXPECT_THAT(response, StartsWith("HTTP/1.1 500"));
+    EXPECT_THAT(response, Not(HasSubstr("secret")));
+  }
+}
+
+TEST(Server, ARefusalThatFailsEndsItsConnectionOnly) {
+  ServerConfig config = echo();
+  config.refuse = [](const HttpError&) -> Response { throw ArgumentError("no text for it"); };
+  const Server server(config);
+  for (const std::string& text : {head("GET /fail"), std::string("no request\r\n\r\n")}) {
+    EXPECT_EQ(exchange(server.port(), {text}, 0), "");
+  }
+  EXPECT_THAT(exchange(server.port(), {head("GET /", kClose)}, 0), HasSubstr("[GET / ]"));
+}
+
+TEST(Server, TellsWhatItRefuses) {
+  std::mutex mutex;
+  std::vector<std::string> told;
+  ServerConfig config = echo(0.3);
+  config.refused = [&](const Request& request, const Response& response) {
+    const std::scoped_lock lock(mutex);
+    told.push_back(
+        fmt::format("{} {} {} {}", request.address, request.method, request.path, response.status));
+  };
+  Server server(config);
+  const std::string whole = exchange(server.port(), {head("HEAD /one") + "GET / HT"}, 0);
+  EXPECT_THAT(whole, HasSubstr("HTTP/1.1 408"));
+  exchange(server.port(), {head("POST /two", "Content-Length: 9\r\n")}, 0);
+  exchange(server.port(), {head("GET /fail", kClose)}, 0);  // refused by `answer`
+  server.stop();
+  EXPECT_THAT(told, ::testing::ElementsAre("127.0.0.1   408", "127.0.0.1 POST /two 408"));
 }
 
 // Each would hold a thread, were it given one before it is whole.
@@ -159,25 +193,55 @@ TEST(Server, TheConnectionThatWaitsLongestGoesWhenThereAreTooMany) {
 }
 
 TEST(Server, WholeRequestsBeyondTheRoomAreRefused) {
-  std::promise<void> end;
+  std::promise<void> begun, end;
+  std::once_flag once;
   const auto ended = end.get_future().share();
   ServerConfig config = echo();
   config.threads = 1;
-  config.answer = [ended](const Request&, const BodyReader&) {
+  config.answer = [&, ended](const Request&, const BodyReader&) {
+    std::call_once(once, [&begun] { begun.set_value(); });
     ended.wait();
     return Response{};
   };
   Server server(config);
   {
-    // One has the thread, 512 wait.
-    const tests::HalfSent others(server.port(), 513, head("GET /"));
+    const tests::HalfSent first(server.port(), 1, head("GET /"));
+    begun.get_future().wait();  // it has the thread
+    const tests::HalfSent others(server.port(), 512, head("GET /"));
     double seconds = 0;
     EXPECT_THAT(tests::timed_get(server.port(), "/", seconds), StartsWith("HTTP/1.1 503"));
-    EXPECT_LT(seconds, 3);  // of which 2 are for what a refused client still sends
+    EXPECT_LT(seconds, 3);
+    const std::string refused = exchange(server.port(), {head("HEAD /")}, 0);
+    EXPECT_THAT(refused, StartsWith("HTTP/1.1 503"));
+    EXPECT_THAT(refused, ::testing::EndsWith("\r\n\r\n"));  // no body
   }
   end.set_value();
+  std::string last;
+  const auto latest = Clock::now() + std::chrono::seconds(10);
+  do {  // until the thread has taken one of those that wait
+    double seconds = 0;
+    last = tests::timed_get(server.port(), "/", seconds);
+  } while (last.starts_with("HTTP/1.1 503") && Clock::now() < latest);
+  EXPECT_THAT(last, StartsWith("HTTP/1.1 200"));
+}
+
+// Of 400 descriptors 100 are left for files, and the threads may have 200 connections.
+TEST(Server, ThreadsTakeNoDescriptorsOfFiles) {
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  rlimit few = before;
+  few.rlim_cur = 400;
+  ::setrlimit(RLIMIT_NOFILE, &few);
+  ServerConfig config = echo();
+  config.threads = 200;
+  const Server server(config);
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  const tests::HalfSent others(server.port(), 110, "GET / HT");
   double seconds = 0;
-  EXPECT_THAT(tests::timed_get(server.port(), "/", seconds), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(tests::timed_get(server.port(), "/", seconds), HasSubstr("[GET / ]"));
+  char byte = 0;
+  EXPECT_EQ(::recv(others.socket(0), &byte, 1, MSG_DONTWAIT), 0);     // closed
+  EXPECT_EQ(::recv(others.socket(109), &byte, 1, MSG_DONTWAIT), -1);  // not yet
 }
 
 TEST(Server, StopsWhileClientsStillSend) {
@@ -186,6 +250,33 @@ TEST(Server, StopsWhileClientsStillSend) {
   const auto began = Clock::now();
   server.stop();
   EXPECT_LT(Clock::now() - began, std::chrono::seconds(1));
+}
+
+TEST(Server, StopsWhileAClientTakesItsResponseSlowly) {
+  ServerConfig config = echo();
+  config.stop_seconds = 0.2;
+  std::promise<void> begun;
+  config.answer = [&begun](const Request&, const BodyReader&) {
+    Response response;
+    response.body = std::make_shared<const std::string>(std::size_t{64} << 20U, 'x');
+    begun.set_value();
+    return response;
+  };
+  Server server(config);
+  const tests::HalfSent client(server.port(), 1, head("GET /"));
+  begun.get_future().wait();
+  std::atomic<bool> over = false;
+  std::jthread reads([&] {
+    std::string piece(100'000, ' ');
+    for (int k = 0; k < 400 && !over; ++k) {  // 20 s
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      (void)::recv(client.socket(0), piece.data(), piece.size(), MSG_DONTWAIT);
+    }
+  });
+  const auto began = Clock::now();
+  server.stop();
+  EXPECT_LT(Clock::now() - began, std::chrono::seconds(5));
+  over = true;
 }
 
 TEST(Server, APortBelongsToOneServer) {

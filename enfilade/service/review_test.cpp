@@ -62,6 +62,10 @@ TEST_F(Review, ARejectedOnesPlaceGoesToAnotherWorker) {
   careless.write(task, "bla bla bla bla");
   EXPECT_TRUE(worker("next").begin().is_null());
   EXPECT_EQ(judge(task, {{"verdict", "rejected"}}).at("status"), 400);  // why?
+  EXPECT_EQ(judge(task, json::object()).at("error").at("message"),
+            "verdict: must be there, and a text");
+  EXPECT_EQ(judge(task, {{"verdict", "rejected"}, {"reason", 7}}).at("error").at("message"),
+            "reason: must be there, and a text");
   EXPECT_EQ(judge(task, {{"verdict", "rejected"}, {"reason", "No way in it."}}).at("state"),
             "rejected");
   EXPECT_EQ(careless.task(task).at("reason"), "No way in it.");

@@ -12,9 +12,11 @@
 
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/read_mesh.h"
+#include "enfilade/service/browsing/site_json.h"
 #include "tests/support/served_data.h"
 #include "tests/support/small_homes.h"
 
@@ -210,10 +212,10 @@ TEST_F(RoamingTest, RefusesSplitsThatNobodyHas) {
   EXPECT_EQ(get("/api/v1/continuous/val_seen/episodes?limit=0")->status, 400);
 }
 
-TEST(Roaming, AMeshFileIsShownWithItsTextures) {
-  const tests::TemporaryFolder folder("roaming");
-  testing::write_served_data(folder.path());
-  const fs::path data = folder.path() / "data";
+/// A data set with a mesh of scan "row". \returns its folder
+fs::path write_data_with_mesh(const fs::path& folder) {
+  testing::write_served_data(folder);
+  fs::path data = folder / "data";
   make_folder(data / "meshes");
   mesh::Mesh room;
   room.positions = {{0, 0, 0}, {6, 0, 0}, {6, 4, 0}, {0, 4, 1}};
@@ -221,6 +223,31 @@ TEST(Roaming, AMeshFileIsShownWithItsTextures) {
   room.triangle_material = {0, 1};
   room.materials.resize(2);
   mesh::write_glb(room, data / "meshes/row.glb");
+  return data;
+}
+
+TEST(Roaming, AnUnpackedMeshIsSharedWithinALimit) {
+  const tests::TemporaryFolder folder("roaming");
+  const auto site = Site::open(write_data_with_mesh(folder.path()));
+  const ScanIndex row = *site->graphs().find("row");
+  browsing::Roaming roaming(site);
+  const auto packed = roaming.mesh(row);
+  const auto one = roaming.unpacked(packed), other = roaming.unpacked(packed);
+  ASSERT_NE(one, nullptr);
+  EXPECT_EQ(one, other);
+  EXPECT_EQ(*one, gunzip(*packed.gzip, 1 << 20));
+  browsing::Roaming::Packed second = packed;
+  second.digest = "another";
+  browsing::Roaming narrow(site, packed.bytes + 1);
+  auto first = narrow.unpacked(packed);
+  EXPECT_EQ(narrow.unpacked(second), nullptr);
+  first.reset();  // it was sent
+  EXPECT_NE(narrow.unpacked(second), nullptr);
+}
+
+TEST(Roaming, AMeshFileIsShownWithItsTextures) {
+  const tests::TemporaryFolder folder("roaming");
+  const fs::path data = write_data_with_mesh(folder.path());
   ServerConfig config;
   config.database = testing::new_database(folder.path() / "service.sqlite");
   config.port = 0;

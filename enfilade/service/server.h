@@ -15,10 +15,11 @@
 
 namespace enfilade::service {
 
-/// One answered request, for logs. Valid during the call. If the database fails while a submission
-/// is scored, that is a record too: its method is "SCORE", its status 500, and it has a fault. So
-/// is trouble that /healthz finds, once when it begins ("HEALTH", 503, with a fault) and once when
-/// it is over ("HEALTH", 200).
+/// One answered request, for logs. Valid during the call. A request that is refused before its head
+/// is whole has the method "-" and no path. If the database fails while a submission is scored,
+/// that is a record too: its method is "SCORE", its status 500, and it has a fault. So is trouble
+/// that /healthz finds, once when it begins ("HEALTH", 503, with a fault) and once when it is over
+/// ("HEALTH", 200).
 struct RequestRecord {
   std::string_view address, method, path;
   int status = 0;
@@ -35,7 +36,7 @@ struct ServerConfig {
   std::string database;
   std::string host = "127.0.0.1";  ///< interface to listen on
   int port = 8080;                 ///< 0: any that is free
-  int threads = 256;               ///< connections that are served at the same time
+  int threads = 256;               ///< requests that are answered at the same time
   /// Largest body of a submission. The 4,173 episodes of R2R's test take 1 to 6 MB.
   std::size_t most_submission_bytes = 32U << 20U;
   double body_seconds = 30;  ///< longest time that a client may take to send a body
@@ -63,8 +64,8 @@ struct ServerConfig {
   /// Called at the start with sentences for the organiser, about leaks of secret goals; may be
   /// empty.
   std::function<void(std::string_view)> warn;
-  /// Called after each request and each failure of scoring, from many threads at once. Must not
-  /// throw; may be empty.
+  /// Called after each request, also a refused one, and each failure of scoring, from many threads
+  /// at once. Must not throw; may be empty.
   std::function<void(const RequestRecord&)> log;
   /// Seconds since 1970; empty: the system's clock.
   std::function<std::int64_t()> clock;
@@ -87,10 +88,10 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   int port() const noexcept;  ///< the bound port; any thread.
-  /// Accepts no new connections. Returns when the running requests are answered and the idle
-  /// connections are closed (after 2 s at most). Scoring goes on until the destructor. A second
-  /// call does nothing. Not safe to call from two threads at once, nor from ServerConfig::log,
-  /// whose threads it waits for.
+  /// Accepts no new connections, and closes those that wait. Returns when the whole requests, up to
+  /// 512 that wait for a thread too, are answered; clients that are slow to take their responses
+  /// get 10 s. Scoring goes on until the destructor. A second call does nothing. Not safe to call
+  /// from two threads at once, nor from ServerConfig::log, whose threads it waits for.
   void stop();
 
  private:

@@ -8,6 +8,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/service/http/routes.h"
+#include "tests/support/raw_socket.h"
 #include "tests/support/refusal.h"
 #include "tests/support/served_data.h"
 
@@ -139,8 +140,12 @@ TEST(Server, LogsEachRequest) {
   Served served(config);
   served.get("/healthz");
   served.get("/nothing");
+  tests::exchange(served.port(), {"GET / HTTP/1.1\r\n\r\n"}, 0);  // no Host: no route sees it
+  EXPECT_THAT(served.get("/metrics")->body,
+              HasSubstr("enfilade_requests_total{route=\"(refused)\",status=\"400\"} 1\n"));
   served.stop();
-  EXPECT_THAT(lines, ::testing::ElementsAre("GET /healthz 200", "GET /nothing 404"));
+  EXPECT_THAT(lines, ::testing::ElementsAre("GET /healthz 200", "GET /nothing 404", "-  400",
+                                            "GET /metrics 200"));
 }
 
 TEST(Server, APortThatIsTakenIsRefused) {

@@ -20,6 +20,7 @@ using std::chrono::milliseconds;
 constexpr std::size_t kPiece = 16U << 10U;
 constexpr std::size_t kLongestSizeLine = 8U << 10U;  // with the size of a chunk
 constexpr milliseconds kPieceTime{5'000};  // between two pieces of a request, or of a response
+constexpr milliseconds kSlice{500};        // of that time, between two questions whether to give up
 // JSON packs to a tenth, and what is made for it to a thousandth. Below that many bytes the ratio
 // is of no interest.
 constexpr std::size_t kMostRatio = 200;
@@ -67,12 +68,18 @@ bool is_ready(int socket, short event, milliseconds time) {
   return ready > 0;
 }
 
-bool send_all(int socket, std::string_view text) {
+bool send_all(int socket, std::string_view text, const std::function<bool()>& gives_up) {
+  auto end = std::chrono::steady_clock::now() + kPieceTime;
   while (!text.empty()) {
     const ssize_t sent = ::send(socket, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && errno != EAGAIN && errno != EINTR) return false;
-    if (sent < 0 && errno == EAGAIN && !is_ready(socket, POLLOUT, kPieceTime)) return false;
-    text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(sent, 0)));
+    if (sent > 0) {
+      text.remove_prefix(static_cast<std::size_t>(sent));
+      end = std::chrono::steady_clock::now() + kPieceTime;
+      continue;
+    }
+    if (gives_up && gives_up()) return false;
+    if (!is_ready(socket, POLLOUT, kSlice) && std::chrono::steady_clock::now() > end) return false;
   }
   return true;
 }
@@ -161,7 +168,9 @@ std::string_view RequestBody::read_line() {
   const auto line = std::string_view(bytes_).substr(used_, end - used_);
   used_ = end + 1;
   if (!line.ends_with('\r')) throw HttpError(400, "a line of the body does not end with CR LF");
-  return line.substr(0, line.size() - 1);
+  const std::string_view content = line.substr(0, line.size() - 1);
+  if (has_control(content)) throw HttpError(400, "a line of the body has a control character");
+  return content;
 }
 
 void RequestBody::read_chunks(const Take& take) {
@@ -175,6 +184,10 @@ void RequestBody::read_chunks(const Take& take) {
     if (digits.empty() || digits.size() > kSizeDigits ||
         std::from_chars(digits.data(), end, size, 16).ptr != end) {
       throw HttpError(400, "the size of a chunk is no hexadecimal number");
+    }
+    const std::size_t behind = line.find_first_not_of(" \t", digits.size());
+    if (behind != std::string_view::npos && line[behind] != ';') {
+      throw HttpError(400, "behind the size of a chunk is neither its end nor an extension");
     }
     if (size == 0) break;
     pass_on(size, take);

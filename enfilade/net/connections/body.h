@@ -16,13 +16,11 @@ namespace enfilade::net::connections {
 /// Whether the socket is ready for an event of poll() within that time.
 bool is_ready(int socket, short event, std::chrono::milliseconds time);
 /// Waits up to 5 s for a client that takes nothing. \returns whether all was sent
-bool send_all(int socket, std::string_view text);
+/// \param gives_up asked while the client takes nothing, at least once a second; empty: never
+bool send_all(int socket, std::string_view text, const std::function<bool()>& gives_up = {});
 
-/// Bodies up to this many bytes are not counted: with one connection each, they are few. Pages and
-/// scripts send them all the time.
-inline constexpr std::size_t kSmallBody = 16U << 10U;
-
-/// Memory for the larger bodies of all requests. Any thread may use it at any time.
+/// Memory for the bodies of all requests that are larger than kSmallBody. Any thread may use it at
+/// any time.
 class BodyRoom {
  public:
   /// \param largest  body that a route takes. There is room for four such bodies, two of them from

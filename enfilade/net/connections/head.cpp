@@ -68,9 +68,7 @@ void read_header(std::string_view line, Texts& headers) {
     refuse("a line of the head is no header");
   }
   const std::string_view value = trimmed(line.substr(colon + 1));
-  if (std::ranges::any_of(value, [](char c) { return is_control(c) && c != '\t'; })) {
-    refuse("a header has a control character");
-  }
+  if (has_control(value)) refuse("a header has a control character");
   // Lines of one name are one list (RFC 9110, 5.3): proxies may add theirs to the client's.
   const auto [at, added] = headers.emplace(lower_case(line.substr(0, colon)), value);
   if (!added) at->second.append(at->first == "cookie" ? "; " : ", ").append(value);
@@ -97,6 +95,10 @@ void read_end(Head& head, bool may_have_body, bool old) {
 }
 
 }  // namespace
+
+bool has_control(std::string_view line) {
+  return std::ranges::any_of(line, [](char c) { return is_control(c) && c != '\t'; });
+}
 
 std::size_t HeadEnd::find(std::string_view bytes) {
   for (; at_ < bytes.size(); ++at_) {

@@ -8,6 +8,9 @@
 
 namespace enfilade::net::connections {
 
+/// Whether a line has a control character other than a tab.
+bool has_control(std::string_view line);
+
 /// Finds the end of a head whose bytes arrive piece by piece. Looks at each byte once.
 class HeadEnd {
  public:

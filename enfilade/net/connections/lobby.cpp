@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <new>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -29,17 +30,21 @@ constexpr milliseconds kIdleTime{5'000};
 constexpr milliseconds kQuietTime{2'000};  // without a byte of a client that is to leave
 constexpr milliseconds kTick{100};         // between two looks at what has taken too long
 constexpr std::size_t kMostGuests = 1024;
+constexpr int kMostAtOnce = 64;  // connections that are accepted between two looks at the others
 constexpr std::uint64_t kListening = 0, kWaker = 1;  // no guests' numbers
 
 Clock::duration in_ticks(std::chrono::duration<double> time) {
   return std::chrono::duration_cast<Clock::duration>(time);
 }
 
-/// Leaves a quarter of the process's descriptors for its files.
-std::size_t most_guests() {
+/// Leaves a quarter of the process's descriptors for its files. The workers have one guest each;
+/// were there more of them than descriptors, the guests that wait would still have some.
+std::size_t most_guests(int workers) {
   rlimit limit{};
   ::getrlimit(RLIMIT_NOFILE, &limit);
-  return std::min<std::size_t>(kMostGuests, limit.rlim_cur / 4 * 3);
+  const rlim_t most = limit.rlim_cur / 4 * 3, held = static_cast<rlim_t>(workers);
+  const rlim_t left = std::max(most > held ? most - held : 0, 1 + most / 4);
+  return std::min<rlim_t>(kMostGuests, left);
 }
 
 /// The last entry of a list: of X-Forwarded-For the address that the proxy itself saw.
@@ -63,41 +68,43 @@ Guest::~Guest() {
   ::close(socket);
 }
 
-Lobby::Lobby(int listening, const ServerConfig& config)
+Lobby::Lobby(std::unique_ptr<Descriptor> listening, const ServerConfig& config)
     : config_(config),
       head_time_(in_ticks(std::min(kHeadTime, std::chrono::duration<double>(config.body_seconds)))),
       body_time_(in_ticks(std::chrono::duration<double>(config.body_seconds))),
-      listening_(listening),
+      stop_time_(in_ticks(std::chrono::duration<double>(config.stop_seconds))),
+      listening_(std::move(listening)),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       waker_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      most_guests_(most_guests()) {
+      most_guests_(most_guests(config.threads)) {
   last_number_ = kWaker;
-  if (!watch(listening_, kListening) || !watch(waker_, kWaker)) throw Error("epoll: no room");
+  if (!watch(listening_->number(), kListening) || !watch(waker_.number(), kWaker)) {
+    throw Error("epoll: no room");
+  }
   thread_ = std::thread([this] { run(); });
 }
 
-Lobby::~Lobby() {
-  close();
-  ::close(epoll_);
-  ::close(waker_);
-}
+Lobby::~Lobby() { close(); }
 
 void Lobby::close() {
+  if (!closed_) overdue_at_ = Clock::now() + stop_time_;
   closed_ = true;
   wake();
   if (thread_.joinable()) thread_.join();
 }
 
+bool Lobby::is_overdue() const noexcept { return closed_ && Clock::now() > overdue_at_; }
+
 bool Lobby::watch(int socket, std::uint64_t number) const {
   epoll_event event{};
   event.events = EPOLLIN;
   event.data.u64 = number;
-  return ::epoll_ctl(epoll_, EPOLL_CTL_ADD, socket, &event) == 0;
+  return ::epoll_ctl(epoll_.number(), EPOLL_CTL_ADD, socket, &event) == 0;
 }
 
 void Lobby::wake() const {
   const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t done = ::write(waker_, &one, sizeof one);
+  [[maybe_unused]] const ssize_t done = ::write(waker_.number(), &one, sizeof one);
 }
 
 std::unique_ptr<Guest> Lobby::next() {
@@ -122,15 +129,17 @@ void Lobby::run() {
   std::array<epoll_event, 64> events{};
   auto next_look = Clock::now() + kTick;
   while (!closed_) {
-    const int count = ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()),
+    const int count = ::epoll_wait(epoll_.number(), events.data(), static_cast<int>(events.size()),
                                    static_cast<int>(kTick.count()));
     for (std::size_t k = 0; k < static_cast<std::size_t>(std::max(count, 0)); ++k) {
       const std::uint64_t number = events[k].data.u64;
-      if (number == kListening) accept_all();
+      if (number == kListening) accept_some();
       std::uint64_t ignored = 0;
-      if (number == kWaker && ::read(waker_, &ignored, sizeof ignored) < 0) continue;
+      if (number == kWaker && ::read(waker_.number(), &ignored, sizeof ignored) < 0) continue;
       const auto found = guests_.find(number);  // it may be gone meanwhile
-      if (found != guests_.end()) receive(*found->second);
+      if (found == guests_.end()) continue;
+      Guest& guest = *found->second;
+      attempt(guest, [&] { receive(guest); });
     }
     take_back();
     give_seats();
@@ -138,7 +147,7 @@ void Lobby::run() {
     next_look = Clock::now() + kTick;
     end_waits();
   }
-  ::close(listening_);
+  listening_.reset();
   guests_.clear();
   const std::scoped_lock lock(mutex_);
   returned_.clear();
@@ -146,11 +155,25 @@ void Lobby::run() {
   changed_.notify_all();
 }
 
-void Lobby::accept_all() {
-  for (;;) {
+/// Does something for a guest. If that throws, as for want of memory, it costs this connection
+/// alone.
+template <class Step>
+void Lobby::attempt(Guest& guest, const Step& step) {
+  const std::uint64_t number = guest.number;
+  try {
+    step();
+  } catch (...) {
+    const auto found = guests_.find(number);
+    if (found != guests_.end()) take_out(*found->second);
+  }
+}
+
+/// Not all that wait: in a flood of them nothing else would be done.
+void Lobby::accept_some() {
+  for (int left = kMostAtOnce; left > 0; --left) {
     sockaddr_storage address{};
     socklen_t size = sizeof address;
-    const int socket = ::accept4(listening_, reinterpret_cast<sockaddr*>(&address), &size,
+    const int socket = ::accept4(listening_->number(), reinterpret_cast<sockaddr*>(&address), &size,
                                  SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (socket < 0) {
       const bool full = errno == EMFILE || errno == ENFILE;
@@ -160,7 +183,14 @@ void Lobby::accept_all() {
     }
     const int on = 1;
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    keep(std::make_unique<Guest>(socket, text_of(address, size)));
+    std::unique_ptr<Guest> guest;
+    try {
+      guest = std::make_unique<Guest>(socket, text_of(address, size));
+    } catch (const std::bad_alloc&) {
+      ::close(socket);
+      return;  // the next ones wait until there is memory
+    }
+    keep(std::move(guest));
   }
 }
 
@@ -178,14 +208,18 @@ Guest* Lobby::keep(std::unique_ptr<Guest> guest) {
   kept.state = Guest::State::kIdle;
   kept.end = Clock::now() + kIdleTime;
   if (!watch(kept.socket, kept.number)) return nullptr;
-  guests_.emplace(kept.number, std::move(guest));
+  try {
+    guests_.emplace(kept.number, std::move(guest));
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
   return &kept;
 }
 
 /// No longer reads the guest.
 std::unique_ptr<Guest> Lobby::take_out(Guest& guest) {
   if (guest.state != Guest::State::kSeat) {
-    ::epoll_ctl(epoll_, EPOLL_CTL_DEL, guest.socket, nullptr);
+    ::epoll_ctl(epoll_.number(), EPOLL_CTL_DEL, guest.socket, nullptr);
   }
   seekers_.erase(guest.number);
   const auto found = guests_.find(guest.number);
@@ -222,6 +256,7 @@ void Lobby::advance(Guest& guest) {
   try {
     if (guest.state == State::kIdle && !guest.bytes.empty()) {
       guest.state = State::kHead;
+      guest.head = {};  // it was of the last request
       guest.end = Clock::now() + head_time_;
     }
     if (guest.state == State::kHead) {
@@ -233,11 +268,11 @@ void Lobby::advance(Guest& guest) {
     const std::size_t length = guest.head.length.value_or(0);
     const bool small = !guest.head.chunked && !guest.head.waits && length <= kSmallBody;
     if (small && guest.bytes.size() < length) return;
-    if (small && count_whole() >= most_guests_ / 2) {
+    if (small && count_whole() >= (most_guests_ + 1) / 2) {
       throw HttpError(503, "too many requests at once; try again");
     }
     if (small) return give_to_worker(guest);
-    ::epoll_ctl(epoll_, EPOLL_CTL_DEL, guest.socket, nullptr);
+    ::epoll_ctl(epoll_.number(), EPOLL_CTL_DEL, guest.socket, nullptr);
     guest.state = State::kSeat;
     seekers_.insert(guest.number);
   } catch (const HttpError& error) {
@@ -298,41 +333,53 @@ void Lobby::take_back() {
       if (const auto seats = seats_.find(guest->group); --seats->second == 0) seats_.erase(seats);
     }
     Guest* kept = keep(std::move(guest));
-    if (kept != nullptr) stay == Stay::kYes ? advance(*kept) : leave(*kept);
+    if (kept == nullptr) continue;
+    const bool stays = stay == Stay::kYes;
+    attempt(*kept, [this, kept, stays] { stays ? advance(*kept) : leave(*kept); });
   }
 }
 
 void Lobby::end_waits() {
-  using State = Guest::State;
   const auto now = Clock::now();
   std::vector<Guest*> late;
   for (const auto& [number, guest] : guests_) {
     if (guest->end <= now) late.push_back(guest.get());
   }
   for (Guest* guest : late) {
-    switch (guest->state) {
-      case State::kIdle:
-      case State::kLeaving:
-        take_out(*guest);
-        break;
-      case State::kHead:
-        refuse(*guest, HttpError(408, "the head took too long"));
-        break;
-      case State::kBody:
-        refuse(*guest, HttpError(408, "the body took too long"));
-        break;
-      case State::kSeat:
-        refuse(*guest, HttpError(503, "too many large bodies at once; try again"));
-        break;
-    }
+    attempt(*guest, [this, guest] { end_wait(*guest); });
+  }
+}
+
+void Lobby::end_wait(Guest& guest) {
+  using State = Guest::State;
+  switch (guest.state) {
+    case State::kIdle:
+    case State::kLeaving:
+      take_out(guest);
+      break;
+    case State::kHead:
+      refuse(guest, HttpError(408, "the head took too long"));
+      break;
+    case State::kBody:
+      refuse(guest, HttpError(408, "the body took too long"));
+      break;
+    case State::kSeat:
+      refuse(guest, HttpError(503, "too many large bodies at once; try again"));
+      break;
   }
 }
 
 /// A refusal is so short that it needs no waiting.
 void Lobby::refuse(Guest& guest, const HttpError& error) {
   const Response response = config_.refuse(error);
-  const std::string text = head_text(response, After::kCloses) + *response.body;
+  std::string text = head_text(response, After::kCloses);
+  if (!guest.head.head_only) text += *response.body;
   ::send(guest.socket, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (config_.refused) {
+    Request& request = guest.head.request;
+    if (request.address.empty()) request.address = guest.address;  // the head is not whole
+    config_.refused(request, response);
+  }
   leave(guest);
 }
 

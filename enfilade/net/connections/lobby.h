@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "enfilade/core/mapped_file.h"
 #include "enfilade/net/connections/head.h"
 #include "enfilade/net/server.h"
 
@@ -42,7 +43,7 @@ struct Guest {
   std::string address;  ///< of the connection
   std::string bytes;    ///< received and not yet used; without the head once that is complete
   HeadEnd head_end;     ///< of `bytes`
-  Head head;            ///< of the present request
+  Head head;            ///< of the present request; empty until it is whole
   std::string group;    ///< of the client's address, for limits
   bool seated = false;  ///< whether it has a seat
   int answered = 0;     ///< requests
@@ -57,9 +58,10 @@ struct Guest {
 /// says how many there are.
 class Lobby {
  public:
-  /// \param listening a bound socket that does not block; the lobby closes it
+  /// \param listening a bound socket that does not block
+  /// \throws Error, std::system_error where the system has no room for descriptors or a thread
   /// \pre config outlives *this
-  Lobby(int listening, const ServerConfig& config);
+  Lobby(std::unique_ptr<Descriptor> listening, const ServerConfig& config);
   ~Lobby();
   Lobby(const Lobby&) = delete;
   Lobby& operator=(const Lobby&) = delete;
@@ -72,6 +74,8 @@ class Lobby {
   /// Closes what waits. Requests that are whole are still given to workers.
   void close();
   bool is_closed() const noexcept { return closed_; }
+  /// Whether it is closed for longer than responses may take.
+  bool is_overdue() const noexcept;
 
  private:
   struct Returned {
@@ -80,10 +84,12 @@ class Lobby {
   };
 
   void run();
+  template <class Step>
+  void attempt(Guest& guest, const Step& step);
   std::size_t count_whole();
   bool watch(int socket, std::uint64_t number) const;
   void wake() const;
-  void accept_all();
+  void accept_some();
   Guest* keep(std::unique_ptr<Guest> guest);
   std::unique_ptr<Guest> take_out(Guest& guest);
   bool drop_oldest();
@@ -94,12 +100,14 @@ class Lobby {
   void give_seats();
   void take_back();
   void end_waits();
+  void end_wait(Guest& guest);
   void refuse(Guest& guest, const HttpError& error);
   void leave(Guest& guest);
 
   const ServerConfig& config_;
-  Clock::duration head_time_, body_time_;
-  int listening_, epoll_, waker_;
+  Clock::duration head_time_, body_time_, stop_time_;
+  std::unique_ptr<Descriptor> listening_;  // null when it is closed
+  Descriptor epoll_, waker_;
   std::size_t most_guests_;
   // Used by the lobby's thread alone:
   std::map<std::uint64_t, std::unique_ptr<Guest>> guests_;  // in the order of their arrival
@@ -108,6 +116,7 @@ class Lobby {
   int seats_taken_ = 0;
   std::uint64_t last_number_ = 0;
   // Used by all threads:
+  Clock::time_point overdue_at_;  // written before closed_, read after it
   std::atomic<bool> closed_ = false;
   std::mutex mutex_;
   std::condition_variable changed_;

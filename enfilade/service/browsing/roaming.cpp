@@ -163,8 +163,9 @@ std::set<std::string, std::less<>> scans_to_roam(const Site& site) {
   return found;
 }
 
-Roaming::Roaming(std::shared_ptr<const Site> site)
+Roaming::Roaming(std::shared_ptr<const Site> site, std::size_t most_unpacked)
     : site_(std::move(site)),
+      most_unpacked_(most_unpacked),
       meshes_(kMostMeshBytes, [](const Packed& packed) { return packed.gzip->size(); }),
       episodes_(kMostEpisodeBytes, [](const Read& read) {
         return 1 + kEpisodeBytes * read.episodes->episodes.size();
@@ -193,7 +194,23 @@ Roaming::Packed Roaming::make_mesh(ScanIndex scan) {
   const std::string glb = mesh::to_glb(mesh);
   constexpr int kLevel = 6;
   return {std::make_shared<const std::string>(gzip(glb, kLevel)),
-          fmt::format("{:016x}", stream_of(glb.data(), glb.size()))};
+          fmt::format("{:016x}", stream_of(glb.data(), glb.size())), glb.size()};
+}
+
+std::shared_ptr<const std::string> Roaming::unpacked(const Packed& mesh) {
+  const std::scoped_lock lock(unpacking_);
+  std::erase_if(unpacked_, [](const auto& one) { return one.second.expired(); });
+  std::size_t held = 0;
+  for (const auto& [digest, weak] : unpacked_) {
+    const auto sent = weak.lock();  // it may have ended since
+    if (sent && digest == mesh.digest) return sent;
+    if (sent) held += sent->size();
+  }
+  // One alone has room at any size: to make it took as much.
+  if (held > 0 && held + mesh.bytes > most_unpacked_) return nullptr;
+  const auto made = std::make_shared<const std::string>(gunzip(*mesh.gzip, mesh.bytes));
+  unpacked_[mesh.digest] = made;
+  return made;
 }
 
 ordered_json Roaming::floor_json(ScanIndex scan) const {

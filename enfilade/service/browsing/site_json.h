@@ -1,7 +1,9 @@
 /// \file  Scans, splits and episodes as the viewer and the API show them to everybody; continuous
 /// navigation of a building: its mesh, its floor, continuous episodes.
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
@@ -51,18 +53,23 @@ std::set<std::string, std::less<>> scans_to_roam(const Site& site);
 /// may be called from any thread.
 class Roaming {
  public:
-  explicit Roaming(std::shared_ptr<const Site> site);
+  /// \param most_unpacked bytes of all unpacked meshes that are being sent
+  explicit Roaming(std::shared_ptr<const Site> site, std::size_t most_unpacked = kMostUnpacked);
 
-  /// A file, packed as gzip does, and a name of its content.
+  /// A file, packed as gzip does, a name of its content, and its size.
   struct Packed {
     std::shared_ptr<const std::string> gzip;
     std::string digest;
+    std::size_t bytes = 0;  ///< unpacked
   };
   /// The building as GLB. A synthetic home has its light in the colours of its corners
   /// (mesh::with_vertex_light()). At most two threads make it, one building at a time, in some
   /// seconds. A mesh file has its own textures.
   /// \throws Refusal kNotFound, with the remedy, if there is no mesh; as mesh::read_mesh()
   Packed mesh(ScanIndex scan);
+  /// The same unpacked: one at a time, and the same bytes for all that are sending them. Null if
+  /// there is no room for it beside others that are being sent.
+  std::shared_ptr<const std::string> unpacked(const Packed& mesh);
   /// The navigation mesh for R2R-CE's body: {"scan", "body", "walker", "polygons"}. World frame,
   /// metres.
   /// \throws Refusal kNotFound, with the remedy, if there is none; as load_navigation_mesh()
@@ -78,10 +85,14 @@ class Roaming {
     Episodes episodes;
     bool tells = false;  // secret goals
   };
+  static constexpr std::size_t kMostUnpacked = 256U << 20U;  // Matterport3D's largest has 200 MB
   Packed make_mesh(ScanIndex scan);
 
   std::shared_ptr<const Site> site_;
   std::mutex making_;  // of meshes
+  std::size_t most_unpacked_;
+  std::mutex unpacking_;
+  std::map<std::string, std::weak_ptr<const std::string>> unpacked_;  // being sent, by digest
   detail::OnceCache<ScanIndex, Packed> meshes_;
   detail::OnceCache<std::string, Read> episodes_;
 };

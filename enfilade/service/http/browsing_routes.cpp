@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
-#include "enfilade/core/gzip.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/service/browsing/pictures.h"
@@ -203,9 +202,6 @@ Response episodes(RouteContext& context, const Request& request) {
   return json_response(browsing::episodes_json(*context.site, *split, filter_of(request)));
 }
 
-// Limit of a mesh, unpacked: Matterport3D's largest has 200 MB.
-constexpr std::size_t kMostMeshBytes = std::size_t{1} << 30U;
-
 Response mesh(RouteContext& context, const Request& request) {
   const browsing::Roaming::Packed packed = context.roaming.mesh(scan_of(context, request));
   Response response;
@@ -213,11 +209,16 @@ Response mesh(RouteContext& context, const Request& request) {
   response.add_header("ETag", fmt::format("\"{}\"", packed.digest));
   response.add_header("Cache-Control", "no-cache");  // ask each time, and mostly get a 304
   response.add_header("Vary", "Accept-Encoding");
+  compare_with_cached(request, response);
+  if (response.status == 304) return response;  // nothing is unpacked for it
   if (accepts_gzip(request)) {
     response.body = packed.gzip;
     response.add_header("Content-Encoding", "gzip");
   } else {
-    response.body = std::make_shared<const std::string>(gunzip(*packed.gzip, kMostMeshBytes));
+    response.body = context.roaming.unpacked(packed);
+  }
+  if (response.body == nullptr) {
+    throw HttpError(503, "too many meshes are being sent; try again, or accept gzip");
   }
   return response;
 }

@@ -225,13 +225,14 @@ Response review(RouteContext& context, const Request& request) {
   const auto verdict = find_enum<AssignmentState>(form.text("verdict"));
   const std::string reason = form.text("reason", Presence::kOptional);
   const std::string instruction = form.text("instruction", Presence::kOptional);
+  form.check();  // the rest is asked of texts only: each fault is told once
   const bool needs_reason = verdict == AssignmentState::kRejected;
   if (!needs_reason && verdict != AssignmentState::kAccepted) {
-    form.add_fault("verdict: not \"accepted\" or \"rejected\"");
-  } else if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
-    form.add_fault("reason: of a rejection, 1 to 500 printable characters; else none");
+    throw HttpError(400, "verdict: not \"accepted\" or \"rejected\"");
   }
-  form.check();
+  if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
+    throw HttpError(400, "reason: of a rejection, 1 to 500 printable characters; else none");
+  }
   if (!instruction.empty()) collecting::check_instruction(instruction, "$.instruction");
   const std::int64_t task = task_of(request);
   collecting::review(context.db, task, {*verdict, reason, instruction}, request.principal->name);

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "enfilade/core/enum_names.h"
-#include "enfilade/net/hosts.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/submissions.h"
@@ -51,7 +50,7 @@ Response register_team(RouteContext& context, const Request& request) {
     if (!context.config.open_registration) {
       throw HttpError(403, "registration is closed: ask the organisers for a team");
     }
-    context.registrations.count(net::address_group(request.address), context.db.now());
+    context.registrations.count(request.address, context.db.now());
   }
   Form form(request.body);
   const std::string name = form.text("name");
@@ -156,12 +155,15 @@ ordered_json bits_json(double bits) {
 ordered_json leakage_json(const evaluation::Leakage& leakage, bool organiser) {
   ordered_json out{{"most_bits", bits_json(leakage.most)},
                    {"goal_bits", bits_json(leakage.goals)},
+                   {"gives_all", leakage.gives_all()},
                    {"phases", leakage.phases}};
   if (organiser) out["used_bits"] = bits_json(leakage.used);
   return out;
 }
 
-ordered_json phase_json(RouteContext& context, const Phase& phase, bool organiser) {
+/// \param leakage of all phases with secret goals
+ordered_json phase_json(RouteContext& context, const Phase& phase,
+                        const std::map<std::string, evaluation::Leakage>& leakage, bool organiser) {
   ordered_json out{
       {"phase", phase.name},
       {"title", phase.title},
@@ -184,14 +186,17 @@ ordered_json phase_json(RouteContext& context, const Phase& phase, bool organise
   if (!phase.goals_secret()) return out;
   out["step"] = phase.step;
   out["teams"] = phase.teams;
-  out["leakage"] = leakage_json(context.submissions.leakage(phase), organiser);
+  out["leakage"] = leakage_json(leakage.at(phase.name), organiser);
   if (organiser) out["near_copies"] = context.submissions.count_near_copies(phase);
   return out;
 }
 
 Response phases(RouteContext& context, const Request& request) {
   const bool organiser = request.is_from(ClientRole::kOrganiser);
-  const auto view = [&](const Phase& phase) { return phase_json(context, phase, organiser); };
+  const auto leakage = context.submissions.leakage();
+  const auto view = [&](const Phase& phase) {
+    return phase_json(context, phase, leakage, organiser);
+  };
   return json_response({{"registration", context.config.open_registration ? "open" : "closed"},
                         {"phases", detail::json_list(context.site->phases(), view)}});
 }

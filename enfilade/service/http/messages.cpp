@@ -186,7 +186,7 @@ Response file_response(std::string type, std::string content, const std::string&
 Response error_response(int status, std::string_view message,
                         const std::vector<Diagnostic>& diagnostics) {
   const auto* found = std::ranges::find(kAnswers, status, &Answer::status);
-  // cpp-httplib has more statuses, for messages that it cannot parse.
+  // The others are faults of a message's form, as 400 is.
   const auto code = found == kAnswers.end() ? "invalid-request" : found->code;
   return respond({status, code}, message, diagnostics);
 }

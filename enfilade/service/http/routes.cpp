@@ -310,4 +310,16 @@ Response App::handle(Request request, const BodyReader& read_body) {
   return response;
 }
 
+void App::count_refusal(const net::Request& request, const net::Response& response) {
+  context_.metrics.count("(refused)", response.status, 0);
+  if (!context_.config.log) return;
+  RequestRecord record;
+  record.address = request.address;
+  record.method = request.method.empty() ? "-" : std::string_view(request.method);
+  record.path = request.path;
+  record.status = response.status;
+  record.bytes = response.body->size();
+  context_.config.log(record);
+}
+
 }  // namespace enfilade::service::http

@@ -165,7 +165,8 @@ using net::BodyReader;
 /// functions may be called from any thread.
 class App {
  public:
-  /// \throws FileError for the database; ArgumentError for one of ServerConfig::public_names
+  /// \throws FileError for the database; ArgumentError for one of ServerConfig::public_names;
+  /// InvalidInput as Ledger
   App(std::shared_ptr<const Site> site, ServerConfig config);
 
   const Router& router() const noexcept { return router_; }
@@ -173,6 +174,8 @@ class App {
   /// \param read_body called at most once, after the client is known to be allowed to send a body;
   /// empty: there is no body
   Response handle(Request request, const BodyReader& read_body = {});
+  /// Counts and logs a request that the connection's limits refused: no route has seen it.
+  void count_refusal(const net::Request& request, const net::Response& response);
 
  private:
   Response answer(Request& request, const BodyReader& read_body, std::string_view& pattern);

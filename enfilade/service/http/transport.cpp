@@ -15,8 +15,6 @@ namespace http {
 namespace {
 
 constexpr std::size_t kLeastRoom = 1U << 20U;  // for a body; what a worker submits
-// Smaller bodies are parsed at any time: pages and scripts send them all the time.
-constexpr std::size_t kSmallBody = 16U << 10U;
 constexpr std::size_t kMediumBody = 1U << 20U;
 
 /// Parsing takes several times a body's bytes, so one body is parsed at a time. There are two
@@ -25,7 +23,7 @@ class Turns {
  public:
   /// Waits. \returns the turn, which ends with it
   std::unique_lock<std::mutex> wait(std::size_t bytes) {
-    if (bytes <= kSmallBody) return {};
+    if (bytes <= net::kSmallBody) return {};
     return std::unique_lock(turns_[bytes > kMediumBody ? 1 : 0]);
   }
 
@@ -60,6 +58,9 @@ struct Server::Impl {
     its.body_seconds = config.body_seconds;
     its.behind_proxy = config.behind_proxy;
     its.refuse = [](const net::HttpError& error) { return http::refusal(error); };
+    its.refused = [this](const net::Request& request, const net::Response& response) {
+      app.count_refusal(request, response);
+    };
     its.answer = [this](net::Request from, const net::BodyReader& read_body) -> net::Response {
       http::Request request;
       static_cast<net::Request&>(request) = std::move(from);
