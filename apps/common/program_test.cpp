@@ -73,8 +73,11 @@ TEST(RunCommand, TellsHowItEndedOrWhyItDidNotStart) {
 
 /// Whether a process runs, or did and nobody has asked how it ended.
 bool runs(const std::string& pid) {
-  const std::filesystem::path state = "/proc/" + pid + "/stat";
-  return std::filesystem::exists(state) && read_file(state).find(") Z") == std::string::npos;
+  try {
+    return read_file("/proc/" + pid + "/stat").find(") Z") == std::string::npos;
+  } catch (const FileError&) {  // it is gone, perhaps since the file was opened
+    return false;
+  }
 }
 
 // A step of a study that goes on alone would write where the next run does.

@@ -23,6 +23,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/names.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/tasks/files.h"
 #include "enfilade/tasks/score_table.h"
 
@@ -197,7 +198,8 @@ ExitCode ask(Options& options) {
          .timeout = options.timeout});
   }
   const fs::path folder = options.output;
-  arena::AnswerCache cache(options.cache.empty() ? folder / "cache" : fs::path(options.cache));
+  arena::AnswerCache cache(options.cache.empty() ? OutputFolder(folder).folder("cache")
+                                                 : OutputFolder(options.cache));
   std::unique_ptr<arena::Endpoint> captioner;
   if (!options.captioner.empty() && !options.replay) {
     captioner = arena::make_http_endpoint({.url = options.captioner,

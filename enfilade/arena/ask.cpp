@@ -14,12 +14,12 @@
 #include <ranges>
 #include <set>
 #include <stop_token>
-#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "enfilade/arena/detail/limits.h"
 #include "enfilade/arena/detail/run_file.h"
+#include "enfilade/arena/detail/tokens.h"
 #include "enfilade/arena/detail/transcript.h"
 #include "enfilade/arena/dialect.h"
 #include "enfilade/arena/wire.h"
@@ -27,6 +27,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/part_file.h"
 #include "enfilade/core/written_lists.h"
 
@@ -60,13 +61,6 @@ void check(const AskConfig& config, const Prompt& prompt, const ViewSources& sig
     throw ArgumentError(fmt::format(
         "prompt {} shows pictures, and there is nothing to draw them from", prompt.name()));
   }
-}
-
-/// A number of a transcript's line, which may be anybody's.
-std::int64_t tokens_in(const Json& line, const char* name) {
-  const auto found = line.find(name);
-  if (found == line.end() || !found->is_number_unsigned()) return 0;
-  return static_cast<std::int64_t>(std::min(found->get<std::uint64_t>(), detail::kMostTokens));
 }
 
 /// An episode that is left for the next run, for a reason of its own.
@@ -177,14 +171,13 @@ class Run {
 
   /// \pre the mutex is held, or there are no workers
   void write_left() {
-    const fs::path file = folder_ / kLeftFile;
+    const OutputFolder folder(folder_);
     if (left_.empty()) {
-      std::error_code code;
-      fs::remove(file, code);
-      return;
+      folder.remove(kLeftFile);
+    } else {
+      folder.write(kLeftFile,
+                   Json(left_).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
     }
-    write_file_atomically(file,
-                          Json(left_).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
   }
 
   void leave(std::size_t episode, const std::string& why) {
@@ -441,8 +434,8 @@ class Run {
       Ledger& ledger = report_.ledger;
       ++ledger.answers;
       ledger.pictures += line.contains("pictures") ? line["pictures"].size() : 0;
-      ledger.prompt_tokens += tokens_in(line, "prompt_tokens");
-      ledger.answer_tokens += tokens_in(line, "answer_tokens");
+      ledger.prompt_tokens += detail::tokens_in(line, "prompt_tokens");
+      ledger.answer_tokens += detail::tokens_in(line, "answer_tokens");
       // A folder may have come without its cache.
       const auto kept = cache_.find_key(line["answer"].get<std::string>());
       if (!kept) continue;
@@ -493,8 +486,7 @@ AskReport ask(const World& world, const ViewSources& sights, const std::vector<s
           cache, folder, which);
   if (!there) {
     if (!run.find_dialect()) return run.report();
-    write_file_atomically(folder / "run.json",
-                          detail::sent_json(asked, run.dialect()).dump(1) + "\n");
+    OutputFolder(folder).write("run.json", detail::sent_json(asked, run.dialect()).dump(1) + "\n");
   }
   return run.walk(progress);
 }

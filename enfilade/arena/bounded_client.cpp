@@ -1,6 +1,7 @@
 #include "enfilade/arena/detail/bounded_client.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <httplib.h>
 #include <openssl/ssl.h>
@@ -36,6 +37,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostLines = 64U << 10U;                 // bytes: a head
 constexpr std::size_t kMostBytes = kMostAnswer + (1U << 20U);  // with its head and chunks' lines
+// cpp-httplib reads these lines by a regular expression, which takes stack for each character.
+constexpr std::string_view kStatusLine = "HTTP/1.";
+constexpr std::size_t kMostStatusLine = 2U << 10U;  // bytes
 
 /// The present request's use of the connection.
 class Use {
@@ -49,16 +53,22 @@ class Use {
     const std::scoped_lock lock(mutex_);
     late_ = false;
     refusal_.clear();
-    bytes_ = lines_ = 0;
+    bytes_ = lines_ = line_ = 0;
+    is_status_ = false;
   }
   /// A new connection, which is made by this thread. Its own number of it stays that connection's
   /// as long as it is open here.
   void watch(socket_t socket) {
     const std::scoped_lock lock(mutex_);
     if (socket_ >= 0) ::close(socket_);
-    socket_ = socket < 0 ? -1 : ::dup(socket);
+    socket_ = socket < 0 ? -1 : ::fcntl(socket, F_DUPFD_CLOEXEC, 0);
     ++connection_;
-    if (late_) ::shutdown(socket_, SHUT_RDWR);
+    if (late_ && socket_ >= 0) ::shutdown(socket_, SHUT_RDWR);
+  }
+  /// Whether end() can end the present connection: not if the process has no number left for it.
+  bool watches() {
+    const std::scoped_lock lock(mutex_);
+    return socket_ >= 0;
   }
   /// Ends whatever waits for the connection. Any thread.
   void end() {
@@ -77,10 +87,20 @@ class Use {
   const std::string& refusal() const noexcept { return refusal_; }
 
   void count_received(std::size_t bytes) { bytes_ += bytes; }
+  /// A part of a body.
+  void count_part() { lines_ = 0; }
   /// cpp-httplib reads lines by the byte, and keeps them whatever their number and length.
-  void count_read(std::size_t bytes) { lines_ = bytes > 1 ? 0 : lines_ + bytes; }
+  void count_byte(char c) {
+    ++lines_;
+    if (line_ < kStatusLine.size()) {
+      is_status_ = (line_ == 0 || is_status_) && c == kStatusLine[line_];
+    }
+    line_ = c == '\n' ? 0 : line_ + 1;
+  }
+  bool has_received() const noexcept { return bytes_ > 0; }
   bool has_too_many_bytes() const noexcept { return bytes_ > kMostBytes; }
   bool has_too_many_lines() const noexcept { return lines_ > kMostLines; }
+  bool has_too_long_line() const noexcept { return is_status_ && line_ > kMostStatusLine; }
 
  private:
   std::mutex mutex_;
@@ -90,6 +110,8 @@ class Use {
   std::string refusal_;
   std::size_t bytes_ = 0;  // as they came
   std::size_t lines_ = 0;  // bytes of lines, since the last part of a body
+  std::size_t line_ = 0;   // bytes of the present line
+  bool is_status_ = false;
 };
 
 /// The bytes of a connection, which are counted.
@@ -97,12 +119,9 @@ class Counted : public httplib::Stream {
  public:
   Counted(socket_t socket, SSL* ssl, Use& use) : socket_(socket), ssl_(ssl), use_(use) {}
 
-  // 0.18 and older ask the first two; newer ones ask the others.
-  bool is_readable() const { return begin_ < end_ || wait(POLLIN); }  // NOLINT(*-override)
-  bool is_writable() const { return wait(POLLOUT); }                  // NOLINT(*-override)
-  bool wait_readable() const { return is_readable(); }                // NOLINT(*-override)
-  bool wait_writable() const { return is_writable(); }                // NOLINT(*-override)
-  time_t duration() const { return 0; }                               // NOLINT(*-override)
+  // Built with 0.11 and 0.18, whose streams have these two.
+  bool is_readable() const override { return begin_ < end_ || wait(POLLIN); }
+  bool is_writable() const override { return wait(POLLOUT); }
 
   ssize_t read(char* to, std::size_t size) override {
     if (begin_ == end_) {
@@ -112,11 +131,17 @@ class Counted : public httplib::Stream {
       end_ = static_cast<std::size_t>(more);
       use_.count_received(end_);
     }
+    const bool of_line = size == 1;
     size = std::min(size, end_ - begin_);
     std::memcpy(to, &buffer_[begin_], size);
     begin_ += size;
-    use_.count_read(size);
-    const bool good = !use_.has_too_many_bytes() && !use_.has_too_many_lines();
+    if (of_line) {
+      use_.count_byte(*to);
+    } else {
+      use_.count_part();
+    }
+    const bool good =
+        !use_.has_too_many_bytes() && !use_.has_too_many_lines() && !use_.has_too_long_line();
     return good ? static_cast<ssize_t>(size) : -1;
   }
   ssize_t write(const char* from, std::size_t size) override {
@@ -237,6 +262,10 @@ class Bounded : public httplib::ClientImpl {
 
   bool process_socket(const Socket& socket,
                       std::function<bool(httplib::Stream&)> exchange) override {
+    if (!use_.watches()) {
+      use_.refuse("too many open files");
+      return false;
+    }
     if (!context_) {
       Counted counted(socket.sock, nullptr, use_);
       return exchange(counted);
@@ -257,21 +286,23 @@ class Bounded : public httplib::ClientImpl {
     tls_.reset(SSL_new(context_.get()));
     if (!tls_) return false;
     SSL_set_mode(tls_.get(), SSL_MODE_AUTO_RETRY);
-    if (is_address(host_name_)) {
-      X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(tls_.get()), host_name_.c_str());
-    } else {
-      SSL_set1_host(tls_.get(), host_name_.c_str());
-      // SSL_set_tlsext_host_name(), which has a cast of C.
-      SSL_ctrl(tls_.get(), SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name,
-               host_name_.data());
-    }
-    SSL_set_fd(tls_.get(), socket);
     Counted counted(socket, tls_.get(), use_);
-    if (counted.shake_hands()) return true;
+    if (set_name() && SSL_set_fd(tls_.get(), socket) == 1 && counted.shake_hands()) return true;
     const long why = SSL_get_verify_result(tls_.get());
     if (why != X509_V_OK) use_.refuse(X509_verify_cert_error_string(why));
     tls_.reset();
     return false;
+  }
+
+  /// The name that the server's certificate must have: without it any valid one would do.
+  bool set_name() {
+    if (is_address(host_name_)) {
+      return X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(tls_.get()), host_name_.c_str()) == 1;
+    }
+    // SSL_set_tlsext_host_name(), which has a cast of C.
+    return SSL_set1_host(tls_.get(), host_name_.c_str()) == 1 &&
+           SSL_ctrl(tls_.get(), SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name,
+                    host_name_.data()) == 1;
   }
 
   /// The proxy's answer is a head alone.
@@ -346,10 +377,7 @@ BoundedClient::BoundedClient(const Host& host, const std::optional<Proxy>& proxy
   client.set_tcp_nodelay(true);
 }
 
-BoundedClient::~BoundedClient() {
-  const NoBrokenPipe no_broken_pipe;  // it says goodbye
-  impl_.reset();
-}
+BoundedClient::~BoundedClient() = default;
 
 Response BoundedClient::post(const std::string& target, const Headers& headers,
                              std::string_view body) {
@@ -379,15 +407,22 @@ Response BoundedClient::post(const std::string& target, const Headers& headers,
     if (!is_too_large) response.body.append(data, size);
     return !is_too_large;
   };
-  const httplib::Result result = impl_->client->send(request);
+  const std::size_t connection = use.connection();
+  httplib::Result result = impl_->client->send(request);
+  // A server may end a connection that was idle, which only its use shows where it is encrypted.
+  const bool was_ended = !result && result.error() != httplib::Error::Connection &&
+                         !use.has_received() && connection > 0 && use.connection() == connection;
+  if (was_ended && !use.late()) result = impl_->client->send(request);
   if (!result || use.late()) {  // a body without a length ends with its connection
-    const std::string why = use.late() ? fmt::format("no whole answer in {} s", impl_->seconds)
-                            : use.has_too_many_lines()
-                                ? fmt::format("a head of more than {} KiB", kMostLines >> 10U)
-                            : is_too_large || use.has_too_many_bytes()
-                                ? fmt::format("an answer of more than {} MiB", kMostAnswer >> 20U)
-                            : !use.refusal().empty() ? use.refusal()
-                                                     : httplib::to_string(result.error());
+    const std::string why =
+        use.late() ? fmt::format("no whole answer in {} s", impl_->seconds)
+        : use.has_too_long_line()
+            ? fmt::format("a first line of more than {} KiB", kMostStatusLine >> 10U)
+        : use.has_too_many_lines() ? fmt::format("a head of more than {} KiB", kMostLines >> 10U)
+        : is_too_large || use.has_too_many_bytes()
+            ? fmt::format("an answer of more than {} MiB", kMostAnswer >> 20U)
+        : !use.refusal().empty() ? use.refusal()
+                                 : httplib::to_string(result.error());
     throw EndpointError(0, why);
   }
   response.status = result->status;

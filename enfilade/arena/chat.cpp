@@ -9,6 +9,7 @@
 
 #include "enfilade/arena/detail/limits.h"
 #include "enfilade/arena/detail/texts.h"
+#include "enfilade/arena/detail/tokens.h"
 #include "enfilade/core/base64.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
@@ -74,9 +75,7 @@ Json without_pictures(const Json& message) {
 std::int64_t count_in(const Json& body, const char* name) {
   const auto usage = body.find("usage");
   if (usage == body.end() || !usage->is_object()) return 0;
-  const auto count = usage->find(name);
-  if (count == usage->end() || !count->is_number_unsigned()) return 0;
-  return static_cast<std::int64_t>(std::min(count->get<std::uint64_t>(), detail::kMostTokens));
+  return detail::tokens_in(*usage, name);
 }
 
 std::string text_in(const Json& object, const char* name) {

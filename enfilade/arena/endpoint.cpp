@@ -143,10 +143,8 @@ std::vector<std::pair<std::string, std::string>> load_headers(const fs::path& fi
   return headers;
 }
 
-AnswerCache::AnswerCache(fs::path folder) : folder_(std::move(folder)) { make_folder(folder_); }
-
-fs::path AnswerCache::file_of(const std::string& key) const {
-  return folder_ / key.substr(0, 2) / (key + ".json");
+std::string AnswerCache::name_of(const std::string& key) {
+  return key.substr(0, 2) + "/" + key + ".json";
 }
 
 std::string AnswerCache::key_of(std::string_view request) {
@@ -155,7 +153,7 @@ std::string AnswerCache::key_of(std::string_view request) {
 }
 
 std::optional<KeptAnswer> AnswerCache::find(std::string_view request) const {
-  const fs::path file = file_of(key_of(request));
+  const fs::path file = folder_.path() / name_of(key_of(request));
   if (!file_exists(file)) return std::nullopt;
   return read(file, request);
 }
@@ -164,7 +162,7 @@ std::optional<KeptAnswer> AnswerCache::find_key(const std::string& key) const {
   // Transcripts, which keys come from, may be anybody's.
   const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
   if (key.size() != kKeyDigits || !std::ranges::all_of(key, is_digit)) return std::nullopt;
-  const fs::path file = file_of(key);
+  const fs::path file = folder_.path() / name_of(key);
   if (!file_exists(file)) return std::nullopt;
   return read(file, std::nullopt);
 }
@@ -174,13 +172,11 @@ KeptAnswer AnswerCache::get(std::string_view request, const std::function<KeptAn
   const Claim claim(mutex_, changed_, asking_, key);
   if (auto kept = find(request)) return *kept;
   KeptAnswer answer = ask();
-  const fs::path file = file_of(key);
-  make_folder(file.parent_path());
   const Json content{{"request", Json::parse(request)},
                      {"answer", Json::parse(answer.answer)},
                      {"seconds", answer.seconds},
                      {"attempts", answer.attempts}};
-  write_file_atomically(file, content.dump(1) + "\n");
+  folder_.write(name_of(key), content.dump(1) + "\n");
   return answer;
 }
 

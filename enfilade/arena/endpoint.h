@@ -17,6 +17,7 @@
 
 #include "enfilade/arena/session.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/output_folder.h"
 
 namespace enfilade::arena {
 
@@ -126,8 +127,9 @@ struct HttpEndpointConfig {
 /// `X-Enfilade-Episode` and `X-Enfilade-Calls` ("go_to B; stop"). A response in parts
 /// (`text/event-stream`) is joined to one. A header of the key's name takes the key's place. Where
 /// a response or refusal has the key, or a header's value, it has "(key)" instead: as it is,
-/// escaped, in base64. Those of fewer than 8 bytes count as whole words only. Responses have limits
-/// (docs/arena.md).
+/// escaped, in base64. Those of fewer than 8 bytes count as whole words only. So short a header's
+/// value counts only if the name has "auth", "cookie", "key", "login", "secret" or "token" in it.
+/// Responses have limits (docs/arena.md).
 /// \throws ArgumentError for a URL that is not http:// or https://
 /// \throws ArgumentError for a URL with a user, a password or a key in its query
 /// \throws ArgumentError for a key, or a header, with bytes that are not printable ASCII
@@ -145,11 +147,13 @@ std::string join_events(std::string_view events);
 
 /// A folder of responses, one file each. A file has the request too, with its pictures by their
 /// keys. Any number of threads and processes may use one; its files are complete, also after a
-/// process was killed.
+/// process was killed. It writes behind no link in the folder.
 class AnswerCache {
  public:
   /// Makes the folder. \throws FileError
-  explicit AnswerCache(std::filesystem::path folder);
+  explicit AnswerCache(std::filesystem::path folder)
+      : AnswerCache(OutputFolder(std::move(folder))) {}
+  explicit AnswerCache(OutputFolder folder) : folder_(std::move(folder)) {}
 
   /// 32 hex digits of a request (XXH3, 128 bits).
   static std::string key_of(std::string_view request);
@@ -163,9 +167,9 @@ class AnswerCache {
   KeptAnswer get(std::string_view request, const std::function<KeptAnswer()>& ask);
 
  private:
-  std::filesystem::path file_of(const std::string& key) const;
+  static std::string name_of(const std::string& key);  // of a file in the folder
 
-  std::filesystem::path folder_;
+  OutputFolder folder_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::set<std::string, std::less<>> asking_;  // keys

@@ -155,17 +155,29 @@ BoundedClient::Headers headers_of(const HttpEndpointConfig& config) {
   return headers;
 }
 
-/// What no server may bring into a file: the key, the values of headers, and the proxy's login.
+/// Whether a header's name says that its value is a secret.
+bool is_login(std::string_view name) {
+  constexpr std::array<std::string_view, 6> kParts{"auth",  "cookie", "key",
+                                                   "login", "secret", "token"};
+  return std::ranges::any_of(kParts, [name](std::string_view part) {
+    return !std::ranges::search(name, part, [](char one, char other) {
+              return std::tolower(static_cast<unsigned char>(one)) == other;
+            }).empty();
+  });
+}
+
+/// What no server may bring into a file: the key, the values of headers, and the proxy's login. A
+/// short value of another header, as "1", is no secret, and would be in many answers.
 Secrets secrets_of(const HttpEndpointConfig& config, const std::optional<Proxy>& proxy) {
   std::vector<std::string> secrets{config.key};
   for (const auto& [name, value] : config.headers) {
-    secrets.push_back(value);
+    const bool short_too = is_login(name) || detail::is_same(name, config.key_header);
+    const auto add = [&](std::string_view one) {
+      if (short_too || one.size() >= Secrets::kLeastPart) secrets.emplace_back(one);
+    };
+    add(value);
     const std::size_t blank = value.find(' ');  // "Bearer KEY"
-    if (blank == std::string::npos) continue;
-    const std::string_view rest = trimmed(std::string_view(value).substr(blank));
-    const bool is_login =
-        detail::is_same(name, "Authorization") || detail::is_same(name, "Proxy-Authorization");
-    if (is_login || rest.size() >= Secrets::kLeastPart) secrets.emplace_back(rest);
+    if (blank != std::string::npos) add(trimmed(std::string_view(value).substr(blank)));
   }
   if (proxy) {
     secrets.push_back(proxy->password);
@@ -217,7 +229,7 @@ class HttpEndpoint : public Endpoint {
     try {
       return client.post(address_.target, headers, body);
     } catch (const EndpointError& error) {
-      throw EndpointError(0, fmt::format("{}: {}", shown_, error.what()));
+      throw EndpointError(0, fmt::format("{}: {}", shown_, words_in(secrets_.hide(error.what()))));
     }
   }
 

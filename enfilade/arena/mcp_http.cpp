@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "enfilade/arena/detail/json_response.h"
 #include "enfilade/arena/detail/message_limits.h"
 #include "enfilade/arena/detail/texts.h"
 #include "enfilade/core/errors.h"
@@ -18,6 +19,7 @@
 namespace enfilade::arena {
 namespace {
 
+using detail::json_response;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSessionHeader = "Mcp-Session-Id";  // as it is sent
@@ -47,12 +49,6 @@ bool is_list_of_headers(std::string_view text) {
   return !text.empty() && std::ranges::all_of(text, [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == ',' || c == ' ';
   });
-}
-
-net::Response json_response(std::string body) {
-  net::Response response;
-  response.body = std::make_shared<const std::string>(std::move(body));
-  return response;
 }
 
 net::Response refusal(int status, std::string_view text) {

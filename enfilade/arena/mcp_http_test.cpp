@@ -4,7 +4,6 @@
 #include <httplib.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "enfilade/core/gzip.h"
 #include "tests/support/grid_world.h"
 #include "tests/support/mcp_recording.h"
+#include "tests/support/memory.h"
 #include "tests/support/raw_socket.h"
 
 namespace enfilade::arena {
@@ -54,28 +54,19 @@ TEST_F(McpOverHttp, DeepMessagesAreRefused) {
   EXPECT_THAT(answered->body, HasSubstr("more than 64 levels"));
 }
 
-/// Largest memory of this process so far, in MB.
-std::size_t peak_mb() {
-  std::ifstream file("/proc/self/status");
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("VmHWM:")) return std::stoul(line.substr(6)) / 1024;
-  }
-  return 0;
-}
-
 TEST_F(McpOverHttp, ABodyIsUnpackedWithinItsLimits) {
   std::string bomb;  // 700 MB of blanks
   const std::string part = gzip(std::string(10'000'000, ' '), 9);
   for (int k = 0; k < 70; ++k) bomb += part;
   const httplib::Headers packed{{"Content-Encoding", "gzip"}};
-  const std::size_t before = peak_mb();
+  const std::size_t before = tests::memory("VmHWM:");
   for (const std::string& body : {bomb, gzip(std::string(2U << 20U, ' '), 1), part}) {
     const auto answered = post(body, packed);
     ASSERT_TRUE(answered);
     EXPECT_EQ(answered->status, 413);
   }
   EXPECT_EQ(post(std::string((1U << 20U) + 1, ' '))->status, 413);
-  EXPECT_LT(peak_mb(), before + 100);
+  EXPECT_LT(tests::memory("VmHWM:"), before + (100U << 20U));
   EXPECT_EQ(post(gzip(message("ping"), 9), packed)->status, 200);
   EXPECT_EQ(post(message("ping"), {{"Content-Encoding", "br"}})->status, 415);
 }
@@ -112,7 +103,7 @@ TEST_F(McpOverHttp, HalfSentRequestsDoNotKeepOthersWaiting) {
     const tests::HalfSent others(port(), 600, half);
     double seconds = 0;
     EXPECT_THAT(tests::timed_get(port(), "/mcp", seconds), StartsWith("HTTP/1.1 405"));
-    EXPECT_LT(seconds, 1) << half;
+    EXPECT_LT(seconds, 5) << half;  // about 10 if they did
   }
 }
 

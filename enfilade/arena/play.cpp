@@ -10,6 +10,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/output_folder.h"
 
 namespace enfilade::arena {
 namespace {
@@ -54,7 +55,7 @@ Play::Play(std::unique_ptr<World> world, const ViewSources& sights, Prompt promp
     painter_ = std::make_unique<PictureMaker>(sights);
   }
   if (config_.folder.empty()) return;
-  make_folder(config_.folder / "transcripts");
+  OutputFolder(config_.folder).folder("transcripts");
   lock_ = std::make_unique<FolderLock>(config_.folder / "ask.lock");
 }
 

@@ -95,13 +95,17 @@ void check_tags(std::string_view text, const std::string& file, std::size_t line
     line += static_cast<std::size_t>(std::ranges::count(text.substr(at, open - at), '\n'));
     at = std::min(text.find("}}", open), text.size());
     std::string_view tag = text.substr(open + 2, at - open - 2);
-    if (tag.starts_with('!')) continue;  // a comment
+    // As the library reads it: blanks may stand before the sign, but not before the third brace.
+    const bool is_plain = tag.starts_with('{');
+    if (is_plain) tag.remove_prefix(1);
+    tag = trimmed(tag);
+    if (!is_plain && tag.starts_with('!')) continue;  // a comment
     if (tag.starts_with('=') || tag.starts_with('>')) {
       refuse(file, line, "bad-tag",
              fmt::format("{}: partials and other delimiters are not supported", quote(tag)));
     }
-    tag.remove_prefix(std::min(tag.find_first_not_of("{&#^/"), tag.size()));
-    const std::string_view name = trimmed(tag);
+    const bool has_sign = !is_plain && tag.find_first_of("&#^/") == 0;
+    const std::string_view name = has_sign ? trimmed(tag.substr(1)) : tag;
     if (std::ranges::find(kTags, name) == kTags.end()) {
       refuse(file, line, "unknown-tag",
              fmt::format("{}, not one of {}", quote(name), fmt::join(kTags, ", ")));

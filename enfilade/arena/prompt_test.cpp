@@ -117,6 +117,12 @@ TEST(Prompts, FaultsNameTheLine) {
   EXPECT_EQ(fault("---\n{{! any}}{{{told}}}{{& told}}\n---\n{{# map }}{{^is_here}}{{/is_here}}"
                   "{{/map}}"),
             "accepted");
+  EXPECT_EQ(fault("---\n{{ ! any }}{{ & told }}{{{ told }}}\n---\n{{ # places }}{{ name }}"
+                  "{{ ^ visited }}{{ / visited }}{{ /places }}"),
+            "accepted");
+  for (const char* tag : {"{{ > file }}", "{{##told}}", "{{ {told}}}", "{{{ &told }}}"}) {
+    EXPECT_THAT(fault("---\na\n---\n" + std::string(tag)), HasSubstr("line 4: ")) << tag;
+  }
   EXPECT_EQ(fault("---\n---\n"), "accepted");
   EXPECT_THAT(refusal<FileError>([] { Prompt::load("/nowhere.txt"); }), HasSubstr("nowhere"));
 }

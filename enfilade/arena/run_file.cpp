@@ -7,7 +7,7 @@
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
-#include "enfilade/core/part_file.h"
+#include "enfilade/core/output_folder.h"
 
 namespace enfilade::arena::detail {
 namespace {
@@ -113,9 +113,10 @@ Dialect dialect_of(const Json& run) {
 }
 
 std::optional<Json> run_of(const fs::path& folder, const Json& asked) {
-  make_folder(folder / "transcripts");
-  remove_unfinished(folder);
-  remove_unfinished(folder / "transcripts");
+  const OutputFolder out(folder);
+  const OutputFolder transcripts = out.folder("transcripts");
+  out.remove_unfinished();
+  transcripts.remove_unfinished();
   const fs::path file = folder / "run.json";
   if (!file_exists(file)) return std::nullopt;
   Json there = Json::parse(read_file(file), nullptr, false);

@@ -147,7 +147,9 @@ std::string Secrets::hide_in_body(std::string body) const {
   if (patterns_.empty()) return body;
   Json value = Json::parse(body, nullptr, false);
   if (!value.is_structured()) return hide(body);
-  return hide_in(value, {}) ? value.dump(-1, ' ', false, Json::error_handler_t::replace) : body;
+  // Where a name repeats, the value has the last one alone: the others are in the body.
+  const bool found = hide_in(value, {}) || hide(body) != body;
+  return found ? value.dump(-1, ' ', false, Json::error_handler_t::replace) : body;
 }
 
 }  // namespace enfilade::arena::detail

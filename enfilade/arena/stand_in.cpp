@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "enfilade/arena/detail/json_response.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/net/server.h"
@@ -20,6 +21,7 @@
 namespace enfilade::arena {
 namespace {
 
+using detail::json_response;
 using Json = nlohmann::ordered_json;
 
 constexpr int kThreads = 128;  // half of them read long prompts of one address
@@ -79,12 +81,6 @@ Json completion_of(const Json& request, const Json& message) {
       {"usage",
        {{"prompt_tokens", letters / kLettersOfToken},
         {"completion_tokens", message.dump().size() / kLettersOfToken}}}};
-}
-
-net::Response json_response(std::string body) {
-  net::Response response;
-  response.body = std::make_shared<const std::string>(std::move(body));
-  return response;
 }
 
 net::Response refusal(int status, const std::string& text) {

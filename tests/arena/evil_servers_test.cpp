@@ -4,21 +4,20 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <fstream>
 #include <numeric>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "enfilade/arena/ask.h"
-#include "enfilade/core/base64.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
 #include "tests/arena/evil_server.h"
+#include "tests/support/base64_text.h"
 #include "tests/support/grid_world.h"
+#include "tests/support/memory.h"
 #include "tests/support/refusal.h"
 #include "tests/support/run_ends.h"
 #include "tests/support/temporary_folder.h"
@@ -41,6 +40,7 @@ constexpr double kShort = 0.2;  // for those that never answer
 const std::string kKey = "sk-\"secret/1";
 const std::string kLate = "no whole answer in 0.2 s";
 const std::string kLarge = "an answer of more than 16 MiB";
+const std::string kLine = "a first line of more than 2 KiB";
 const std::string kHead = "a head of more than 64 KiB";
 const std::string kDone = "all episodes are done";
 const std::string kNoAnswer = "no answer in 2 attempts";  // how it is told is cpp-httplib's affair
@@ -82,11 +82,6 @@ std::string message(const std::string& fields) {
 std::string arguments(const std::string& json) {
   return message(R"({"tool_calls":[{"id":"c","function":{"name":"go_to","arguments":)" + json +
                  "}}]}");
-}
-std::string base64(const std::string& text) {
-  std::string encoded;
-  append_base64(std::as_bytes(std::span(text)), encoded);
-  return encoded;
 }
 /// `count` times "prefix NUMBER suffix", with commas between.
 std::string numbered(const std::string& prefix, const std::string& suffix, std::size_t count) {
@@ -180,7 +175,17 @@ std::vector<Row> connections() {
       // Newer versions of cpp-httplib have limits of their own for these.
       {"a line without an end", repeats("HTTP/1.1 200 OK\r\nX: ", "x"), kNoAnswer},
       {"headers without an end", repeats("HTTP/1.1 200 OK\r\n", "x: y\r\n"), kNoAnswer},
-      {"a first line without an end", repeats("HTTP/1.1 200 ", "x"), kNoAnswer},
+      {"a first line without an end", repeats("HTTP/1.1 200 ", "x"), kLine},
+      // The library's reading of these would take more stack than a thread has.
+      {"a first line of 60 kB", sends("HTTP/1.1 200 " + std::string(60'000, 'x') + "\r\n\r\n"),
+       kLine},
+      {"a line of 60 kB after 100",
+       sends("HTTP/1.1 100 Continue\r\n\r\nHTTP/1.1 200 " + std::string(60'000, 'x') + "\r\n\r\n"),
+       kLine},
+      {"a first line of 1 kB",
+       sends("HTTP/1.1 200 " + std::string(1'000, 'x') + "\r\nContent-Length: " +
+             std::to_string(stop_answer().size()) + "\r\n\r\n" + stop_answer()),
+       kDone},
       {"100 without an end", repeats("", "HTTP/1.1 100 Continue\r\n\r\n"), kHead},
       {"100 by the second", repeats("", "HTTP/1.1 100 Continue\r\n\r\n", 50), kLate, "", kShort},
       {"another protocol", sends("HTTP/1.1 101 Switching Protocols\r\n\r\n"), "status 101"},
@@ -267,18 +272,17 @@ std::vector<Row> tellers() {
                                   "400 Bad Request"));
        },
        kDone, "filter: (key)"},
+      {"the key in a name that repeats",
+       [escaped](const Connection& to) {
+         const bool first = to.body.find("assistant") == std::string::npos;
+         to.send(first ? response(arguments(R"("{\"place\":\"Z\"}")"))
+                       : response(R"({"error":{"code":"content_filter","message":")" + escaped +
+                                      R"(","message":"never"}})",
+                                  "400 Bad Request"));
+       },
+       kDone, "filter: never"},
   };
 }
-
-/// Bytes of this process's memory: "VmRSS:" now, "VmHWM:" the most since forget_peak().
-std::size_t memory(const std::string& what) {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with(what)) return std::stoul(line.substr(what.size())) << 10U;
-  }
-  return 0;
-}
-void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
 class EvilServers : public ::testing::Test {
  protected:
@@ -300,7 +304,7 @@ class EvilServers : public ::testing::Test {
     arena::AnswerCache cache(folder / "cache");
     arena::AskReport report;
     std::string said;
-    forget_peak();
+    const bool peak_is_own = forget_peak() && !EN_TEST_SANITIZED;
     const std::size_t before = memory("VmRSS:");
     const auto begin = std::chrono::steady_clock::now();
     try {
@@ -313,8 +317,9 @@ class EvilServers : public ::testing::Test {
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     EXPECT_LT(seconds.count(), 60);
-    const std::size_t most = EN_TEST_SANITIZED ? ~std::size_t{0} : before + 300 * kMega;
-    EXPECT_LT(memory("VmHWM:"), most);
+    if (peak_is_own) {
+      EXPECT_LT(memory("VmHWM:"), before + 300 * kMega);
+    }
     for (const std::string& one : report.given_up) said += one + "\n";
     if (row.says == kDone) {
       EXPECT_EQ(report.done, which.size()) << said;

@@ -8,6 +8,7 @@
 #include <poll.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -19,6 +20,7 @@
 
 #include "enfilade/arena/endpoint.h"
 #include "enfilade/service/client.h"
+#include "tests/arena/evil_server.h"
 #include "tests/arena/listener.h"
 #include "tests/support/raw_socket.h"
 #include "tests/support/refusal.h"
@@ -228,6 +230,24 @@ TEST(HttpEndpoint, HidesSecretsInWhatAServerSays) {
   }
 }
 
+// Such as `X-Trial: 1`, where every 1 of an answer would be lost.
+TEST(HttpEndpoint, AShortHeaderIsASecretIfItsNameSaysSo) {
+  struct Row {
+    const char *name, *shown;
+  };
+  const Row rows[] = {{"X-Trial", R"({"object": 1})"},
+                      {"X-Api-Key", R"-({"object":"(key)"})-"},
+                      {"authorization", R"-({"object":"(key)"})-"},
+                      {"X-Mine", R"-({"object":"(key)"})-"}};
+  for (const Row& row : rows) {
+    Listener listener;
+    listener.body = R"({"object": 1})";
+    const auto endpoint = arena::make_http_endpoint(
+        {.url = listener.url(), .key_header = "x-mine", .headers = {{row.name, "1"}}});
+    EXPECT_EQ(endpoint->post("{}", {}), row.shown) << row.name;
+  }
+}
+
 TEST(HttpEndpoint, AnswersHaveAnEnd) {
   const auto fault = [](const Listener& listener) {
     const auto endpoint = arena::make_http_endpoint({.url = listener.url(), .timeout = 0.4});
@@ -314,6 +334,40 @@ TEST(HttpEndpoint, TheServerDoesNotGetTheProxysLogin) {
   for (const httplib::Request& one : server.requests()) {
     EXPECT_EQ(one.get_header_value("Proxy-Authorization"), "");
   }
+}
+
+TEST(HttpEndpoint, HidesSecretsInWhatAProxySays) {
+  EvilServer proxy([](const Connection& to) {
+    to.send("HTTP/1.1 407 not me:pass-word1, nor bWU6cGFzcy13b3JkMQ==\r\n\r\n");
+  });
+  const std::string url = proxy.url();
+  const Variable lower("https_proxy", "");
+  const Variable none("no_proxy", "");
+  const Variable upper_none("NO_PROXY", "");
+  const Variable upper("HTTPS_PROXY", "http://me:pass-word1@" + url.substr(7, url.rfind('/') - 7));
+  const std::string why = refusal<arena::EndpointError>(
+      [] { arena::make_http_endpoint({.url = "https://model.invalid/v1"})->post("{}", {}); });
+  EXPECT_THAT(why, HasSubstr("the proxy: HTTP/1.1 407 not (key), nor "));
+  EXPECT_THAT(why, Not(HasSubstr("word1")));
+  EXPECT_THAT(why, Not(HasSubstr("bWU6cGFzcy")));
+}
+
+// Its connection looks alive: the end of TLS can be read from it.
+TEST(HttpEndpoint, AsksAgainWhereAnIdleConnectionWasEnded) {
+  const Certificate certificate("localhost");
+  const TemporaryFolder folder("certificate");
+  certificate.write(folder.path() / "host.pem");
+  const Variable trusted("SSL_CERT_FILE", folder.path() / "host.pem");
+  const Variable none("no_proxy", "*");
+  auto made = std::make_unique<httplib::SSLServer>(certificate.x509, certificate.key);
+  made->set_keep_alive_timeout(1);
+  Listener server(std::move(made));
+  const auto endpoint =
+      arena::make_http_endpoint({.url = "https://localhost:" + std::to_string(server.port)});
+  EXPECT_EQ(endpoint->post("{}", {}), "{}");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  EXPECT_EQ(endpoint->post("{}", {}), "{}");
+  EXPECT_EQ(server.requests().size(), 2U);
 }
 
 TEST(HttpEndpoint, AServerIsTheOneOfItsCertificate) {

@@ -26,9 +26,12 @@ struct Response {
 };
 
 /// Keeps one connection. Follows no redirect. The time of a response is limited as a whole: its
-/// connection, handshake, request, head and body. The body has at most kMostAnswer bytes, before
-/// and after it is unpacked. Its head has at most 64 KiB with all answers of 1xx before it; so have
-/// the lines between two chunks, and the trailers. One thread at a time.
+/// connection, handshake, request, head and body. The look-up of the host's name is not part of
+/// it, as only a socket can be ended; the system limits that. The body has at most kMostAnswer
+/// bytes, before and after it is unpacked. Its head has at most 64 KiB with all answers of 1xx
+/// before it; so have the lines between two chunks, and the trailers. Its first line has at most
+/// 2 KiB. A request that gets nothing on a connection from before is sent once more, on a new one:
+/// the server may have ended it meanwhile. One thread at a time.
 class BoundedClient {
  public:
   /// \param seconds for a whole response
