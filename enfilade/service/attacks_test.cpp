@@ -214,7 +214,7 @@ TEST(Attacks, HealthIsAnsweredBesideHundredsOfHalfSentRequests) {
     const tests::HalfSent others(served.port(), 600, half);
     double seconds = 0;
     EXPECT_THAT(tests::timed_get(served.port(), "/healthz", seconds), HasSubstr(" 200 OK"));
-    EXPECT_LT(seconds, 1) << half;
+    EXPECT_LT(seconds, 5) << half;  // others wait for 10 s for a head, and 30 s for a body
   }
 }
 

@@ -2,25 +2,31 @@
 
 #include <fmt/format.h>
 #include <httplib.h>
+#include <pthread.h>
+#include <signal.h>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <thread>
 #include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/proxy.h"
+#include "enfilade/service/detail/answer_limits.h"
 
 namespace enfilade::service {
 namespace {
 
-constexpr int kAnswerSeconds = 60;  // enough for a large file on a slow line, and its check
-constexpr int kMostTries = 12;      // when the server has no room for a large file
-constexpr int kLongestWait = 30;    // seconds, before another one
+constexpr double kBytesPerSecond = 32U << 10U;  // of a slow line, to send a file
+constexpr int kMostTries = 12;                  // when the server has no room for a large file
+constexpr int kLongestWait = 30;                // seconds, before another one
 // A file with 1,000 faults is answered in a hundredth of that.
-constexpr std::size_t kMostAnswer = std::size_t{16} << 20U;  // bytes, unpacked
+constexpr std::size_t kMostAnswer = std::size_t{16} << 20U;      // bytes, unpacked
+constexpr std::uint64_t kMostBytes = kMostAnswer + (1U << 20U);  // with its head, as they come
 
 std::string text_of(const nlohmann::json& object, const char* name) {
   const auto found = object.find(name);
@@ -60,6 +66,28 @@ std::vector<Diagnostic> read_diagnostics(const nlohmann::json& error) {
   return list;
 }
 
+/// Keeps the signal of a broken pipe from this thread: OpenSSL says goodbye on connections that
+/// were shut down, and would end the program.
+class NoBrokenPipe {
+ public:
+  NoBrokenPipe() {
+    sigemptyset(&pipe_);
+    sigaddset(&pipe_, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  ~NoBrokenPipe() {
+    constexpr timespec kNow{};
+    while (sigismember(&before_, SIGPIPE) == 0 && sigtimedwait(&pipe_, nullptr, &kNow) > 0) {
+    }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  NoBrokenPipe(const NoBrokenPipe&) = delete;
+  NoBrokenPipe& operator=(const NoBrokenPipe&) = delete;
+
+ private:
+  sigset_t pipe_{}, before_{};
+};
+
 }  // namespace
 
 struct Client::Impl {
@@ -67,9 +95,14 @@ struct Client::Impl {
   std::string through;  // the proxy, for messages
   httplib::Client http;
   httplib::Headers headers;
+  double seconds;
+  detail::AnswerLimits* limits = nullptr;  // of the present request
 
-  Impl(std::string its_server, const std::string& token)
-      : server(std::move(its_server)), http(server), headers{{"Authorization", "Bearer " + token}} {
+  Impl(std::string its_server, const std::string& token, double its_seconds)
+      : server(std::move(its_server)),
+        http(server),
+        headers{{"Authorization", "Bearer " + token}},
+        seconds(its_seconds) {
     if (!http.is_valid()) {
       throw ArgumentError(
           fmt::format("server: {:?}, not an address like https://vln.example.org", server));
@@ -83,16 +116,20 @@ struct Client::Impl {
         if (server.starts_with("https://")) headers.emplace("Proxy-Authorization", "");
       }
     }
-    http.set_read_timeout(kAnswerSeconds);
-    http.set_write_timeout(kAnswerSeconds);
+    const auto time = std::chrono::microseconds(std::llround(seconds * 1e6));
+    http.set_connection_timeout(time);
+    http.set_read_timeout(time);
+    http.set_write_timeout(time);
+    http.set_socket_options([this](socket_t socket) { limits->watch(socket); });
   }
 
-  /// \throws Error for an answer without an end
+  /// \throws Error for an answer beyond the limits
   httplib::Result send(const char* method, std::string path, std::string_view body = {}) {
-    using Clock = std::chrono::steady_clock;
+    using Passed = detail::AnswerLimits::Passed;
+    const double time = seconds + static_cast<double>(body.size()) / kBytesPerSecond;
+    detail::AnswerLimits its_limits(std::chrono::duration<double>(time), kMostBytes);
+    limits = &its_limits;
     std::string answer;
-    std::optional<Clock::time_point> latest;
-    const auto late = [&latest] { return latest && Clock::now() > *latest; };
     httplib::Request request;
     request.method = method;
     request.path = std::move(path);
@@ -101,16 +138,17 @@ struct Client::Impl {
     request.body = body;
     request.content_receiver = [&](const char* data, std::size_t size, std::uint64_t,
                                    std::uint64_t) {
-      if (!latest) latest = Clock::now() + std::chrono::seconds(kAnswerSeconds);
       answer.append(data, size);
-      return answer.size() <= kMostAnswer && !late();
+      return answer.size() <= kMostAnswer;
     };
+    const NoBrokenPipe no_broken_pipe;
     httplib::Result result = http.send(request);
-    if (answer.size() > kMostAnswer) {
+    const Passed passed = its_limits.passed();
+    if (passed == Passed::kBytes || answer.size() > kMostAnswer) {
       throw Error(fmt::format("{}: its answer has more than {} MiB", server, kMostAnswer >> 20U));
     }
-    if (late()) {
-      throw Error(fmt::format("{}: its answer took more than {} s", server, kAnswerSeconds));
+    if (passed == Passed::kTime) {
+      throw Error(fmt::format("{}: its answer took more than {:.0f} s", server, time));
     }
     if (result) result->body = std::move(answer);
     return result;
@@ -139,8 +177,8 @@ struct Client::Impl {
   }
 };
 
-Client::Client(std::string server, const std::string& token)
-    : impl_(std::make_unique<Impl>(std::move(server), token)) {}
+Client::Client(std::string server, const std::string& token, double seconds)
+    : impl_(std::make_unique<Impl>(std::move(server), token, seconds)) {}
 
 Client::~Client() = default;
 

@@ -26,11 +26,13 @@ struct SubmissionStatus {
 ///
 /// Every function throws InvalidInput with the faults that the server found in a file. It throws
 /// Error, naming the server, if the server can't be reached or refuses the request for another
-/// reason. The same holds for a response of more than 16 MiB, unpacked, or 60 s.
+/// reason. Too late and too large responses are errors, too: the limits are 16 MiB unpacked, and 17
+/// MiB of all that comes.
 class Client {
  public:
   /// \param server "https://vln.example.org", "http://127.0.0.1:8080"; certificates are checked
-  Client(std::string server, const std::string& token);
+  /// \param seconds for a request and its response, beside a second for each 32 KiB to send
+  Client(std::string server, const std::string& token, double seconds = 60);
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;

@@ -1,7 +1,14 @@
 // Teams, submissions and leaderboards, over real sockets.
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 #include <atomic>
+#include <chrono>
 #include <optional>
+#include <string>
+#include <thread>
+#include <utility>
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/gzip.h"
@@ -237,6 +244,62 @@ TEST(Evaluation, TheClientTakesNoAnswerWithoutAnEnd) {
     EXPECT_THAT(tests::refusal([&] { client.status(id); }),
                 HasSubstr("its answer has more than 16 MiB"));
   }
+}
+
+/// Answers one request with a head that has no end.
+class EndlessHead {
+ public:
+  /// \param pause after each piece of it
+  EndlessHead(std::string piece, std::chrono::milliseconds pause)
+      : piece_(std::move(piece)), pause_(pause) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    auto* any = reinterpret_cast<sockaddr*>(&address);
+    EXPECT_EQ(::bind(listening_, any, sizeof address), 0);
+    EXPECT_EQ(::listen(listening_, 1), 0);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(::getsockname(listening_, any, &size), 0);
+    port_ = ntohs(address.sin_port);
+    answering_ = std::jthread([this] { answer(); });
+  }
+  ~EndlessHead() {
+    ::shutdown(client_, SHUT_RDWR);  // it may wait for a client that reads no more
+    answering_.join();
+    ::close(client_);
+    ::close(listening_);
+  }
+  EndlessHead(const EndlessHead&) = delete;
+  EndlessHead& operator=(const EndlessHead&) = delete;
+
+  std::string address() const { return "http://127.0.0.1:" + std::to_string(port_); }
+
+ private:
+  void answer() {
+    client_ = ::accept(listening_, nullptr, nullptr);
+    std::string sent = "HTTP/1.1 200 OK\r\n";
+    while (::send(client_, sent.data(), sent.size(), MSG_NOSIGNAL) > 0) {
+      std::this_thread::sleep_for(pause_);
+      sent = piece_;
+    }
+  }
+
+  std::string piece_;
+  std::chrono::milliseconds pause_;
+  int listening_ = ::socket(AF_INET, SOCK_STREAM, 0);
+  int port_ = 0;
+  std::atomic<int> client_ = -1;
+  std::jthread answering_;
+};
+
+TEST(Evaluation, TheClientTakesNoHeadWithoutAnEnd) {
+  const auto ask = [](const std::string& address, double seconds) {
+    return tests::refusal([&] { Client(address, "token", seconds).status(1); });
+  };
+  const EndlessHead slow("x", std::chrono::milliseconds(100));
+  EXPECT_THAT(ask(slow.address(), 1), HasSubstr("its answer took more than 1 s"));
+  const EndlessHead large("X: " + std::string(1000, 'x') + "\r\n", {});
+  EXPECT_THAT(ask(large.address(), 60), HasSubstr("its answer has more than 16 MiB"));
 }
 
 }  // namespace EN_UNIT

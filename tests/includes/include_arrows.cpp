@@ -76,12 +76,12 @@ bool is_standard(std::string_view name) {
   return name.find_first_of("./") == std::string_view::npos;
 }
 
-/// What a source may use of POSIX, but no public header.
+/// What a source may use of POSIX and Linux, but no public header.
 bool is_posix(std::string_view name) {
   static const std::set<std::string_view> kPosix{
-      "unistd.h",    "fcntl.h",     "signal.h",     "spawn.h",      "dirent.h", "poll.h",
-      "dlfcn.h",     "link.h",      "netinet/in.h", "netdb.h",      "malloc.h", "sched.h",
-      "arpa/inet.h", "semaphore.h", "pthread.h",    "netinet/tcp.h"};
+      "unistd.h",    "fcntl.h",     "signal.h",     "spawn.h",       "dirent.h",   "poll.h",
+      "dlfcn.h",     "link.h",      "netinet/in.h", "netdb.h",       "malloc.h",   "sched.h",
+      "arpa/inet.h", "semaphore.h", "pthread.h",    "netinet/tcp.h", "linux/tcp.h"};
   return kPosix.contains(name) || name.starts_with("sys/");
 }
 

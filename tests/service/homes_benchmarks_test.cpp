@@ -90,6 +90,7 @@ json rows_of(httplib::Client& client, const httplib::Headers& organiser, const c
   json rows;
   for (int k = 0; k < 2000; ++k) {
     const auto answer = client.Get(target, organiser);
+    if (!answer) continue;  // it has waited for long
     rows = json::parse(answer->body).value("rows", json::array());
     if (!rows.empty()) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

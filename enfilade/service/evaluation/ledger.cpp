@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <set>
 #include <string_view>
 #include <tuple>
 #include <unordered_map>
@@ -45,6 +47,10 @@ GoalKeys keys_of(std::string_view bytes) {
 std::string rule_text(const Phase& phase) {
   return fmt::format("{} {} {} {} {} {}", phase.benchmark->name, phase.split, phase.scorer->name,
                      phase.primary, phase.step, enum_name(phase.scores));
+}
+
+std::int64_t levels_of(const Phase& phase) {
+  return grid_of(phase, phase.primary_measure()).levels();
 }
 
 /// Sets that are joined; each is named by one of its members.
@@ -90,16 +96,27 @@ std::string leak_text(const std::string& phase, const Leakage& leakage) {
 
 Ledger::Ledger(const Site& site, store::Database& db, Leaks leaks) : site_(site), db_(db) {
   for (const Phase& phase : site.phases()) {
-    if (phase.goals_secret()) add_rule(phase);
+    if (!phase.goals_secret()) continue;
+    goal_bits_.emplace(phase.name, goal_bits(site.secret_episodes(phase).split, site.graphs()));
   }
-  join();
+  // A server that is refused leaves no rules behind: their phases would stay joined for ever.
+  db.transact([&] {
+    for (const Phase& phase : site.phases()) {
+      if (phase.goals_secret()) add_rule(phase);
+    }
+    join();
+    if (leaks == Leaks::kRefused) check();
+  });
+}
+
+void Ledger::check() const {
   std::vector<Diagnostic> faults;
-  for (const Phase& phase : site.phases()) {
-    if (leaks == Leaks::kAccepted || !phase.goals_secret()) continue;
-    const Leakage found = leakage(phase);
-    if (!found.gives_all()) continue;
+  const std::map<std::string, Leakage> leakages = leakage();
+  for (const Phase& phase : site_.phases()) {
+    const auto found = leakages.find(phase.name);
+    if (found == leakages.end() || !found->second.gives_all()) continue;
     faults.push_back({Severity::kError, phase.annotations.string(), "$", "goals-given-away",
-                      leak_text(phase.name, found) +
+                      leak_text(phase.name, found->second) +
                           "; hide the scores (\"scores\": \"hidden\"), or write a larger \"step\", "
                           "fewer \"teams\" or a smaller \"per_team\"; --accept-leak serves it as "
                           "it is"});
@@ -112,28 +129,38 @@ void Ledger::add_rule(const Phase& phase) {
   const std::string rule = rule_text(phase);
   const std::string digest = detail::sha256(keys);
   const bool hidden = phase.scores == Scores::kHidden;
-  const std::int64_t levels =
-      phase.scores == Scores::kLadder ? grid_of(phase, phase.primary_measure()).levels() : 0;
-  const std::int64_t id = db_.transact([&] {
-    const std::int64_t known =
-        db_.find_number("SELECT id FROM phase_rule WHERE phase = ? AND rule = ? AND digest = ?",
-                        phase.name, rule, digest);
-    const std::int64_t found =
-        known != 0 ? known
-                   : db_.insert(
-                         "INSERT INTO phase_rule (phase, rule, digest, goals, levels, means_bits) "
-                         "VALUES (?, ?, ?, ?, ?, ?)",
-                         phase.name, rule, digest, store::Blob{keys}, levels,
-                         hidden ? 0.0 : means_bits(phase));
-    const std::string old = "submission WHERE phase = ? AND rule IS NULL AND score IS NOT NULL";
-    if (db_.find_number("SELECT count(*) FROM " + old, phase.name) != 0) {
-      db_.run("UPDATE submission SET rule = ? WHERE id IN (SELECT id FROM " + old + ")", found,
-              phase.name);
-    }
-    return found;
-  });
+  const bool first =
+      db_.find_number("SELECT count(*) FROM phase_rule WHERE phase = ?", phase.name) == 0;
+  std::int64_t id =
+      db_.find_number("SELECT id FROM phase_rule WHERE phase = ? AND rule = ? AND digest = ?",
+                      phase.name, rule, digest);
+  if (id == 0) {
+    id = db_.insert(
+        "INSERT INTO phase_rule (phase, rule, digest, goals, levels, means_bits) "
+        "VALUES (?, ?, ?, ?, ?, ?)",
+        phase.name, rule, digest, store::Blob{keys},
+        phase.scores == Scores::kLadder ? levels_of(phase) : 0, hidden ? 0.0 : means_bits(phase));
+  }
+  if (first) adopt_rows(phase, id);
+  adopt_scores(phase, id);
   rules_.emplace(phase.name, id);
-  goal_bits_.emplace(phase.name, goal_bits(site_.secret_episodes(phase).split, site_.graphs()));
+}
+
+void Ledger::adopt_rows(const Phase& phase, std::int64_t rule) {
+  const auto at = db_.find<std::int64_t>("SELECT at FROM phase_end WHERE phase = ?", phase.name);
+  if (!at) return;
+  db_.run("UPDATE phase_rule SET rows_shown = ?, means_bits = ? WHERE id = ?", *at,
+          means_bits(phase), rule);
+}
+
+void Ledger::adopt_scores(const Phase& phase, std::int64_t rule) {
+  const std::string old = "submission WHERE phase = ? AND rule IS NULL AND score IS NOT NULL";
+  if (db_.find_number("SELECT count(*) FROM " + old, phase.name) == 0) return;
+  if (db_.find_number("SELECT count(*) FROM " + old + " AND shown IS NOT NULL", phase.name) != 0) {
+    db_.run("UPDATE phase_rule SET levels = ? WHERE id = ?", levels_of(phase), rule);
+  }
+  db_.run("UPDATE submission SET rule = ? WHERE id IN (SELECT id FROM " + old + ")", rule,
+          phase.name);
 }
 
 void Ledger::join() {
@@ -197,24 +224,33 @@ double Ledger::used_by(std::int64_t id) const {
   return bits;
 }
 
-const std::vector<std::string>& Ledger::together(const Phase& phase) const {
-  return groups_[group_of_.at(phase.name)];
+double Ledger::limit_bits(const Phase& phase) const {
+  const double by_limits = most_bits(phase);
+  if (phase.scores == Scores::kHidden || !phase.per_team) return by_limits;
+  // The limits may have been larger when these were taken, and their scores are yet to be shown.
+  const auto counts = db_.select<std::int64_t>(
+      "SELECT count(*) FROM submission WHERE phase = ? GROUP BY team", phase.name);
+  const auto others = std::max<std::ptrdiff_t>(0, phase.teams - std::ssize(counts));
+  double bits = static_cast<double>(others) * team_bits(phase, *phase.per_team, true);
+  for (const std::int64_t count : counts) {
+    bits += team_bits(phase, std::max<std::int64_t>(count, *phase.per_team), true);
+  }
+  return bits;
 }
 
-Leakage Ledger::leakage(const Phase& phase) const {
+Leakage Ledger::leakage_of(const std::vector<std::string>& group) const {
   Leakage all;
-  all.goals = goal_bits_.at(phase.name);
-  for (const std::string& name : together(phase)) {
+  for (const std::string& name : group) {
     const auto now = rules_.find(name);
     const std::int64_t current = now == rules_.end() ? 0 : now->second;
-    double of_limits = current == 0 ? 0 : most_bits(*site_.find_phase(name));
+    double of_limits = current == 0 ? 0 : limit_bits(*site_.find_phase(name));
     const double before = all.used;
     for (const std::int64_t id :
          db_.select<std::int64_t>("SELECT id FROM phase_rule WHERE phase = ?", name)) {
       const double used = used_by(id);
       all.used += used;
       if (id == current) {
-        of_limits = std::max(of_limits, used);  // the limits may have been larger once
+        of_limits = std::max(of_limits, used);  // a hidden phase may have shown scores once
       } else {
         all.most += used;
       }
@@ -225,6 +261,18 @@ Leakage Ledger::leakage(const Phase& phase) const {
   return all;
 }
 
+std::map<std::string, Leakage> Ledger::leakage() const {
+  std::vector<std::optional<Leakage>> of_groups(groups_.size());
+  std::map<std::string, Leakage> found;
+  for (const auto& [name, bits] : goal_bits_) {
+    const std::size_t group = group_of_.at(name);
+    if (!of_groups[group]) of_groups[group] = leakage_of(groups_[group]);
+    Leakage& one = found.emplace(name, *of_groups[group]).first->second;
+    one.goals = bits;
+  }
+  return found;
+}
+
 void Ledger::show_rows(const Phase& phase) const {
   db_.run("UPDATE phase_rule SET rows_shown = ? WHERE id = ? AND rows_shown IS NULL", db_.now(),
           rule_of(phase));
@@ -232,10 +280,13 @@ void Ledger::show_rows(const Phase& phase) const {
 
 std::vector<std::string> Ledger::warnings() const {
   std::vector<std::string> found;
+  const std::map<std::string, Leakage> leakages = leakage();
+  std::set<std::size_t> told;
   for (const Phase& phase : site_.phases()) {
     if (!phase.goals_secret()) continue;
-    const Leakage all = leakage(phase);
-    if (all.gives_all()) found.push_back(leak_text(phase.name, all));
+    const Leakage& all = leakages.at(phase.name);
+    if (!all.gives_all() || !told.insert(group_of_.at(phase.name)).second) continue;
+    found.push_back(leak_text(phase.name, all));
   }
   for (const auto& name : db_.select<std::string>(
            "SELECT phase FROM phase_end WHERE phase NOT IN (SELECT phase FROM phase_rule) "

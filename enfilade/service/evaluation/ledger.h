@@ -35,29 +35,34 @@ enum class Leaks { kRefused, kAccepted };
 /// phases with one split and the same paths (share_paths()).
 class Ledger {
  public:
-  /// Adds the rules of the site's phases. Scores of a phase that older programs stored count as of
-  /// its rule now. \pre both outlive *this
-  /// \throws InvalidInput if Leakage::gives_all() of a phase, unless that is accepted
+  /// Adds the rules of the site's phases. Scores that older programs stored count as of the phase's
+  /// rule now. Those that were shown count even if it hides scores. \pre both outlive *this
+  /// \throws InvalidInput if Leakage::gives_all() of a phase, unless that is accepted; the database
+  /// stays as it was
   Ledger(const Site& site, store::Database& db, Leaks leaks);
 
   /// The id of the rule by which a phase shows scores. \pre its goals are secret
   std::int64_t rule_of(const Phase& phase) const { return rules_.at(phase.name); }
-  /// \name \pre the goals are secret
-  /// @{
-  Leakage leakage(const Phase& phase) const;
-  /// Names of the phases that it belongs together with, and its own.
-  const std::vector<std::string>& together(const Phase& phase) const;
-  /// From now on its rows are shown. \pre in a transaction
+  /// By the names of all phases with secret goals.
+  std::map<std::string, Leakage> leakage() const;
+  /// From now on its rows are shown. \pre in a transaction; the goals are secret
   void show_rows(const Phase& phase) const;
-  /// @}
   /// For the organiser: a sentence for each group of phases whose limits give their goals away, and
   /// for scores whose goals are not known.
   std::vector<std::string> warnings() const;
 
  private:
   void add_rule(const Phase& phase);
+  /// What an older program showed counts, even if the phase hides it by now.
+  void adopt_rows(const Phase& phase, std::int64_t rule);
+  void adopt_scores(const Phase& phase, std::int64_t rule);
   void join();
+  void check() const;
   double used_by(std::int64_t rule) const;
+  /// most_bits() with the submissions that there are, which may be more than the limits allow now.
+  double limit_bits(const Phase& phase) const;
+  /// Without the bits of goals.
+  Leakage leakage_of(const std::vector<std::string>& group) const;
 
   const Site& site_;
   store::Database& db_;

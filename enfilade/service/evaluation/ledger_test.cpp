@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "enfilade/core/errors.h"
@@ -98,6 +99,40 @@ TEST_F(LedgerTest, ScoresOfOlderProgramsCountAsOfTheRuleOfNow) {
   EXPECT_EQ(used(), std::ceil(kOneOfALadder));
 }
 
+TEST_F(LedgerTest, WhatOlderProgramsShowedCountsWhereItIsHiddenNow) {
+  serve("test", ends() + kLadder);
+  submit("A", "test");
+  now_ = kEnd;
+  const double seen = used();
+  EXPECT_GT(seen, std::ceil(kOneOfALadder));
+  served_.stop();
+  const std::string& database = served_.config().database;
+  service::testing::run_sql(database, "UPDATE submission SET rule = NULL");
+  service::testing::run_sql(database, "DELETE FROM phase_rule");
+  serve("test", ends() + R"(, "scores": "hidden")");
+  EXPECT_EQ(used(), seen);
+}
+
+TEST_F(LedgerTest, SubmissionsOfLargerLimitsCount) {
+  const auto most = [this] { return leakage().at("most_bits").get<double>(); };
+  serve("test", R"(, "scores": "hidden", "teams": 3)");
+  const auto first = served_.team("first");
+  EXPECT_EQ(served_.submit(first, "test", row_results(3))->status, 202);
+  for (const char* team : {"A", "B"}) submit(team, "test");
+  EXPECT_EQ(most(), 0);
+  serve("test", R"(, "teams": 3)");
+  const double of_three = most();
+  serve("test", R"(, "teams": 1)");
+  EXPECT_EQ(most(), of_three);
+  serve("test", R"(, "teams": 4)");
+  EXPECT_NEAR(most(), of_three * 4 / 3, 1);
+  // Files that were taken beyond the limit of today.
+  EXPECT_EQ(served_.submit(first, "test", row_results(2))->status, 202);
+  serve("test", R"(, "teams": 3, "per_team": 1)");
+  const double of_one = 6 * std::log2(101) + std::log2(301);
+  EXPECT_EQ(most(), std::ceil(3 * of_one + std::log2(2)));
+}
+
 TEST_F(LedgerTest, OtherBenchmarksShareByTheirGoals) {
   const auto guides = [](bool with_goals) {
     std::string lines;
@@ -120,6 +155,22 @@ TEST_F(LedgerTest, OtherBenchmarksShareByTheirGoals) {
   EXPECT_EQ(phases[0].at("leakage").at("phases"), (json{"test", "guides"}));
   EXPECT_EQ(phases[1].at("leakage").at("most_bits"), phases[0].at("leakage").at("most_bits"));
   EXPECT_EQ(phases[1].at("leakage").at("goal_bits"), 7);
+}
+
+TEST_F(LedgerTest, NearCopiesAreOfTheSameEpisodes) {
+  for (const auto& [file, with_goals] :
+       {std::pair("data/r2r/R2R_other.json", false), std::pair("other.json", true)}) {
+    tasks::Annotations other = service::testing::row_annotations("test", with_goals);
+    other.split = "other";
+    write_file_atomically(served_.root() / file, to_json(other));
+  }
+  serve("test", R"(}, {"name": "other", "split": "other", "annotations": "other.json"},
+    {"name": "again", "split": "test", "annotations": "secret.json")");
+  for (const char* phase : {"test", "other", "again"}) submit(phase, phase);
+  const json phases = served_.json("/api/v1/phases", organiser_).at("phases");
+  EXPECT_EQ(phases[0].at("leakage").at("phases"), (json{"test", "other", "again"}));
+  EXPECT_EQ(phases[1].at("near_copies"), 0);  // by another split, although goals are the same
+  EXPECT_EQ(phases[2].at("near_copies"), 1);
 }
 
 TEST_F(LedgerTest, LimitsThatGiveTheGoalsAwayAreRefused) {
@@ -148,6 +199,10 @@ TEST_F(LedgerTest, LimitsThatGiveTheGoalsAwayAreRefused) {
   config.accept_leak = true;
   EXPECT_EQ(open(""), "accepted");
   EXPECT_THAT(warned, ElementsAre(HasSubstr("1051 bits")));
+  warned.clear();
+  EXPECT_EQ(open(R"(}, {"name": "again", "split": "test", "annotations": "secret.json")"),
+            "accepted");
+  EXPECT_THAT(warned, ElementsAre(HasSubstr("phases test, again share goals")));
   // What was given away under another name counts too.
   config.accept_leak = false;
   serve("former", kLadder);
@@ -156,6 +211,26 @@ TEST_F(LedgerTest, LimitsThatGiveTheGoalsAwayAreRefused) {
   served_.stop();
   EXPECT_THAT(open(R"(, "scores": "hidden")"),
               HasSubstr("phases test, former share goals: their limits give away up to 14 bits"));
+}
+
+TEST_F(LedgerTest, ARefusedServerLeavesNoRules) {
+  served_.stop();
+  store::Database db(served_.config().database);
+  const auto rules = [&db] {
+    return db.select<std::string>("SELECT phase FROM phase_rule ORDER BY phase");
+  };
+  ASSERT_THAT(rules(), ElementsAre("final", "test"));
+  write_file_atomically(served_.root() / "phases.json",
+                        R"({"phases": [{"name": "other", "split": "test",
+                                        "annotations": "secret.json"}]})");
+  const auto site =
+      Site::open(served_.root() / "data", load_phases(served_.root() / "phases.json"));
+  EXPECT_THAT(
+      tests::refusal<InvalidInput>([&] { const Ledger ledger(*site, db, Leaks::kRefused); }),
+      HasSubstr("[goals-given-away]"));
+  EXPECT_THAT(rules(), ElementsAre("final", "test"));
+  const Ledger ledger(*site, db, Leaks::kAccepted);
+  EXPECT_THAT(rules(), ElementsAre("final", "other", "test"));
 }
 
 TEST_F(LedgerTest, RowsOfAnOlderProgramWithoutKnownGoalsAreTold) {

@@ -157,6 +157,22 @@ void accept_attempt(store::Database& db, std::int64_t attempt, std::int64_t subm
   db.run("UPDATE attempt SET submission = ? WHERE id = ?", submission, attempt);
 }
 
+/// Names of the phases with secret goals of which a file has the same episodes.
+std::vector<std::string> with_same_episodes(const Site& site, const Phase& phase) {
+  std::vector<std::string> names;
+  for (const Phase& one : site.phases()) {
+    const bool same = one.split == phase.split && share_paths(*one.benchmark, *phase.benchmark);
+    if (same && one.goals_secret()) names.push_back(one.name);
+  }
+  return names;
+}
+
+std::map<std::string, std::atomic<bool>> flags_of(const Site& site) {
+  std::map<std::string, std::atomic<bool>> flags;
+  for (const Phase& phase : site.phases()) flags.try_emplace(phase.name, false);
+  return flags;
+}
+
 }  // namespace
 
 Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report,
@@ -165,6 +181,7 @@ Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, 
       db_(db),
       report_(std::move(report)),
       ledger_(*site_, db, leaks),
+      final_(flags_of(*site_)),
       worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
 Receipt Submissions::receive(const Delivery& delivery, const std::string& results) {
@@ -275,8 +292,11 @@ bool Submissions::has_ended(const Phase& phase) const {
 }
 
 bool Submissions::is_final(const Phase& phase) const {
-  if (!phase.goals_secret() || phase.scores == Scores::kHidden || !has_ended(phase)) return false;
-  return db_.transact([&] {
+  if (!phase.goals_secret() || phase.scores == Scores::kHidden) return false;
+  std::atomic<bool>& known = final_.at(phase.name);
+  if (known) return true;  // without a transaction, for which all others would wait
+  if (!has_ended(phase)) return false;
+  known = db_.transact([&] {
     if (db_.find_number("SELECT count(*) FROM phase_end WHERE phase = ?", phase.name) == 0) {
       // Rows that change while the last files are scored would tell the scores of several of them.
       if (!has_ended(phase) ||
@@ -290,13 +310,12 @@ bool Submissions::is_final(const Phase& phase) const {
     ledger_.show_rows(phase);
     return true;
   });
+  return known;
 }
 
-Leakage Submissions::leakage(const Phase& phase) const {
-  for (const std::string& name : ledger_.together(phase)) {
-    if (const Phase* one = site_->find_phase(name)) is_final(*one);  // whoever asks now sees rows
-  }
-  return ledger_.leakage(phase);
+std::map<std::string, Leakage> Submissions::leakage() const {
+  for (const Phase& phase : site_->phases()) is_final(phase);  // whoever asks now sees rows
+  return ledger_.leakage();
 }
 
 std::int64_t Submissions::count_near_copies(const Phase& phase) const {
@@ -358,7 +377,7 @@ bool Submissions::score_next() {
 void Submissions::store_score(std::int64_t id, const Phase& phase, const ScoredSubmission& judged) {
   std::optional<NearCopy> near;
   if (phase.goals_secret()) {
-    near = find_near_copy(db_, ledger_.together(phase), id, judged.ends);
+    near = find_near_copy(db_, with_same_episodes(*site_, phase), id, judged.ends);
   }
   db_.transact([&] {
     std::optional<double> shown;

@@ -4,10 +4,12 @@
 /// else may depend on goals: not the order of rows, not the time of a response's change.
 #pragma once
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
@@ -71,7 +73,7 @@ struct NearCopy {
 /// The nearest of the submissions before `id` in these phases, the first of several; no value if
 /// there is no near-copy. In one, 5 episodes or 2 % may differ, whichever is more, but no more than
 /// a quarter.
-/// \param phases with the same episodes
+/// \param phases whose files can be compared: they have the same episodes
 std::optional<NearCopy> find_near_copy(store::Database& db, const std::vector<std::string>& phases,
                                        std::int64_t id, std::string_view ends);
 
@@ -168,8 +170,8 @@ class Submissions {
   /// is stored. From then on the phase has ended for any clock and file of phases: the last scores
   /// must not help with another submission.
   bool is_final(const Phase& phase) const;
-  /// \pre the goals are secret
-  Leakage leakage(const Phase& phase) const;
+  /// Ledger::leakage(); rows that can be seen from now on count.
+  std::map<std::string, Leakage> leakage() const;
   const Ledger& ledger() const noexcept { return ledger_; }
   /// How many of the phase's submissions are near-copies.
   std::int64_t count_near_copies(const Phase& phase) const;
@@ -185,6 +187,7 @@ class Submissions {
   store::Database& db_;
   Report report_;
   Ledger ledger_;
+  mutable std::map<std::string, std::atomic<bool>> final_;  // by phase: is_final() was true
   std::mutex checking_;
   std::mutex mutex_;
   std::condition_variable_any wake_;

@@ -135,9 +135,9 @@ std::unique_ptr<Connection> open_sqlite(const std::filesystem::path& file);
 
 /// Copies a file's database, also while a server uses it. The copy is written beside its
 /// destination and then renamed, so that it is never there in part. An older copy of that name is
-/// replaced, another file is not. Only its owner may read it.
-/// \throws FileError naming the file that cannot be opened, read or written, or is no database of
-/// Enfilade
+/// replaced, another file is not, nor a database in use. Only its owner may read it.
+/// \throws FileError naming the file that cannot be opened, read or written, is no database of
+/// Enfilade, or is in use
 void back_up(const std::filesystem::path& database, const std::filesystem::path& copy);
 
 /// Bytes for a column of type BLOB.

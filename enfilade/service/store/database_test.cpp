@@ -458,6 +458,23 @@ TEST(Database, ABackUpIsMadeWhileItIsOpen) {
   EXPECT_EQ(copy.find<std::string>("SELECT name FROM team"), "t");
 }
 
+TEST(Database, ABackUpReplacesNoDatabaseInUse) {
+  EN_SKIP_ON_POSTGRES("there is no file");
+  const tests::TemporaryFolder folder("database");
+  const std::filesystem::path file = folder.path() / "a.sqlite", other = folder.path() / "b.sqlite";
+  { const Database made(file); }
+  const auto refused = [&](const std::filesystem::path& copy) {
+    return tests::refusal<FileError>([&] { back_up(file, copy); });
+  };
+  EXPECT_THAT(refused(file), HasSubstr("a.sqlite: a database in use, not a copy"));
+  std::filesystem::create_symlink(file, folder.path() / "link.sqlite");
+  EXPECT_THAT(refused(folder.path() / "link.sqlite"), HasSubstr("in use"));
+  std::optional<Database> database(std::in_place, other);
+  EXPECT_THAT(refused(other), HasSubstr("b.sqlite: a database in use, not a copy"));
+  database.reset();
+  EXPECT_EQ(refused(other), "accepted");
+}
+
 /// While it lives, new files get all rights that they are made with.
 class NoUmask {
  public:

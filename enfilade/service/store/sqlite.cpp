@@ -304,9 +304,13 @@ std::vector<std::string> schema_tables(std::size_t version) {
 
 void back_up(const fs::path& database, const fs::path& copy) {
   for (const fs::path& file : {database, copy}) check_ours(file);
+  std::error_code error;
+  if (fs::equivalent(database, copy, error) || fs::exists(with_suffix(copy, "-wal"), error) ||
+      fs::exists(with_suffix(copy, "-shm"), error)) {
+    throw FileError(fmt::format("{}: a database in use, not a copy", copy.string()));
+  }
   SQLite::Database from = open_file(database, SQLite::OPEN_READWRITE);
   const fs::path part = with_suffix(copy, ".part");
-  std::error_code error;
   fs::remove(part, error);
   create_private(part);  // VACUUM INTO takes an empty file
   try {

@@ -5,6 +5,8 @@ import type { Column } from './ranking.ts';
 interface Leakage {
   readonly most_bits: number | null;
   readonly goal_bits: number | null;
+  /** Whether the first is more than the second, before both are rounded. */
+  readonly gives_all: boolean;
   readonly used_bits?: number | null;
   readonly phases: readonly string[];
 }
@@ -77,8 +79,7 @@ export function showingOf(phase: Phase): string {
 
 /** Whether the limits let all of the goals be read. */
 export function givesAll({ leakage }: Phase): boolean {
-  if (!leakage || leakage.goal_bits === null) return false;
-  return leakage.most_bits === null || leakage.most_bits > leakage.goal_bits;
+  return leakage?.gives_all ?? false;
 }
 
 /** How much of the goals is given away, as the server computes it. */
