@@ -11,8 +11,8 @@
 
 #include "enfilade/core/rng.h"
 #include "enfilade/graph/nav_graph.h"
-#include "enfilade/tasks/metrics.h"
-#include "tests/support/secret_phase.h"
+#include "tests/support/refusal.h"
+#include "tests/support/secret_benchmarks.h"
 
 namespace enfilade::service {
 namespace EN_UNIT {
@@ -29,20 +29,28 @@ constexpr std::size_t kGroup = 4;  // paths whose goals are asked for by one fil
 constexpr std::size_t kGroups = kPaths / kGroup;
 constexpr std::size_t kMostDetours = 4;
 constexpr std::size_t kHypotheses = kCandidates * kCandidates * kCandidates * kCandidates;
-// Metrics that are 0 for a walk that stays at its start, whatever its goal is: so only the group
-// and the walks of known goals count.
-constexpr std::array<const char*, 4> kMetrics{"success", "oracle_success", "spl", "sdtw_collapsed"};
-using Sums = std::array<double, kMetrics.size()>;
+// Measures that are 0 for a walk that stays at its start, whatever its goal is: so only the group
+// and the walks of known goals count. By their columns.
+constexpr std::array<std::string_view, 4> kColumns{"SPL", "SR", "OSR", "sDTW"};
+constexpr std::size_t kPrimary = 0;  // of them; all phases here rank by it
+using Sums = std::array<double, kColumns.size()>;
 
 std::size_t goal_of(std::size_t hypothesis, std::size_t path) {
   for (; path > 0; --path) hypothesis /= kCandidates;
   return hypothesis % kCandidates;
 }
 
-/// What a walk adds to the sums, by its goal.
+/// What a walk adds to the sums of a benchmark, by its goal.
 class WalkTable {
  public:
-  WalkTable() : graph_(scan::testing::row_of_viewpoints("hall", kLength)) {
+  explicit WalkTable(const tasks::Benchmark& benchmark)
+      : benchmark_(benchmark),
+        scorer_(benchmark.scorers.front()),
+        graph_(scan::testing::row_of_viewpoints("hall", kLength)) {
+    for (std::size_t m = 0; m < kColumns.size(); ++m) {
+      const auto found = std::ranges::find(scorer_.columns, kColumns[m], &tasks::Measure::column);
+      if (found != scorer_.columns.end()) measures_[m] = &*found;
+    }
     for (std::size_t goal = 0; goal < kCandidates; ++goal) {
       for (std::size_t end = 0; end < kEnds; ++end) {
         for (std::size_t detours = 0; detours <= kMostDetours; ++detours) {
@@ -50,9 +58,17 @@ class WalkTable {
         }
       }
     }
+    for (std::size_t goal = 0; goal < kCandidates; ++goal) {
+      EXPECT_EQ(table_[place(goal, {})], Sums{}) << benchmark.title;
+    }
   }
   const Sums& operator()(std::size_t goal, const Walk& walk) const {
     return table_[place(goal, walk)];
+  }
+  std::string_view title() const { return benchmark_.title; }
+  /// What the server calls a column; null: the benchmark has no such one.
+  const char* name(std::size_t column) const {
+    return measures_[column] == nullptr ? nullptr : measures_[column]->name;
   }
 
  private:
@@ -61,16 +77,60 @@ class WalkTable {
   static std::size_t place(std::size_t goal, const Walk& walk) {
     return (goal * kEnds + walk.end) * (kMostDetours + 1) + walk.detours;
   }
+  std::vector<double> metrics(std::size_t goal, const Walk& walk) const {
+    std::vector<double> values(scorer_.metrics.size());
+    if (benchmark_.continuous()) {
+      tasks::ContinuousEpisodes hall;
+      Goals goals{};
+      goals[0] = goal;
+      const tasks::ContinuousEpisode episode = hall_episodes(&goals).episodes.front();
+      const tasks::ContinuousResult result = on_floor(0, walk);
+      std::vector<double> distances;
+      for (const Vec3f& at : result.positions) {
+        distances.push_back(std::abs(episode.goals->front().position.x - at.x));
+      }
+      const tasks::ScoredWalk scored = tasks::to_score(result, distances);
+      scorer_.on_floor(scored.view(), tasks::reference_to_score(*episode.reference_path), values);
+      return values;
+    }
+    tasks::ReferencePath reference;
+    const ViewpointIndex end(kNearest + goal);
+    for (std::size_t v = 0; v <= end.at(); ++v) reference.viewpoints.emplace_back(v);
+    switch (benchmark_.goal) {
+      case tasks::GoalKind::kTurningPoint:
+        for (std::size_t v = end.at(); v-- > 0;) reference.viewpoints.emplace_back(v);
+        reference.goal = tasks::TurningPoint{end};
+        break;
+      case tasks::GoalKind::kObject:
+        reference.goal = tasks::SeenObject{1, {end}};
+        break;
+      case tasks::GoalKind::kRegion:
+        reference.goal = tasks::Region{{end}, reference.viewpoints, reference.viewpoints};
+        break;
+      case tasks::GoalKind::kBoxes:
+        reference.goal = tasks::Boxes{{{end, {}, {}}}, {}};
+        break;
+      case tasks::GoalKind::kNearEnd:
+      case tasks::GoalKind::kPoint:
+        break;
+    }
+    scorer_.on_graph({graph_, reference, on_graph(benchmark_, 0, walk)}, values);
+    return values;
+  }
   Sums compute(std::size_t goal, const Walk& walk) const {
-    std::vector<ViewpointIndex> trajectory;
-    std::vector<ViewpointIndex> reference;
-    for (const std::size_t step : walk.steps()) trajectory.emplace_back(step);
-    for (std::size_t v = 0; v <= kNearest + goal; ++v) reference.emplace_back(v);
-    const tasks::EpisodeMetrics metrics = tasks::compute_metrics(graph_, trajectory, reference);
-    return {metrics.success, metrics.oracle_success, metrics.spl, metrics.sdtw_collapsed};
+    const std::vector<double> means = tasks::summarise(scorer_, metrics(goal, walk));
+    Sums sums{};
+    for (std::size_t m = 0; m < sums.size(); ++m) {
+      if (measures_[m] == nullptr) continue;
+      sums[m] = means[scorer_.place_of(measures_[m]->name)] / measures_[m]->whole;
+    }
+    return sums;
   }
 
+  const tasks::Benchmark& benchmark_;
+  const tasks::Scorer& scorer_;
   graph::NavGraph graph_;
+  std::array<const tasks::Measure*, kColumns.size()> measures_{};
   std::array<Sums, kCandidates * kEnds*(kMostDetours + 1)> table_{};
 };
 
@@ -111,7 +171,13 @@ struct Question {
 class Adversary {
  public:
   /// \param phase_step Phase::step
-  Adversary(Target& target, double phase_step) : target_(target), step_(phase_step) {}
+  Adversary(Target& target, double phase_step) : target_(target), step_(phase_step) {
+    ask(tasks::benchmark("r2r"));
+  }
+  /// From now on files are of this benchmark.
+  void ask(const tasks::Benchmark& benchmark) {
+    table_ = &tables_.try_emplace(&benchmark, benchmark).first->second;
+  }
 
   const std::vector<Belief>& beliefs() const { return beliefs_; }
   double learned_bits() const {
@@ -134,34 +200,35 @@ class Adversary {
     }
   }
 
-  /// Hands files in without being told anything, each about a group of its own, and then reads
-  /// whatever it can see.
-  void wait_for_the_end(std::size_t teams, std::size_t submissions) {
-    struct Sent {
-      std::int64_t id = 0;
-      httplib::Headers team;
-      Question question;
-    };
-    std::vector<Sent> all;
+  /// Hands files in without being told anything, each about a group of its own.
+  /// \param tries of how many files it takes the finest
+  void hand_in(std::size_t teams, std::size_t submissions, const std::string& phase,
+               int tries = 100) {
     for (std::size_t t = 0; t < teams; ++t) {
-      const auto team = target_.served().team(fmt::format("waiter {}", t));
+      const std::string name = fmt::format("{} waiter {}", phase, t);
+      const auto team = target_.served().team(name);
       for (std::size_t k = 0; k < submissions; ++k) {
-        const Question question = finest_question(all.size() % kGroups);
+        const Question question = finest_question(sent_.size() % kGroups, tries);
         const json answer = target_.submit(team, file_of(question), fmt::format("m{}", k));
-        all.push_back({answer.at("id").get<std::int64_t>(), team, question});
+        sent_.push_back({answer.at("id").get<std::int64_t>(), team, name, question, phase, table_});
       }
     }
+  }
+  /// Reads whatever it can see when the phases have ended.
+  void read_the_end() {
     target_.end();
-    for (const Sent& sent : all) {
+    std::map<std::string, json> rows;
+    for (const Sent& sent : sent_) {
+      const std::string board = "/api/v1/leaderboards/" + sent.phase;
+      if (!rows.contains(sent.phase)) {
+        rows[sent.phase] = target_.served().json(board).at("rows");
+      }
+      table_ = sent.table;
       const json seen =
           target_.served().json("/api/v1/submissions/" + std::to_string(sent.id), sent.team);
       if (seen.contains("means")) conclude_from_means(sent.question, seen.at("means"));
-    }
-    // A team's other files are no better than the one that stands for it.
-    const json board = target_.served().json("/api/v1/leaderboards/test");
-    for (const json& row : board.at("rows")) {
-      const double spl = row.at("means").at("spl").at("mean").get<double>();
-      for (const Sent& sent : all) conclude_no_better(sent.question, spl, row, sent.team);
+      // A team's other files are no better than the one that stands for it.
+      for (const json& row : rows[sent.phase]) conclude_no_better(sent, row);
     }
   }
 
@@ -201,7 +268,7 @@ class Adversary {
     const auto ballast = ballast_of(question.group);
     for (std::size_t k = 0; k < question.known; ++k) {
       const std::size_t goal = *beliefs_[ballast[k] / kGroup].known_goal(ballast[k] % kGroup);
-      add(sums, table_(goal, ballast_walk(question, ballast[k], k + 1 == question.known)));
+      add(sums, (*table_)(goal, ballast_walk(question, ballast[k], k + 1 == question.known)));
     }
     return sums;
   }
@@ -213,7 +280,7 @@ class Adversary {
   Sums means_of(const Question& question, const Sums& ballast, std::size_t hypothesis) const {
     Sums sums = ballast;
     for (std::size_t k = 0; k < kGroup; ++k) {
-      add(sums, table_(goal_of(hypothesis, k), question.walks[k]));
+      add(sums, (*table_)(goal_of(hypothesis, k), question.walks[k]));
     }
     for (double& sum : sums) sum /= static_cast<double>(kPaths);
     return sums;
@@ -246,7 +313,7 @@ class Adversary {
       const Sums ballast = ballast_sums(question);
       std::map<std::int64_t, double> answers;
       for (const std::size_t h : beliefs_[question.group].possible) {
-        answers[ladder_answer(means_of(question, ballast, h)[2], best)] += 1;
+        answers[ladder_answer(means_of(question, ballast, h)[kPrimary], best)] += 1;
       }
       const double bits = entropy_of(answers);
       if (bits > most) {
@@ -267,10 +334,10 @@ class Adversary {
   }
 
   /// The file about a group whose row on the leaderboard differs the most by its goals.
-  Question finest_question(std::size_t group) {
+  Question finest_question(std::size_t group, int tries) {
     Question chosen;
     double most = -1;
-    for (int k = 0; k < 100; ++k) {
+    for (int k = 0; k < tries; ++k) {
       Question question = random_question(group);
       std::map<std::int64_t, double> answers;
       for (const std::size_t h : beliefs_[group].possible) {
@@ -295,7 +362,7 @@ class Adversary {
   void keep(std::size_t group, const Fits& fits) {
     auto& possible = beliefs_[group].possible;
     std::erase_if(possible, [&fits](std::size_t h) { return !fits(h); });
-    ASSERT_FALSE(possible.empty()) << "the adversary was told what cannot be";
+    ASSERT_FALSE(possible.empty()) << table_->title() << ": the adversary was told what cannot be";
     begun_ = std::max(begun_, group + 1);
   }
 
@@ -308,10 +375,11 @@ class Adversary {
       conclude_from_means(question, answer.at("means"));
       return best;
     }
-    const double value = shown ? answer.at("means").at("spl").at("mean").get<double>() : 0;
+    const double value =
+        shown ? answer.at("means").at(table_->name(kPrimary)).at("mean").get<double>() : 0;
     const std::int64_t told = shown ? level(value) : -1;
     keep(question.group, [&](std::size_t h) {
-      return ladder_answer(means_of(question, ballast, h)[2], best) == told;
+      return ladder_answer(means_of(question, ballast, h)[kPrimary], best) == told;
     });
     return shown ? std::optional(value) : best;
   }
@@ -320,8 +388,9 @@ class Adversary {
     const Sums ballast = ballast_sums(question);
     keep(question.group, [&](std::size_t h) {
       const Sums expected = means_of(question, ballast, h);
-      for (std::size_t m = 0; m < kMetrics.size(); ++m) {
-        const double told = means.at(kMetrics[m]).at("mean").get<double>();
+      for (std::size_t m = 0; m < kColumns.size(); ++m) {
+        if (table_->name(m) == nullptr) continue;
+        const double told = means.at(table_->name(m)).at("mean").get<double>();
         // Half a unit of what is told: to a step, or as exact as it is.
         const bool rounded = std::abs(told - static_cast<double>(level(told)) * step_) < 1e-12;
         const double tolerance = (rounded ? step_ / 2 : 0) + 1e-9;
@@ -331,17 +400,29 @@ class Adversary {
     });
   }
 
-  void conclude_no_better(const Question& question, double best, const json& row,
-                          const httplib::Headers& team) {
-    const auto own = target_.served().json("/api/v1/session", team);
-    if (own.at("name") != row.at("team")) return;
-    keep(question.group,
-         [&](std::size_t h) { return means_of(question, {}, h)[2] <= best + step_ / 2 + 1e-9; });
+  /// A file whose means are shown to a team when the phase has ended, or not.
+  struct Sent {
+    std::int64_t id = 0;
+    httplib::Headers team;
+    std::string name;  // of the team
+    Question question;
+    std::string phase;
+    const WalkTable* table;
+  };
+
+  void conclude_no_better(const Sent& sent, const json& row) {
+    if (sent.name != row.at("team")) return;
+    const double best = row.at("means").at(table_->name(kPrimary)).at("mean").get<double>();
+    keep(sent.question.group, [&](std::size_t h) {
+      return means_of(sent.question, {}, h)[kPrimary] <= best + step_ / 2 + 1e-9;
+    });
   }
 
   Target& target_;
   double step_;
-  WalkTable table_;
+  std::map<const tasks::Benchmark*, WalkTable> tables_;
+  const WalkTable* table_ = nullptr;  // of the benchmark that is asked
+  std::vector<Sent> sent_;
   Rng rng_{7};
   std::vector<Belief> beliefs_ = std::vector<Belief>(kGroups);
   std::size_t begun_ = 0;  // groups below it have been asked
@@ -374,38 +455,109 @@ TEST(SecretGoalsAdversary, WhoClimbsALadderLearnsLessThanIsStated) {
   }
 }
 
-// The same goals by another benchmark's ladder, and by the same one under a new name: what is
-// stated is of all of them together.
-TEST(SecretGoalsAdversary, WhoAsksAllBenchmarksAndNamesLearnsLessThanIsStated) {
-  const std::string guides = R"(, "scores": "ladder", "per_team": 6, "teams": 1},
-    {"name": "guides", "task": "rxr", "split": "hidden", "annotations": "guides.json",
-     "scores": "ladder", "primary": "spl", "per_day": 1000, "per_team": 6, "teams": 2)";
-  const Goals goals = draw_goals(1);
-  Target target(goals, guides);
-  Adversary adversary(target, 0.01);
-  adversary.climb(1, 6);
-  const double of_one = target.used_bits();
-  target.ask("guides", true);
-  adversary.climb(2, 6, "guide");
-  const double of_two = target.used_bits();
-  EXPECT_GT(of_two, 2 * of_one);
-  target.ask("test", false);
-  target.serve("again", R"(, "scores": "ladder", "per_team": 6, "teams": 1)");
-  EXPECT_EQ(target.used_bits(), of_two) << "a new name takes nothing back";
-  adversary.climb(1, 6, "renamed");
-  expect_within(adversary, goals, target.used_bits());
-  const json phases = target.served().json("/api/v1/phases").at("phases");
-  EXPECT_EQ(phases[0].at("leakage").at("phases"), (json{"again", "test", "guides"}));
-}
-
 TEST(SecretGoalsAdversary, WhoWaitsForTheEndLearnsLessThanIsStated) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Goals goals = draw_goals(seed);
     Target target(goals, std::string(kEnds) + R"(, "per_team": 10, "teams": 2)");
     Adversary adversary(target, 0.01);
-    adversary.wait_for_the_end(2, 10);
+    adversary.hand_in(2, 10, "test");
+    adversary.read_the_end();
     expect_within(adversary, goals, target.used_bits());
   }
+}
+
+/// The same goals as phases of all benchmarks, which have their names.
+class AllBenchmarks {
+ public:
+  AllBenchmarks() : target_(goals_, "") {
+    write_secret_benchmarks(target_.served().root(), goals_);
+    const dataset::Dataset data(target_.served().root() / "data");
+    for (const tasks::Benchmark& one : tasks::benchmarks()) {
+      splits_.emplace(&one, data.split(one, "test"));
+    }
+  }
+  /// \param rules of each phase \param before of their names
+  void serve(const std::string& rules, const std::string& before = "") {
+    std::string list;
+    for (const auto& [benchmark, split] : splits_) {
+      list += fmt::format(
+          R"({}{{"name": "{}{}", "task": "{}", "split": "test", "annotations": "{}",
+              "primary": "spl", "per_day": 1000, "per_address_day": 1000{}}})",
+          list.empty() ? "" : ", ", before, benchmark->name, benchmark->name,
+          secret_file(*benchmark), rules);
+    }
+    before_ = before;
+    target_.served().restart_with(list);
+  }
+  /// Calls a function for each benchmark, while the adversary asks it.
+  template <class Attack>
+  void attack(Adversary& adversary, const Attack& how) {
+    for (const auto& [benchmark, split] : splits_) {
+      const std::string phase = before_ + std::string(benchmark->name);
+      target_.ask(phase, [&split](const Walks& walks) { return results_of(split, walks); });
+      adversary.ask(*benchmark);
+      how(phase);
+    }
+  }
+
+  const Goals& goals() const { return goals_; }
+  Target& target() { return target_; }
+  /// What all phases say of all of them together.
+  json leakage() {
+    const json phases = target_.served().json("/api/v1/phases", target_.organiser()).at("phases");
+    for (const json& one : phases) {
+      EXPECT_EQ(one.at("leakage").at("used_bits"), phases[0].at("leakage").at("used_bits"));
+      EXPECT_GE(one.at("leakage").at("phases").size(), splits_.size()) << one.at("name");
+    }
+    return phases[0].at("leakage");
+  }
+
+ private:
+  Goals goals_ = draw_goals(1);
+  Target target_;
+  std::map<const tasks::Benchmark*, tasks::Split> splits_;
+  std::string before_;
+};
+
+// What is stated is of all phases together, also after a new name.
+TEST(SecretGoalsAdversary, WhoAsksAllBenchmarksAndNamesLearnsLessThanIsStated) {
+  AllBenchmarks all;
+  Adversary adversary(all.target(), 0.01);
+  all.serve(R"(, "scores": "ladder", "per_team": 1, "teams": 1)");
+  all.attack(adversary, [&](const std::string& phase) { adversary.climb(1, 1, phase); });
+  const double used = all.leakage().at("used_bits").get<double>();
+  const double learned = adversary.learned_bits();
+  all.serve(R"(, "scores": "ladder", "per_team": 1, "teams": 1)", "again-");
+  EXPECT_EQ(all.leakage().at("used_bits").get<double>(), used) << "a new name takes nothing back";
+  all.attack(adversary, [&](const std::string& phase) { adversary.climb(1, 1, phase); });
+  EXPECT_GT(adversary.learned_bits(), learned);
+  expect_within(adversary, all.goals(), all.leakage().at("used_bits").get<double>());
+}
+
+// Twenty teams at the default limits would know most of sixty goals. So the server does not start,
+// and where that is accepted it says so.
+TEST(SecretGoalsAdversary, AtTheDefaultLimitsSixtyGoalsAreRefused) {
+  AllBenchmarks all;
+  Adversary adversary(all.target(), 0.01);
+  all.serve(std::string(kEnds) + R"(, "per_address": 1000)");
+  ServerConfig strict = all.target().served().config();
+  strict.accept_leak = false;
+  const std::filesystem::path root = all.target().served().root();
+  const auto site = [&root] {
+    return Site::open(root / "data", load_phases(root / "phases.json"));
+  };
+  EXPECT_THAT(tests::refusal([&] { const Server server(site(), strict); }),
+              ::testing::HasSubstr("--accept-leak"));
+  all.attack(adversary, [&](const std::string& phase) { adversary.hand_in(20, 1, phase, 5); });
+  EXPECT_EQ(adversary.learned_bits(), 0);
+  EXPECT_EQ(all.leakage().at("used_bits").get<double>(), 0);
+  adversary.read_the_end();
+  const json stated = all.leakage();
+  EXPECT_GT(stated.at("most_bits").get<double>(), stated.at("goal_bits").get<double>());
+  EXPECT_LE(adversary.learned_bits(), stated.at("used_bits").get<double>());
+  EXPECT_GT(2 * adversary.known_goals(), kPaths) << "so the limits were too wide indeed";
+  RecordProperty("learned_bits", std::to_string(adversary.learned_bits()));
+  RecordProperty("used_bits", stated.at("used_bits").dump());
 }
 
 }  // namespace EN_UNIT

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,8 @@ using nlohmann::json;
 inline constexpr std::int64_t kBegin = 1'000'000;
 inline constexpr std::int64_t kPhaseEnd = 1'641'600;  // 1970-01-20T00:00:00Z
 inline constexpr std::size_t kPaths = 60;
-// A goal is 3 to 10 m from its start, so that whoever stays at the start fails for sure.
-inline constexpr std::size_t kNearest = 3;
+// A goal is 4 to 11 m from its start, so that whoever stays at the start fails for sure.
+inline constexpr std::size_t kNearest = 4;
 inline constexpr std::size_t kCandidates = 8;
 inline constexpr std::size_t kLength = kPaths + kNearest + kCandidates;
 inline const double kBitsOfAGoal = std::log2(static_cast<double>(kCandidates));
@@ -40,19 +41,15 @@ struct Walk {
 };
 using Walks = std::array<Walk, kPaths>;
 
-/// A results file of R2R, or with `guides` of RxR.
-inline std::string results_of(const Walks& walks, bool guides = false) {
+/// A results file of R2R.
+inline std::string results_of(const Walks& walks) {
   auto file = json::array();
   for (std::size_t path = 0; path < kPaths; ++path) {
     auto trajectory = json::array();
     for (const std::size_t step : walks[path].steps()) {
       trajectory.push_back({viewpoint(path + step), 1.5, 0.0});
     }
-    if (guides) {
-      file.push_back({{"instruction_id", path + 1}, {"path", trajectory}});
-    } else {
-      file.push_back({{"instr_id", std::to_string(path + 1) + "_0"}, {"trajectory", trajectory}});
-    }
+    file.push_back({{"instr_id", std::to_string(path + 1) + "_0"}, {"trajectory", trajectory}});
   }
   return file.dump();
 }
@@ -108,7 +105,7 @@ inline constexpr const char* kEnds = R"(, "ends": "1970-01-20T00:00:00Z")";
 /// A server with a long hall, and paths along it whose goals are secret.
 class Target {
  public:
-  /// \param rules fields of the phase "test", in JSON. "guides.json" are the same goals for RxR
+  /// \param rules fields of the phase "test", in JSON
   Target(const Goals& goals, const std::string& rules) {
     const auto data = served_.root() / "data";
     write_file_atomically(data / "connectivity/scans.txt", "row wing hall\n");
@@ -116,9 +113,6 @@ class Target {
                           to_json(scan::testing::row_of_viewpoints("hall", kLength)));
     write_file_atomically(data / "r2r/R2R_hidden.json", to_json(annotations_of(goals, false)));
     write_file_atomically(served_.root() / "goals.json", to_json(annotations_of(goals, true)));
-    write_file_atomically(served_.root() / "guides.json", guides_of(goals, true));
-    make_folder(data / "rxr");
-    write_file_atomically(data / "rxr/rxr_hidden_guide.jsonl", guides_of(goals, false));
     serve("test", rules);
     organiser_ = served_.organiser();
   }
@@ -129,10 +123,10 @@ class Target {
         '"' + rules + "}");
     phase_ = name;
   }
-  /// Another phase, from now on. \param guides whether it is one of RxR
-  void ask(const std::string& phase, bool guides) {
+  /// From now on submissions are for this phase. \param results writes its files
+  void ask(const std::string& phase, const std::function<std::string(const Walks&)>& results) {
     phase_ = phase;
-    guides_ = guides;
+    results_ = results;
   }
 
   Served& served() { return served_; }
@@ -141,7 +135,7 @@ class Target {
 
   /// What the team sees of it when it has been scored, if it was taken.
   json submit(const httplib::Headers& team, const Walks& walks, const std::string& method) {
-    const auto taken = served_.submit(team, phase_, results_of(walks, guides_), method);
+    const auto taken = served_.submit(team, phase_, results_(walks), method);
     json answer = json::parse(taken->body);
     if (taken->status != 202) return answer;
     const auto id = answer.at("id").get<std::int64_t>();
@@ -174,7 +168,7 @@ class Target {
   }
 
   std::string phase_;
-  bool guides_ = false;
+  std::function<std::string(const Walks&)> results_ = [](const Walks& w) { return results_of(w); };
   std::atomic<std::int64_t> now_{kBegin};
   Served served_{config()};
   httplib::Headers organiser_;

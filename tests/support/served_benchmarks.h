@@ -37,11 +37,11 @@ inline json row_path(std::size_t first, std::size_t last) {
 }
 
 /// A quadrilateral around heading 1, elevation 0.
-inline json soon_box(const std::string& viewpoint) {
+inline json soon_box(const std::string& scan, const std::string& viewpoint) {
   const auto at = [](double heading, double elevation) {
     return json{{"heading", heading}, {"elevation", elevation}};
   };
-  return {{"scan", "row"},
+  return {{"scan", scan},
           {"image_id", viewpoint},
           {"heading", 1},
           {"elevation", 0},
@@ -55,11 +55,12 @@ inline json soon_box(const std::string& viewpoint) {
 }
 
 /// One path of a split, from v<k> on; with its goal if `goal` is not null.
-inline json served_entry(tasks::Task task, std::size_t k, const HiddenThings* goal) {
+inline json served_entry(tasks::Task task, std::size_t k, const HiddenThings* goal,
+                         const std::string& scan = "row") {
   const std::string id = std::to_string(k + 1);
   const std::size_t last = goal == nullptr ? k : k + 2 + goal->more_steps;
   json path = row_path(k, last);
-  json entry{{"scan", "row"}, {"heading", 1.5}, {"path", path}, {"path_id", k + 1}};
+  json entry{{"scan", scan}, {"heading", 1.5}, {"path", path}, {"path_id", k + 1}};
   entry["instructions"] = {"Walk to the vase.", "Go on."};
   using enum tasks::Task;
   if (task == kReverie) {
@@ -79,7 +80,7 @@ inline json served_entry(tasks::Task task, std::size_t k, const HiddenThings* go
     entry["timed_instruction"] = json::array();
   } else if (task == kCvdn) {
     entry = {{"inst_idx", k + 1},
-             {"scan", "row"},
+             {"scan", scan},
              {"target", "vase"},
              {"start_pano", {{"heading", 1.5}, {"pano", path.front()}}},
              {"dialog_history",
@@ -91,21 +92,22 @@ inline json served_entry(tasks::Task task, std::size_t k, const HiddenThings* go
     entry["path_id"] = "4-" + id;
     entry["instructions"] = {{{"full", "Walk to the vase."}}, {{"full", "Go on."}}};
     entry.erase("heading");
-    if (goal != nullptr) entry["bboxes"] = {soon_box(path.back().get<std::string>())};
+    if (goal != nullptr) entry["bboxes"] = {soon_box(scan, path.back().get<std::string>())};
   }
   return entry;
 }
 
+/// The text of a file of entries.
+inline std::string served_text(tasks::Task task, const std::vector<json>& entries) {
+  if (task != tasks::Task::kRxr && task != tasks::Task::kSoon) return json(entries).dump();
+  std::string lines;
+  for (const json& entry : entries) lines += entry.dump() + "\n";
+  return lines;
+}
+
 /// The text of a split of two paths. \param goal null: without goals
 inline std::string served_split(tasks::Task task, const HiddenThings* goal) {
-  std::string lines;
-  json list = json::array();
-  for (std::size_t k = 0; k < 2; ++k) {
-    list.push_back(served_entry(task, k, goal));
-    lines += list.back().dump() + "\n";
-  }
-  const bool by_line = task == tasks::Task::kRxr || task == tasks::Task::kSoon;
-  return by_line ? lines : list.dump();
+  return served_text(task, {served_entry(task, 0, goal), served_entry(task, 1, goal)});
 }
 
 /// Objects 60 to 69, each seen from every viewpoint but v0.
