@@ -11,6 +11,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/tasks/annotations.h"
 #include "tests/support/graphs.h"
+#include "tests/support/process.h"
 #include "tests/support/temporary_folder.h"
 
 namespace enfilade::bad_input {
@@ -67,12 +68,13 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 // What it prints goes to `output`.
-int run_program(const std::string& command, const fs::path& folder, const fs::path& output) {
-  const std::string line =
-      fmt::format("cd {} && env -u ENFILADE_DATA {} {} > {} 2>&1", folder.string(), EN_PROGRAM,
-                  replaced(command, "{}", folder.string()), output.string());
-  const int status = std::system(line.c_str());  // NOLINT(concurrency-mt-unsafe)
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+Outcome run_program(const std::string& command, const fs::path& folder, const fs::path& output) {
+  const std::string line = fmt::format("cd {} && exec env -u ENFILADE_DATA {} {}", folder.string(),
+                                       EN_PROGRAM, replaced(command, "{}", folder.string()));
+  tests::Process process({"/bin/sh", "-c", line + " 2>&1"}, output);
+  const int status = process.wait();
+  return {status < 0 ? 128 - status : status, replaced(read_file(output), folder.string(), "{}"),
+          process.most_memory(), process.work()};
 }
 
 // A cell of a Markdown table.
@@ -168,11 +170,13 @@ Outcome run(const Case& one) {
     }
   }
   const fs::path output = folder / "output.txt";
-  if (!one.first.empty() && run_program(one.first, folder, output) != 0) {
-    throw std::logic_error(one.first + " before " + one.command + ": " + read_file(output));
+  if (!one.first.empty()) {
+    const Outcome before = run_program(one.first, folder, output);
+    if (before.exit_code != 0) {
+      throw std::logic_error(one.first + " before " + one.command + ": " + before.output);
+    }
   }
-  const int exit_code = run_program(one.command, folder, output);
-  return {exit_code, replaced(read_file(output), folder.string(), "{}")};
+  return run_program(one.command, folder, output);
 }
 
 std::string docs_page() {

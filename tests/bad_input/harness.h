@@ -1,6 +1,7 @@
 /// \file  Malformed inputs and what each gets: one table, run against the real program, from which
 /// docs/bad_input.md is written too.
 #pragma once
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -67,8 +68,10 @@ std::vector<Case> weight_cases();
 std::vector<Case> all_cases();
 
 struct Outcome {
-  int exit_code = 0;   ///< 128 + signal if the program was killed
-  std::string output;  ///< stdout and stderr, the data set's folder written as {}
+  int exit_code = 0;            ///< 128 + signal if the program was killed
+  std::string output;           ///< stdout and stderr, the data set's folder written as {}
+  std::size_t most_memory = 0;  ///< bytes
+  double work = 0;              ///< seconds of processors' time
 };
 /// Lays the files out in a fresh folder and runs the program on them.
 Outcome run(const Case& one);
