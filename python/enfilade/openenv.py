@@ -18,6 +18,7 @@ import argparse
 import base64
 import threading
 from typing import Any, Callable, Optional
+from urllib.parse import urlsplit
 
 from openenv.core.env_server import (  # type: ignore[import-not-found, unused-ignore]
     Action,
@@ -149,12 +150,45 @@ def app(name: str, *, sessions: int = 16, **options: Any) -> Any:
     def enfilade_env() -> Walk:  # its name is the environment's in addresses
         return Walk(lambda: enfilade.arena(name, **options))
 
-    return create_fastapi_app(
+    made = create_fastapi_app(
         enfilade_env,
         WalkAction,
         WalkObservation,
         max_concurrent_envs=sessions,
     )
+    made.add_middleware(_OwnPagesOnly)
+    return made
+
+
+class _OwnPagesOnly:
+    """Refuses requests of web pages that another server sent, also of one whose name now resolves to this
+    machine. Browsers send `Origin` with them, and the name as `Host`."""
+
+    _LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+    def __init__(self, app: Any) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        if scope["type"] not in ("http", "websocket") or self._is_own(scope):
+            await self._app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008})  # the handshake gets 403
+        else:
+            await send({"type": "http.response.start", "status": 403, "headers": [(b"content-type", b"text/plain")]})
+            await send({"type": "http.response.body", "body": b"Host or Origin names another server\n"})
+
+    @classmethod
+    def _is_own(cls, scope: Any) -> bool:
+        headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
+        host, origin = headers.get(b"host", ""), headers.get(b"origin")
+        try:
+            name, page = urlsplit(f"//{host}").hostname, urlsplit(origin or "").netloc
+        except ValueError:  # no address at all
+            return False
+        local = scope.get("server", ("",))[0] in cls._LOOPBACK
+        return (not local or name in cls._LOOPBACK) and (origin is None or page == host)
 
 
 def main(arguments: Optional[list[str]] = None) -> None:

@@ -125,6 +125,9 @@ def publish(folder: str, url: str, *, threads: int = 8, progress: bool = True) -
     names = _files_in(root_folder)
     if not names:
         raise FileError(f"{folder}: no folder with files")
+    for name in names:
+        if not is_name(name):  # fetch() would refuse the whole list
+            raise FileError(f"{folder}: {name[:40]!r} has a character that names of files may not have")
     store, root = _open_store(url)
     with ThreadPoolExecutor(threads) as pool:
         files = dict(zip(names, pool.map(lambda name: _described(root_folder / name), names)))

@@ -3,18 +3,23 @@
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import threading
 import time
+import urllib.error
 import urllib.request
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import enfilade
 import pytest
 
 pytest.importorskip("openenv.core", reason="neither openenv nor openenv-core is installed (Python 3.10 or newer)")
 import uvicorn
+import websockets.exceptions
+import websockets.sync.client
 from enfilade import openenv as served
 from openenv.core.generic_client import GenericEnvClient
 
@@ -72,6 +77,36 @@ def test_the_environment_has_a_name(address):
     with urllib.request.urlopen(f"{address}/metadata") as answer:
         said = json.loads(answer.read())
     assert said["name"] == "enfilade" and said["version"] == enfilade.__version__
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "evil.example"},  # a name that resolves to this machine
+        {"Host": "localhost.evil.example:80"},
+        {"Host": "["},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+    ],
+)
+def test_pages_of_other_servers_are_refused(address, headers):
+    request = urllib.request.Request(f"{address}/metadata", headers=headers)
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        urllib.request.urlopen(request)
+
+
+@pytest.mark.parametrize("host, origin", [("evil.example", None), (None, "http://evil.example"), (None, "null")])
+def test_websockets_of_other_servers_pages_are_refused(address, host, origin):
+    own = urlsplit(address)
+    refused = pytest.raises(websockets.exceptions.InvalidStatus, match="403")
+    with socket.create_connection((own.hostname, own.port)) as connected, refused:
+        websockets.sync.client.connect(f"ws://{host or own.netloc}/ws", sock=connected, origin=origin)
+
+
+def test_its_own_pages_are_served(address):
+    request = urllib.request.Request(f"{address}/metadata", headers={"Origin": address})
+    with urllib.request.urlopen(request) as answer:
+        assert answer.status == 200
 
 
 @pytest.fixture(scope="module")

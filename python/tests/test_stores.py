@@ -102,6 +102,15 @@ def test_nothing_is_fetched_out_of_the_folder(homes, tmp_path):
     assert not list((tmp_path / "outside").iterdir())
 
 
+def test_a_name_that_fetch_would_refuse_is_not_published(homes, url, tmp_path):
+    (homes / "a\\b.txt").write_text("x")
+    with pytest.raises(FileError, match="b.txt' has a character that names of files may not have"):
+        stores.publish(str(homes), url, progress=False)
+    (homes / "a\\b.txt").unlink()
+    stores.publish(str(homes), url, progress=False)
+    assert stores.fetch(url, str(tmp_path / "there"), progress=False).files == 3
+
+
 def test_faults_are_told(homes, tmp_path, capsys):
     with pytest.raises(FileError, match="nothing was published there"):
         stores.fetch(f"file://{tmp_path}/none", str(tmp_path / "there"))
