@@ -82,6 +82,43 @@ TEST_F(PlantedLinks, AreNotFollowedByExports) {
   }
 }
 
+TEST_F(PlantedLinks, AreNotFollowedByAsk) {
+  const Words data{"--data", homes(), "--split", "val_unseen", "--subset", "2"};
+  const auto ask = [&data](Words words) {
+    words.insert(words.begin(), "ask");
+    words.insert(words.end(), data.begin(), data.end());
+    return run(words);
+  };
+  if (ask({"--list"}) != 0) GTEST_SKIP() << "built without EN_WITH_WEB";
+  const Words walk{"--stand-in", "oracle", "-o", out_};
+  for (const char* folder : {"cache", "transcripts"}) {
+    SCOPED_TRACE(folder);
+    plant(folder);
+    EXPECT_EQ(ask(walk), 3);
+    expect_nothing_outside();
+    fs::remove(out_ / folder);
+  }
+  // Links in place of files are replaced, those in place of the cache's folders refused.
+  for (const char* file : {"run.json", "results.json"}) plant(file, "made.json");
+  ASSERT_EQ(ask(walk), 0);
+  for (const char* file : {"run.json", "results.json"}) {
+    EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(out_ / file))) << file;
+  }
+  expect_nothing_outside();
+  const Words names = [this] {
+    Words all;
+    for (const auto& one : fs::directory_iterator(out_ / "cache")) {
+      all.push_back(one.path().filename());
+    }
+    return all;
+  }();
+  ASSERT_FALSE(names.empty());
+  fs::remove_all(out_);
+  for (const std::string& name : names) plant("cache/" + name);
+  EXPECT_EQ(ask(walk), 3);
+  expect_nothing_outside();
+}
+
 TEST_F(PlantedLinks, AreNotFollowedByHomes) {
   fs::copy(homes(), out_, fs::copy_options::recursive);
   for (const char* folder : {"connectivity", "regions", "r2r"}) {
@@ -134,6 +171,21 @@ TEST_F(PlantedLinks, AndIdsThatArePathsAreNotFollowedByScanMesh) {
   expect_nothing_outside();
   fs::remove_all(out_);
   EXPECT_EQ(run(scan), 0) << "without the link";
+}
+
+TEST_F(PlantedLinks, AreNotFollowedInModels) {
+  const fs::path model = temp_.path() / "model";
+  const Words train{"train",    "--data",           homes(), "-o",      model, "--inputs",
+                    "language", "--iterations",     "1",     "--batch", "2",   "--hidden",
+                    "8",        "--evaluate-every", "1"};
+  if (run(train) != 0) GTEST_SKIP() << "this build has no libtorch";
+  fs::remove_all(model / "results");
+  fs::create_directory_symlink(outside_, model / "results");
+  const Words evaluate{"evaluate", model, "--data", homes(), "--split", "val_unseen"};
+  EXPECT_EQ(run(evaluate), 3);
+  expect_nothing_outside();
+  fs::remove(model / "results");
+  EXPECT_EQ(run(evaluate), 0) << "without the link";
 }
 
 // Kills while networkx's files are written, and what they leave.

@@ -21,6 +21,10 @@ constexpr std::array kDirect{"ofstream",
                              "fopen(",
                              "O_CREAT",
                              "O_TMPFILE",
+                             "O_TRUNC",
+                             "std::fstream",
+                             "fs::copy(",
+                             "filesystem::copy(",
                              "H5Fcreate(",
                              "OPEN_CREATE",
                              "torch::save(",
@@ -60,10 +64,12 @@ constexpr std::array kNamed{"make_folder(",
                             "EventFile",
                             "Hdf5Writer",
                             "StoreWriter"};
-constexpr std::array kPython{".write_text(", ".write_bytes(", ".mkdir(",        "makedirs(",
-                             "os.replace(",  ".rename(",      ".unlink(",       "rmtree(",
-                             ".touch(",      "symlink_to(",   "ParquetWriter(", "write_table(",
-                             "av.open(",     "np.save(",      "torch.save("};
+constexpr std::array kPython{
+    ".write_text(",   ".write_bytes(", ".mkdir(",       "makedirs(",        "os.replace(",
+    ".rename(",       ".unlink(",      "rmtree(",       ".touch(",          "symlink_to(",
+    "ParquetWriter(", "write_table(",  "av.open(",      "np.save(",         "torch.save(",
+    "os.remove(",     "shutil.copy(",  "shutil.copy2(", "shutil.copyfile(", "shutil.copytree(",
+    "shutil.move("};
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
@@ -116,6 +122,19 @@ bool joins_a_name(std::string_view argument) {
   return false;
 }
 
+/// Whether OutputFolder gives a path in it. Its functions have an argument, unlike
+/// Dataset::folder().
+bool is_of_output_folder(std::string_view arguments) {
+  for (const std::string_view function : {".file(", ".folder("}) {
+    for (std::size_t at = 0; (at = arguments.find(function, at)) != std::string_view::npos;) {
+      at += function.size();
+      const std::size_t next = arguments.find_first_not_of(" \n", at);
+      if (next != std::string_view::npos && arguments[next] != ')') return true;
+    }
+  }
+  return false;
+}
+
 /// Goes through one file.
 class FileChecker {
  public:
@@ -147,21 +166,39 @@ class FileChecker {
     text_ = without_texts(file_.text);
     for (const std::string_view name : kDirect) check_uses(name, true);
     for (const std::string_view name : kNamed) check_uses(name, false);
+    check_roots();
+  }
+
+  std::size_t line_of(std::size_t at) const {
+    return 1 + static_cast<std::size_t>(
+                   std::ranges::count(std::string_view(text_).substr(0, at), '\n'));
+  }
+
+  /// OutputFolder follows a link at its root. A file's folder may be one that another user made.
+  void check_roots() {
+    constexpr std::string_view kType = "OutputFolder";
+    for (std::size_t at = 0; (at = text_.find(kType, at)) != std::string::npos;) {
+      const std::size_t begin = at;
+      at += kType.size();
+      if (!is_use(begin, kType)) continue;
+      std::size_t open = at;
+      while (open < text_.size() && (is_word(text_[open]) || text_[open] == ' ')) ++open;
+      if (open >= text_.size() || (text_[open] != '(' && text_[open] != '{')) continue;
+      if (arguments_at(text_, open).find("parent_path(") != std::string_view::npos) {
+        write_directly("OutputFolder of a parent_path()", line_of(begin));
+      }
+    }
   }
 
   void check_uses(std::string_view name, bool direct) {
     if (name == "fmt::print(" && !file_.path.starts_with("apps/enfilade/")) return;
     for (std::size_t at = 0; (at = text_.find(name, at)) != std::string::npos; at += name.size()) {
       if (!is_use(at, name)) continue;
-      const std::size_t line = 1 + static_cast<std::size_t>(std::ranges::count(
-                                       std::string_view(text_).substr(0, at), '\n'));
+      const std::size_t line = line_of(at);
       const std::size_t open = text_.find_first_of("({;", at + name.size() - 1);
       const std::string_view arguments =
           open == std::string::npos || text_[open] == ';' ? "" : arguments_at(text_, open);
-      if (arguments.find(".file(") != std::string_view::npos ||
-          arguments.find(".folder(") != std::string_view::npos) {
-        continue;
-      }
+      if (is_of_output_folder(arguments)) continue;
       if (name != "fmt::print(" && joins_a_name(first_argument(arguments))) {
         report(line, "joined-path",
                fmt::format("{} {}: a computed name, for OutputFolder", name,
@@ -212,9 +249,9 @@ class FileChecker {
   static bool opens_to_write(std::string_view line) {
     const std::size_t at = line.find("open(");
     return at != std::string_view::npos &&
-           std::ranges::any_of(std::array{"\"w", "\"a\"", "\"ab", "\"x"}, [&](const char* mode) {
-             return line.find(mode, at) != std::string_view::npos;
-           });
+           std::ranges::any_of(
+               std::array{"\"w", "\"a\"", "\"ab", "\"x", "'w", "'a'", "'ab", "'x"},
+               [&](const char* mode) { return line.find(mode, at) != std::string_view::npos; });
   }
 
   const SourceFile& file_;

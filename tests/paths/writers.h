@@ -29,7 +29,8 @@ std::string without_texts(std::string_view cpp);
 ///   joined-path      such a function, or one of ours that takes a path, whose first argument joins
 ///                    a path and anything but a text in quotes: a computed name. No row allows it.
 ///   stale-row        a row of a source that uses none
-/// A call is fine if its path is OutputFolder's: `.file(` or `.folder(` stands among its arguments.
+/// A call is fine if its path is OutputFolder's: `.file(name)` or `.folder(name)` stands among its
+/// arguments. An OutputFolder of a parent_path() writes directly, as its root may be a link.
 std::vector<Diagnostic> check_writers(const std::vector<SourceFile>& files,
                                       const std::vector<DirectWriter>& rows);
 

@@ -42,13 +42,17 @@ TEST(Writers, ThatWriteDirectlyNeedARow) {
        {"std::ofstream out(file);", "f = std::fopen(name, \"wb\");", "::open(p, O_CREAT | O_RDWR);",
         "write_file_atomically(file, text);", "PartFile part(file);", "H5Fcreate(file, 0);",
         "fs::remove(file);", "std::filesystem::remove_all(file);", "fs::rename(a, b);",
-        "return unlink(file);", "torch::save(tensor, file);", "fs::create_directories(folder);"}) {
+        "fs::copy(a, b);", "std::fstream both(file);", "::open(p, O_WRONLY | O_TRUNC);",
+        "const OutputFolder out(file.parent_path());",
+        "OutputFolder(file.parent_path()).write(name, text);", "return unlink(file);",
+        "torch::save(tensor, file);", "fs::create_directories(folder);"}) {
     EXPECT_THAT(library(text), ElementsAre("writes-directly")) << text;
     EXPECT_THAT(library(text, true), IsEmpty()) << text;
     EXPECT_THAT(codes("apps/enfilade/x.cpp", text), ElementsAre("writes-directly")) << text;
   }
   for (const char* text : {"file.write_text(x)", "with open(file, \"w\") as out:",
-                           "shutil.rmtree(a)", "os.replace(a, b)", "file.open(\"ab\")"}) {
+                           "shutil.rmtree(a)", "os.replace(a, b)", "file.open(\"ab\")",
+                           "open(file, 'w')", "os.remove(a)", "shutil.move(a, b)"}) {
     EXPECT_THAT(codes("python/enfilade/x.py", text), ElementsAre("writes-directly")) << text;
   }
   EXPECT_THAT(codes("apps/enfilade/x.cpp", "fmt::print(\"{}\", name);"),
@@ -61,7 +65,8 @@ TEST(Writers, NeverJoinAComputedName) {
        {"write_file_atomically(folder / (id + \".jpg\"), jpeg);",
         "write_file_atomically(\n    folder / name,\n    jpeg);", "PartFile part(folder / name);",
         "scene->save(folder / name);", "write_output((folder / name).string(), text);",
-        "Hdf5Writer writer(folder / name);", "make_folder(folder / \"a\" / scan);"}) {
+        "Hdf5Writer writer(folder / name);", "make_folder(folder / \"a\" / scan);",
+        "write_file_atomically(data.folder() / id, text);"}) {
     EXPECT_THAT(library(text, true), ::testing::Contains("joined-path")) << text;
   }
 }
@@ -70,8 +75,9 @@ TEST(Writers, MayUseOutputFolderAndNamesInQuotes) {
   for (const char* text :
        {"out.write(name, text);", "out.remove(name); out.rename(a, b); out.remove_all(c);",
         "PartFile part(out.file(folder + \"/\" + name));", "scene->save(out.file(name));",
-        "write_glb(mesh, out.file(name));",
-        "save_connectivity(out.folder(\"connectivity\").path());",
+        "write_glb(mesh, out.file(name));", "save_connectivity(out.folder(\"connectivity\"));",
+        "void f(const OutputFolder& out) { g(file.parent_path()); }",
+        "const OutputFolder out(folder);", "std::ranges::copy(a, b); #include <fstream>",
         "make_folder(folder / \"logs\");", "void write_file_atomically(const fs::path& file);",
         "// fs::remove(file)", "say(\"unlink(file)\");", "text.remove_prefix(1);",
         "a.erase(std::ranges::remove_if(a, b));", "R\"(fs::remove(x))\"",
