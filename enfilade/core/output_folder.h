@@ -11,9 +11,9 @@
 namespace enfilade {
 
 /// A folder that a program fills. All names are relative to it, with `/` between folders. Each part
-/// of a name is a name of a file (is_file_name()). The folder itself may be a link. No link below it
-/// is followed, at any time: one that another user put there leads nowhere. Any thread may call the
-/// const functions at once, for different names.
+/// of a name is a name of a file (is_file_name()). The folder itself may be a link. No link below
+/// it is followed, at any time: one that another user put there leads nowhere. Any thread may call
+/// the const functions at once, for different names.
 class OutputFolder {
  public:
   /// Makes the folder and its parents if they do not exist.
