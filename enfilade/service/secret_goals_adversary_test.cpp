@@ -411,7 +411,7 @@ class Adversary {
   };
 
   void conclude_no_better(const Sent& sent, const json& row) {
-    if (sent.name != row.at("team")) return;
+    if (row.at("team").get<std::string>() != sent.name) return;
     const double best = row.at("means").at(table_->name(kPrimary)).at("mean").get<double>();
     keep(sent.question.group, [&](std::size_t h) {
       return means_of(sent.question, {}, h)[kPrimary] <= best + step_ / 2 + 1e-9;
