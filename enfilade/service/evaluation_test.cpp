@@ -21,6 +21,7 @@
 namespace enfilade::service {
 namespace EN_UNIT {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::row_results;
@@ -299,7 +300,10 @@ TEST(Evaluation, TheClientTakesNoHeadWithoutAnEnd) {
   const EndlessHead slow("x", std::chrono::milliseconds(100));
   EXPECT_THAT(ask(slow.address(), 1), HasSubstr("its answer took more than 1 s"));
   const EndlessHead large("X: " + std::string(1000, 'x') + "\r\n", {});
-  EXPECT_THAT(ask(large.address(), 60), HasSubstr("its answer has more than 16 MiB"));
+  // cpp-httplib 0.18 ends such a head by a limit of its own.
+  EXPECT_THAT(ask(large.address(), 60),
+              AnyOf(HasSubstr("its answer has more than 16 MiB"),
+                    HasSubstr("cannot be reached: Failed to read connection")));
 }
 
 }  // namespace EN_UNIT
