@@ -7,8 +7,6 @@
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
 #include <poll.h>
-#include <pthread.h>
-#include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
 #include <algorithm>
@@ -18,7 +16,6 @@
 #include <condition_variable>
 #include <cstdint>
 #include <cstring>
-#include <ctime>
 #include <functional>
 #include <mutex>
 #include <new>
@@ -29,6 +26,7 @@
 #include "enfilade/arena/detail/limits.h"
 #include "enfilade/arena/endpoint.h"
 #include "enfilade/core/base64.h"
+#include "enfilade/core/detail/no_broken_pipe.h"
 
 namespace enfilade::arena::detail {
 namespace {
@@ -331,27 +329,6 @@ class Bounded : public httplib::ClientImpl {
   std::size_t connection_ = 0;
 };
 
-/// Keeps the signal of a broken pipe from this thread: OpenSSL writes without MSG_NOSIGNAL.
-class NoBrokenPipe {
- public:
-  NoBrokenPipe() {
-    sigemptyset(&pipe_);
-    sigaddset(&pipe_, SIGPIPE);
-    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
-  }
-  ~NoBrokenPipe() {
-    constexpr timespec kNow{};
-    while (sigismember(&before_, SIGPIPE) == 0 && sigtimedwait(&pipe_, nullptr, &kNow) > 0) {
-    }
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  NoBrokenPipe(const NoBrokenPipe&) = delete;
-  NoBrokenPipe& operator=(const NoBrokenPipe&) = delete;
-
- private:
-  sigset_t pipe_{}, before_{};
-};
-
 }  // namespace
 
 struct BoundedClient::Impl {
@@ -391,7 +368,7 @@ Response BoundedClient::post(const std::string& target, const Headers& headers,
     std::condition_variable_any().wait_until(lock, stop, end, [] { return false; });
     if (!stop.stop_requested()) use.end();
   });
-  const NoBrokenPipe no_broken_pipe;
+  const enfilade::detail::NoBrokenPipe no_broken_pipe;
   Response response;
   bool is_too_large = false;
   httplib::Request request;

@@ -2,17 +2,15 @@
 
 #include <fmt/format.h>
 #include <httplib.h>
-#include <pthread.h>
-#include <signal.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 
+#include "enfilade/core/detail/no_broken_pipe.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/numbers.h"
 #include "enfilade/core/proxy.h"
@@ -65,28 +63,6 @@ std::vector<Diagnostic> read_diagnostics(const nlohmann::json& error) {
   }
   return list;
 }
-
-/// Keeps the signal of a broken pipe from this thread: OpenSSL says goodbye on connections that
-/// were shut down, and would end the program.
-class NoBrokenPipe {
- public:
-  NoBrokenPipe() {
-    sigemptyset(&pipe_);
-    sigaddset(&pipe_, SIGPIPE);
-    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
-  }
-  ~NoBrokenPipe() {
-    constexpr timespec kNow{};
-    while (sigismember(&before_, SIGPIPE) == 0 && sigtimedwait(&pipe_, nullptr, &kNow) > 0) {
-    }
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  NoBrokenPipe(const NoBrokenPipe&) = delete;
-  NoBrokenPipe& operator=(const NoBrokenPipe&) = delete;
-
- private:
-  sigset_t pipe_{}, before_{};
-};
 
 }  // namespace
 
@@ -141,7 +117,7 @@ struct Client::Impl {
       answer.append(data, size);
       return answer.size() <= kMostAnswer;
     };
-    const NoBrokenPipe no_broken_pipe;
+    const enfilade::detail::NoBrokenPipe no_broken_pipe;
     httplib::Result result = http.send(request);
     const Passed passed = its_limits.passed();
     if (passed == Passed::kBytes || answer.size() > kMostAnswer) {
