@@ -187,7 +187,7 @@ class _OwnPagesOnly:
             name, page = urlsplit(f"//{host}").hostname, urlsplit(origin or "").netloc
         except ValueError:  # no address at all
             return False
-        local = scope.get("server", ("",))[0] in cls._LOOPBACK
+        local = (scope.get("server") or ("",))[0] in cls._LOOPBACK  # None: a socket without an address
         return (not local or name in cls._LOOPBACK) and (origin is None or page == host)
 
 
