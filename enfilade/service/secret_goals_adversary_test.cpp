@@ -80,7 +80,6 @@ class WalkTable {
   std::vector<double> metrics(std::size_t goal, const Walk& walk) const {
     std::vector<double> values(scorer_.metrics.size());
     if (benchmark_.continuous()) {
-      tasks::ContinuousEpisodes hall;
       Goals goals{};
       goals[0] = goal;
       const tasks::ContinuousEpisode episode = hall_episodes(&goals).episodes.front();

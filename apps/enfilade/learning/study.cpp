@@ -50,9 +50,8 @@ class Study {
 
   int run() {
     // Of a killed run. A user's own files may be there.
-    for (const char* own : {"study.html", "study.svg"}) {
-      OutputFolder(folder_).remove_unfinished({}, own);
-    }
+    const OutputFolder out(folder_);
+    for (const char* own : {"study.html", "study.svg"}) out.remove_unfinished({}, own);
     const std::size_t most = std::ranges::max(o_.homes);
     step({"homes", "-o", data(), "--preset", "training", "--homes", std::to_string(set_size(most)),
           "--tasks", "r2r"});
