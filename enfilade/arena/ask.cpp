@@ -516,4 +516,17 @@ double money_of(const Ledger& ledger, const Price& price) {
          kTokens;
 }
 
+std::string usage_json(const Ledger& ledger, const std::optional<Price>& price) {
+  Json usage{{"answers", ledger.answers},
+             {"pictures", ledger.pictures},
+             {"prompt_tokens", ledger.prompt_tokens},
+             {"answer_tokens", ledger.answer_tokens}};
+  if (ledger.attempts > 0) {
+    usage["requests"] = ledger.attempts;
+    usage["seconds"] = ledger.seconds;
+  }
+  if (price) usage["money"] = money_of(ledger, *price);
+  return usage.dump(1) + "\n";
+}
+
 }  // namespace enfilade::arena

@@ -57,6 +57,10 @@ struct Price {
 /// \throws FileError; InvalidInput naming a wrong field
 std::map<std::string, Price> load_prices(const std::filesystem::path& file);
 double money_of(const Ledger& ledger, const Price& price);
+/// The text of usage.json, what a run cost: {"answers", "pictures", "prompt_tokens",
+/// "answer_tokens", "requests"?, "seconds"?, "money"?}. Requests and seconds are left out if no
+/// answer's cache entry was found. \param price no value: there is no "money"
+std::string usage_json(const Ledger& ledger, const std::optional<Price>& price);
 
 /// How a run went.
 struct AskReport {

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <new>
 #include <system_error>
 #include <vector>
@@ -45,13 +47,22 @@ void write_and_close(int file, std::string_view content, const fs::path& shown) 
   if (reason != 0) fail(shown, "write", reason);
 }
 
+// Whether a process has ended that its parent has not asked for yet. Those of a killed job stay so
+// until the machine's first process asks, which may be never in a container.
+bool is_zombie(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  const std::string line{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t state = line.rfind(") ");  // behind the program's name, which may hold anything
+  return state != std::string::npos && (line[state + 2] == 'Z' || line[state + 2] == 'X');
+}
+
 // Whether a temporary file's process still runs on this machine.
 bool is_being_written(const fs::path& part) {
   const std::string ending = part.extension().string();
   const auto process = parse_number<pid_t>(std::string_view(ending).substr(kPart.size()));
   // One of our own number was left by a process before: containers give the same number again.
   return process && *process > 0 && *process != ::getpid() &&
-         (::kill(*process, 0) == 0 || errno == EPERM);
+         (::kill(*process, 0) == 0 || errno == EPERM) && !is_zombie(*process);
 }
 
 }  // namespace

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -122,6 +124,20 @@ TEST_F(FileTest, KeepsWhatAnotherProcessIsWriting) {
   remove_unfinished(folder_);
   EXPECT_TRUE(fs::exists(running));
   EXPECT_FALSE(fs::exists(own)) << "left by an earlier process that had the same number";
+}
+
+// Found where a killed job's processes had ended, and the machine's first process was busy.
+TEST_F(FileTest, RemovesWhatAProcessLeftThatNobodyWaitedFor) {
+  const pid_t process = ::fork();
+  ASSERT_GE(process, 0);
+  if (process == 0) ::_exit(0);
+  siginfo_t ended{};
+  ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOWAIT), 0);
+  const fs::path left = folder_ / ("a.json.part" + std::to_string(process));
+  write_file_atomically(left, "half");
+  remove_unfinished(folder_);
+  EXPECT_FALSE(fs::exists(left));
+  ASSERT_EQ(::waitpid(process, nullptr, 0), process);
 }
 
 TEST_F(FileTest, RemovesUnfinishedFilesOfChosenNamesOnly) {

@@ -111,7 +111,7 @@ class LookUp {
       const NamedBox& named = goal.boxes[k];
       const Path place(list, k);
       if (const auto at = viewpoint(named.viewpoint, Path(place, "image_id"))) {
-        boxes.boxes.push_back({*at, named.centre, named.corners});
+        boxes.boxes.push_back({*at, named.centre, named.corners, named.object});
       }
     }
     boxes.first_alternative = viewpoints(goal.first_alternative, Path(path, "path"), false);

@@ -124,6 +124,17 @@ TEST(Episodes, GoalsAreLookedUpAndFaultsHaveTheirPlaces) {
               ThrowsMessage<InvalidInput>(HasSubstr("no edge leads")));
 }
 
+TEST(Episodes, BoxesKeepTheNameOfTheirObject) {
+  NamedBoxes boxes;
+  boxes.boxes.push_back({"v1", "vase", {}, {}});
+  boxes.boxes.push_back({"v2", "", {}, {}});
+  const EpisodeSet set = make_episodes(of(Task::kSoon, entry({"v0", "v1"}, boxes)), graphs());
+  const auto& found = std::get<Boxes>(set.paths.at(0).goal).boxes;
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].object, "vase");
+  EXPECT_EQ(found[1].object, "");
+}
+
 TEST(Episodes, AGoalIsHiddenWhereTheFileHasNone) {
   EXPECT_TRUE(goals_hidden(make_episodes(of(Task::kRxr, entry({"v0"})), graphs())));
   EXPECT_TRUE(goals_hidden(make_episodes(of(Task::kSoon, entry({"v0"}, HiddenGoal())), graphs())));

@@ -63,6 +63,9 @@ std::string to_released_soon(const Annotations& annotations);
 bool needs_boxes(const Annotations& annotations);
 /// Where REVERIE's boxes may be in that folder: a file, or a folder.
 std::vector<std::filesystem::path> object_places();
+/// Where fine-grained R2R of a split may be in that folder, packed or not. load_annotations() reads
+/// it, with Task::kR2r.
+std::vector<std::filesystem::path> fine_grained_places(std::string_view split);
 
 /// RxR's followers, one trajectory per line.
 /// \throws as load_annotations(): missing or wrongly typed fields, a bad id, an empty path, a

@@ -99,6 +99,7 @@ struct Box {
   ViewpointIndex viewpoint;
   Direction centre;
   std::array<Direction, 4> corners;  ///< as NamedBox
+  std::string object = {};           ///< its name, "vase"; empty if the file has none
 };
 /// SOON's, as NamedBoxes.
 struct Boxes {

@@ -26,6 +26,13 @@ struct ViewedObject {
   friend bool operator==(const ViewedObject&, const ViewedObject&) = default;
 };
 
+/// What people call an object: "plant" of "plant#pot", "wall" of "wall /otherroom".
+std::string spoken_name(std::string_view name);
+/// Whether people would ask for an object of this name. They do not ask for a part of the building
+/// ("door frame", "wall /otherroom", mpcat40's "stairs"), nor by a word that fits anything
+/// ("object", "unknown"). Any case; blanks or "_" between words.
+bool can_be_asked_for(std::string_view name);
+
 /// The objects around the viewpoints of many scans. Immutable after reading: any thread.
 class ObjectBoxes {
  public:

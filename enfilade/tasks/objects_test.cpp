@@ -93,6 +93,89 @@ TEST(ObjectBoxes, AreSeenFromViewpointsInOrderOfIds) {
   EXPECT_EQ(counts.boxes, 4U);
 }
 
+// Names of Matterport3D's category_mapping.tsv and of mpcat40, and of the model homes.
+TEST(ObjectBoxes, PeopleAskForThingsAndNotForPartsOfTheBuilding) {
+  for (const char* part : {"door frame",
+                           "doorframe /otherroom",
+                           "door frame#wooden",
+                           "archway",
+                           "arch",
+                           "door",
+                           "sliding door",
+                           "garage door",
+                           "window",
+                           "window frame",
+                           "window/door",
+                           "skylight",
+                           "wall",
+                           "wall /otherroom",
+                           "kitchen wall",
+                           "wall_panel",
+                           "floor",
+                           "floor /outside",
+                           "ceiling",
+                           "ceiling_duct",
+                           "Ceiling",
+                           "roof",
+                           "stairs",
+                           "stair",
+                           "step",
+                           "staircase",
+                           "beam",
+                           "support beam",
+                           "railing",
+                           "balcony railing",
+                           "banister",
+                           "handrail",
+                           "facade",
+                           "molding",
+                           "skirting board",
+                           "landing",
+                           "object",
+                           "objects",
+                           "unknown /otherroom",
+                           "remove",
+                           "void",
+                           "misc",
+                           "unlabeled",
+                           "",
+                           " ",
+                           "#pot"}) {
+    EXPECT_FALSE(can_be_asked_for(part)) << part;
+  }
+  for (const char* thing : {"chest_of_drawers",
+                            "chest of drawers",
+                            "plant#pot",
+                            "coat",
+                            "toilet",
+                            "rug",
+                            "doormat",
+                            "bath mat",
+                            "wall clock",
+                            "wall lamp",
+                            "floor lamp",
+                            "ceiling fan",
+                            "window shade",
+                            "blinds",
+                            "column",
+                            "picture",
+                            "picture frame",
+                            "tv_monitor",
+                            "door handle",
+                            "stool",
+                            "step stool",
+                            "towel rail",
+                            "fireplace",
+                            "gym_equipment",
+                            "fence",
+                            "steamer"}) {
+    EXPECT_TRUE(can_be_asked_for(thing)) << thing;
+  }
+  EXPECT_EQ(spoken_name("plant#pot"), "plant");
+  EXPECT_EQ(spoken_name("wall /otherroom"), "wall");
+  EXPECT_EQ(spoken_name("chest of drawers"), "chest of drawers");
+}
+
 TEST(ObjectBoxes, IdsOfOtherDataSetsHaveOtherLengths) {
   const ObjectBoxes boxes = parse(R"({"00000-kfPV7w3FaU5_000007": {}, "a_b_c": {}})");
   EXPECT_TRUE(boxes.has("00000-kfPV7w3FaU5", "000007"));

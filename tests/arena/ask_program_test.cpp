@@ -140,6 +140,28 @@ TEST_F(AskProgram, SaysAloudThatItWaits) {
               HasSubstr("the server asks for a wait of 99999999 s; the next attempt is in 0.01 s"));
 }
 
+TEST_F(AskProgram, WritesWhatTheRunCost) {
+  Listener server;
+  server.answer = step_after;
+  write_file_atomically(file("prices"), R"({"m": {"prompt": 100000, "answer": 0}})");
+  const auto usage = [this] { return json::parse(read_file(file("run/usage.json"))); };
+  ASSERT_EQ(ask({"--endpoint", server.url(), "--prices", file("prices")}, {}), 0)
+      << read_file(file("errors"));
+  const json first = usage();
+  const auto answers = first.at("answers").get<double>();
+  EXPECT_GT(answers, 0);
+  EXPECT_EQ(first.at("prompt_tokens"), 10 * answers);
+  EXPECT_EQ(first.at("answer_tokens"), 5 * answers);
+  EXPECT_EQ(first.at("requests"), answers);
+  EXPECT_GT(first.at("seconds").get<double>(), 0);
+  EXPECT_DOUBLE_EQ(first.at("money").get<double>(), answers);  // 10 tokens of a tenth
+  ASSERT_EQ(ask({"--replay"}, {}), 0) << read_file(file("errors"));
+  json again = usage();
+  EXPECT_FALSE(again.contains("money")) << "no prices were given";
+  again["money"] = first.at("money");
+  EXPECT_EQ(again, first) << "the cache has the time of each answer";
+}
+
 TEST_F(AskProgram, ReadsEveryFileBeforeItAsks) {
   Listener server;
   struct Row {

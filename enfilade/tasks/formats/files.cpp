@@ -1,7 +1,9 @@
 #include "enfilade/tasks/files.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <initializer_list>
+#include <string>
 #include <variant>
 
 #include "enfilade/core/detail/json_entries.h"
@@ -157,6 +159,11 @@ std::vector<std::filesystem::path> object_places() {
           "BBoxes.json",
           "BBoxes.json.gz",
           "BBox"};
+}
+
+std::vector<std::filesystem::path> fine_grained_places(std::string_view split) {
+  const std::string name = fmt::format("FGR2R_{}.json", split);
+  return {"fgr2r/" + name, "Fine-Grained-R2R/data/" + name, name};
 }
 
 }  // namespace enfilade::tasks

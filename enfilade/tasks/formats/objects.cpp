@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <iterator>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/texts.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/tasks/formats/records.h"
 
@@ -321,7 +323,38 @@ void write_object(const ViewedObject& object, std::string& text) {
   text += "]}";
 }
 
+/// The last words of names of a building's parts, as Matterport3D's category_mapping.tsv has them.
+constexpr std::array<std::string_view, 38> kParts{
+    "arch",    "archway",      "balustrade",     "banister",  "baseboard",  "beam",
+    "ceiling", "ceiling duct", "ceiling pipe",   "door",      "door frame", "doorframe",
+    "doorway", "facade",       "floor",          "handrail",  "landing",    "lintel",
+    "molding", "moulding",     "paneling",       "panelling", "rafter",     "railing",
+    "roof",    "skirting",     "skirting board", "skylight",  "stair",      "staircase",
+    "stairs",  "stairwell",    "step",           "steps",     "wall",       "wall panel",
+    "window",  "window frame"};
+/// Words that fit any object.
+constexpr std::array<std::string_view, 10> kAnything{"clutter", "frame",    "misc",   "object",
+                                                     "objects", "other",    "remove", "unknown",
+                                                     "void",    "unlabeled"};
+
 }  // namespace
+
+std::string spoken_name(std::string_view name) {
+  name = name.substr(0, name.find_first_of("#/"));
+  const auto last = name.find_last_not_of(' ');
+  return std::string(name.substr(0, last == std::string_view::npos ? 0 : last + 1));
+}
+
+bool can_be_asked_for(std::string_view name) {
+  std::string words = lower_case(spoken_name(name));
+  std::ranges::replace(words, '_', ' ');
+  const auto is_part = [&words](std::string_view part) {
+    return words.ends_with(part) &&
+           (words.size() == part.size() || words[words.size() - part.size() - 1] == ' ');
+  };
+  return !words.empty() && std::ranges::count(kAnything, words) == 0 &&
+         std::ranges::none_of(kParts, is_part);
+}
 
 ObjectBoxes ObjectBoxes::parse(std::string_view json, const std::string& file) {
   const json::Document document = json::Document::parse(json, file);
