@@ -219,6 +219,9 @@ ExitCode ask(Options& options) {
       enum_name(report.answers), opened.title, options.split,
       data->synthetic() ? ", SYNTHETIC" : "");
   print_report(report, price);
+  if (report.done > 0) {
+    OutputFolder(folder).write("usage.json", arena::usage_json(report.ledger, price));
+  }
   for (const std::string& one : report.refused) say(stderr, "{}\n", one);
   for (const std::string& one : report.given_up) {
     say(stderr, "{} (left for the next run)\n", one);
@@ -231,7 +234,7 @@ ExitCode ask(Options& options) {
     say("With {} episodes a share of one half may be {:.1f} points off by chance.\n", report.done,
         100 * arena::chance_of(report.done));
   }
-  say("{}: results.json, transcripts/, run.json\n", options.output);
+  say("{}: results.json, transcripts/, run.json, usage.json\n", options.output);
   return report.done == report.episodes ? kSuccess : kFaultsFound;
 }
 

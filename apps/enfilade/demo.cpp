@@ -20,6 +20,7 @@
 #include "enfilade/core/file.h"
 #include "enfilade/core/output_folder.h"
 #include "enfilade/draw/floor_plan.h"
+#include "enfilade/homes/building_plan.h"
 #include "enfilade/report/results_table.h"
 #include "enfilade/tasks/results.h"
 #include "enfilade/tasks/score_table.h"
@@ -149,7 +150,7 @@ void print_agent(const std::string& agent, const std::string& split, const Measu
 
 // A floor plan with the reference path and where the random agent went.
 void draw_episode(const tasks::EpisodeSet& episodes, const tasks::Trajectory& trajectory,
-                  const fs::path& data, const OutputFolder& out, const std::string& file) {
+                  const dataset::Dataset& data, const OutputFolder& out, const std::string& file) {
   const tasks::Episode& episode = episodes.episodes[trajectory.episode];
   draw::PlannedPath reference{draw::PathRole::kReference, episodes.path_of(episode).viewpoints,
                               "reference path"};
@@ -161,8 +162,9 @@ void draw_episode(const tasks::EpisodeSet& episodes, const tasks::Trajectory& tr
   draw::FloorPlanOptions options;
   options.title = fmt::format("{}, episode {}", graph.scan(), episode.instruction_id);
   options.note = episode.text;
-  const auto underlay = home_underlay(data, graph);
-  if (underlay) options.underlay = &*underlay;
+  const homes::BuildingPlan plan =
+      homes::read_building_plan(data.folder(), data.panorama_places().images, graph);
+  options.underlay = plan.drawn();
   out.write(file, draw::floor_plan_svg(graph, {reference, agent}, options));
 }
 
@@ -181,8 +183,7 @@ void run_agents(const Options& options, const dataset::Dataset& data, const std:
       const OutputFolder out(options.output);
       out.write(fmt::format("{}_{}.json", name, split), to_json(trajectories, episodes));
       if (name == "random") {
-        draw_episode(episodes, trajectories.front(), data.folder(), out,
-                     fmt::format("plan_{}.svg", split));
+        draw_episode(episodes, trajectories.front(), data, out, fmt::format("plan_{}.svg", split));
       }
     }
     print_agent(name, split, measure(rows), seeds,

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <system_error>
+#include <optional>
 #include <utility>
 
 #include "apps/enfilade/picture_files.h"
 #include "enfilade/core/output_folder.h"
 #include "enfilade/dataset/views.h"
 #include "enfilade/draw/contact_sheet.h"
-#include "enfilade/draw/floor_plan.h"
 #include "enfilade/render/renderer.h"
 
 namespace enfilade::apps {
@@ -229,24 +228,6 @@ std::vector<std::string> draw_homes(const fs::path& folder, const fs::path& outp
     files.emplace_back((output / "walk.png").string());
   }
   return files;
-}
-
-std::optional<draw::PlanUnderlay> home_underlay(const fs::path& folder,
-                                                const graph::NavGraph& graph) {
-  std::error_code code;
-  if (!fs::exists(folder / "homes.json", code)) return std::nullopt;
-  auto homes = homes::read_home_list(folder);
-  const auto entry = std::ranges::find(homes, graph.scan(), &homes::HomeEntry::scan);
-  if (entry == homes.end()) return std::nullopt;
-  // The graph was changed since and has another number of storeys: the lines are drawn again.
-  if (entry->lines.storeys.size() != draw::find_storeys(graph).size()) entry->lines = {};
-  homes::HomeEntry home = homes::completed(std::move(*entry), folder);
-  for (const homes::RoomEntry& room : home.rooms) {
-    const Vec3d middle{(room.floor.x0 + room.floor.x1) / 2, (room.floor.y0 + room.floor.y1) / 2,
-                       room.elevation};
-    draw::add_text(home.lines, graph, to_float(middle), room.name);
-  }
-  return std::move(home.lines);
 }
 
 }  // namespace enfilade::apps

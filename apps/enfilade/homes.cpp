@@ -1,5 +1,7 @@
 // enfilade homes, its short form enfilade synth, and enfilade dataset: data sets of model homes.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -19,7 +21,7 @@ struct Options {
   std::string output, preset = "pretty", kind, corrections, shard, light;
   std::optional<std::size_t> homes, pretty;
   std::optional<std::uint64_t> seed;
-  std::optional<std::uint32_t> size, samples;
+  std::optional<std::uint32_t> size, samples, enlarge;
   std::vector<std::string> parts;
   std::uint32_t image_width = homes::HomeSetOptions().image_width;
   std::optional<double> area;
@@ -64,7 +66,24 @@ void print_homes(const std::vector<homes::HomeEntry>& homes) {
       sums[2]);
 }
 
+// "all" is what the program itself takes.
+constexpr const char* kAllTasks = "all";
+std::vector<std::string> tasks_of(const std::vector<std::string>& named) {
+  return std::ranges::find(named, kAllTasks) == named.end() ? named : homes::home_tasks();
+}
+
+void enlarge(const Options& options) {
+  const std::vector<std::string> scans = homes::enlarge_pictures(
+      options.output, *options.enlarge, options.threads, set_bar("larger pictures"));
+  if (scans.empty()) {
+    say("{}: no home has smaller faces than {} texels\n", options.output, *options.enlarge);
+  } else {
+    say("{}: faces of {} texels now\n", fmt::join(scans, ", "), *options.enlarge);
+  }
+}
+
 void make(const Options& options) {
+  if (options.enlarge) return enlarge(options);
   const homes::HomeSetOptions set = set_of(options);
   const auto [homes, notes] = homes::write_homes(options.output, set, set_bar("homes"));
   print_homes(homes);
@@ -80,7 +99,7 @@ void make(const Options& options) {
     return;
   }
   homes::HomePathOptions paths{
-      .per_home = options.paths, .tasks = options.tasks, .threads = options.threads};
+      .per_home = options.paths, .tasks = tasks_of(options.tasks), .threads = options.threads};
   if (options.seed) paths.seed = *options.seed;
   const auto report = homes::write_home_paths(options.output, paths, set_bar("paths"));
   say("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
@@ -89,10 +108,25 @@ void make(const Options& options) {
 void add_tasks_option(CLI::App& verb, std::vector<std::string>& tasks) {
   std::vector<std::string> known = homes::home_tasks();
   known.emplace_back("r2r");  // which is always written
+  known.emplace_back(kAllTasks);
   add_value(verb, "--tasks", tasks, "TASK,...",
-            "Benchmarks beside R2R, comma-separated; r2r: none (default: all)")
+            "Benchmarks beside R2R, comma-separated; all, or r2r: none (default: all)")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
+}
+
+// The other options say how homes are made: these are made already.
+void check_enlarge(const CLI::App& verb) {
+  for (const CLI::Option* option : verb.get_options()) {
+    const std::string name = option->get_name();
+    const bool may = name == "--enlarge" || name == "--output" || name == "--threads";
+    if (option->count() > 0 && !may) {
+      throw UsageError(fmt::format(
+          "--enlarge: with {}; the options of the homes in DIR stay, so only --threads may be "
+          "given beside it",
+          name));
+    }
+  }
 }
 
 struct DatasetOptions {
@@ -101,7 +135,9 @@ struct DatasetOptions {
 };
 
 void make_paths(const DatasetOptions& options) {
-  const auto report = homes::write_home_paths(options.folder, options.paths, set_bar("paths"));
+  homes::HomePathOptions paths = options.paths;
+  paths.tasks = tasks_of(paths.tasks);
+  const auto report = homes::write_home_paths(options.folder, paths, set_bar("paths"));
   say("{0}/r2r: {1} paths, {2} instructions, all SYNTHETIC; whole test paths in {0}/hidden\n",
       options.folder, report.paths, report.instructions);
 }
@@ -149,16 +185,23 @@ void add(CLI::App& app, int& /*status*/) {
             "Make shard K of N only; then run once without it");
   add_whole_number(verb, "--paths", options->paths, "Most R2R paths per home; 0: none", 0);
   add_tasks_option(verb, options->tasks);
+  add_value(verb, "--enlarge", options->enlarge, "N",
+            "Replace pictures of the homes there by faces of N texels")
+      ->check(whole_number(1, 4096));
   add_threads_option(verb, options->threads);
   set_examples(verb,
                {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
                 "enfilade homes -o homes --corrections homes-corrections",
                 "enfilade homes -o homes --preset full --shard 3/16",
                 "enfilade homes -o many --preset training --homes 300 --pretty 4",
+                "enfilade homes -o homes --enlarge 1024",
                 "enfilade contact-sheet home0001 --data homes -o home.png",
                 "enfilade graph draw home0001 --data homes -o plan.svg"},
                "An interrupted run resumes. All output is synthetic, and says so.");
-  verb.callback([options] { make(*options); });
+  verb.callback([&verb, options] {
+    if (options->enlarge) check_enlarge(verb);
+    make(*options);
+  });
 }
 
 void add_synth(CLI::App& app, int& /*status*/) {

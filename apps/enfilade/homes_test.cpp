@@ -156,6 +156,26 @@ TEST(KilledHomes, GoOnWherePathsWereAndGetTheSameBytes) {
   expect_same(folder.path(), reference);
 }
 
+TEST(HomeOptions, AllTasksCanBeNamedAndEnlargingStandsAlone) {
+  const TemporaryFolder folder("homes");
+  std::vector<std::string> words = paths_in(folder.path());
+  words.insert(words.end(), {"--tasks", "all"});
+  ASSERT_EQ(Process(words).wait(), 0);
+  for (const std::string& task : homes::home_tasks()) {
+    EXPECT_TRUE(fs::exists(folder.path() / task)) << task;
+  }
+  EXPECT_EQ(Process({EN_PROGRAM, "dataset", folder.path().string(), "--tasks", "all"}).wait(), 0);
+  const std::vector<std::string> enlarge{EN_PROGRAM,  "homes", "-o", folder.path().string(),
+                                         "--enlarge", "32"};
+  EXPECT_EQ(Process(enlarge).wait(), 0) << "homes without pictures stay so";
+  EXPECT_FALSE(fs::exists(folder.path() / "store"));
+  for (const char* option : {"--preset", "--size"}) {
+    std::vector<std::string> both = enlarge;
+    both.insert(both.end(), {option, option == std::string("--size") ? "16" : "small"});
+    EXPECT_EQ(Process(both).wait(), 2) << option;
+  }
+}
+
 std::string plan_of(const fs::path& folder, const fs::path& file) {
   Process run(
       {EN_PROGRAM, "graph", "draw", "home0001", "--data", folder.string(), "-o", file.string()});

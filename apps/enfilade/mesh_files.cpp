@@ -21,6 +21,7 @@
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
+#include "enfilade/homes/lit_home.h"
 #include "enfilade/tasks/continuous_episodes.h"
 
 namespace enfilade::apps {
@@ -86,19 +87,14 @@ mesh::WalkableFloor find_floor(const mesh::Mesh& mesh, const MeshOptions& option
 
 namespace {
 
-std::shared_ptr<const continuous::Scene> scene_of_home(const homes::PlanOptions& plan,
+// \param kept  its light, perhaps
+std::shared_ptr<const continuous::Scene> scene_of_home(const homes::BuiltHome& built,
                                                        const std::filesystem::path& kept,
                                                        int threads) {
-  const homes::BuiltHome built = homes::build_home(plan);
   if (file_exists(kept)) return continuous::Scene::load(built.tracer, kept);
   const mesh::LitMesh light(built.tracer, built.home.lights,
                             homes::bake_options(homes::HomeLight::kFine, threads));
   return continuous::Scene::lit(built.tracer, light, {.threads = threads});
-}
-
-// Where the light of a synthetic home is kept once it is made.
-std::filesystem::path home_light_file(const std::filesystem::path& data, const std::string& scan) {
-  return data / "light" / (scan + ".light");
 }
 
 }  // namespace
@@ -117,14 +113,18 @@ LightsReport make_home_lights(const dataset::Dataset& data, int threads) {
   const std::vector<homes::HomeEntry> homes = homes::read_home_list(data.folder());
   const Progress progress = progress_bar("light");
   for (const homes::HomeEntry& home : homes) {
-    const std::filesystem::path file = home_light_file(data.folder(), home.scan);
-    if (file_exists(file)) {
-      ++report.kept;
-    } else {
-      scene_of_home(home.plan, file, threads)
-          ->save(OutputFolder(data.folder()).file(home_light_file({}, home.scan).string()));
-      ++report.made;
+    const std::filesystem::path light = homes::home_light_file(home.scan);
+    const std::filesystem::path shown = homes::lit_home_file(home);
+    const bool kept = file_exists(data.folder() / light);
+    if (!kept || !file_exists(data.folder() / shown)) {
+      const OutputFolder out(data.folder());
+      const homes::BuiltHome built = homes::build_home(home.plan);
+      const auto scene = scene_of_home(built, data.folder() / light, threads);
+      if (!kept) scene->save(out.file(light.generic_string()));
+      out.write(shown.generic_string(),
+                homes::packed_lit_home(built, scene->surface_light(), threads));
     }
+    ++(kept ? report.kept : report.made);
     if (progress) progress(report.made + report.kept, homes.size());
   }
   return report;
@@ -136,7 +136,8 @@ std::shared_ptr<const continuous::Scene> scene_of_scan(const dataset::Dataset& d
   if (source.folder.empty() && file_exists(data.folder() / "homes.json")) {
     for (const homes::HomeEntry& home : homes::read_home_list(data.folder())) {
       if (home.scan == scan) {
-        return scene_of_home(home.plan, home_light_file(data.folder(), scan), threads);
+        return scene_of_home(homes::build_home(home.plan),
+                             data.folder() / homes::home_light_file(scan), threads);
       }
     }
   }

@@ -55,8 +55,9 @@ std::optional<dataset::MeshFile> find_mesh_file(const std::filesystem::path& dat
 struct LightsReport {
   std::size_t made = 0, kept = 0;
 };
-/// Computes the light of all synthetic homes of a data set, and stores it. Existing light stays.
-/// \throws FileError
+/// Computes the light of all synthetic homes of a data set, and stores it, with their meshes as
+/// viewers show them (homes/lit_home.h). Existing files stay.
+/// \throws FileError; InvalidInput for light of another home
 LightsReport make_home_lights(const dataset::Dataset& data, int threads);
 
 /// The scene of a synthetic home or of the scan's mesh file. A home is made again with its

@@ -8,9 +8,12 @@
 #include <semaphore.h>
 #include <sys/socket.h>
 #include <unistd.h>
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -18,6 +21,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "apps/common/program.h"
@@ -35,6 +39,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string data, database, phases, log, organiser;
+  std::uint32_t faces = 1024;  // texels, of a first visit's homes
   service::ServerConfig config;
 };
 
@@ -153,9 +158,23 @@ void wait_until_scored(service::Client& client, std::int64_t submission) {
   }
 }
 
+// How far a set of homes is: a bar, or without a terminal a line for each home that is made.
+homes::SetProgress told_homes(std::size_t homes) {
+  return [homes, bar = progress_bar("model homes"), told = std::size_t{0}](
+             const std::string&, std::size_t done, std::size_t total) mutable {
+    if (bar) return bar(done, total);
+    for (; told < done * homes / total; ++told) say("home {} of {} is made\n", told + 1, homes);
+    std::fflush(stdout);
+  };
+}
+
+// What the first page waits for: less than a minute of two cores for both homes.
+constexpr std::uint32_t kFirstFaces = 512;
+
 // Synthetic homes below the current folder. Those of `enfilade demo` if they are there, else two
-// that are made now, with pictures of 512 texels and instructions. Files of a killed run are kept.
-fs::path make_first_homes() {
+// that are made now, with pictures of at most kFirstFaces texels and instructions. Files of a
+// killed run are kept.
+fs::path make_first_homes(std::uint32_t faces) {
   fs::path of_demo = "enfilade-demo/homes", own = "enfilade-demo/two-homes";
   if (is_complete(of_demo)) return of_demo;
   if (is_complete(own)) return own;
@@ -167,13 +186,40 @@ fs::path make_first_homes() {
   homes::HomeSetOptions two = homes::home_set_preset("pretty");
   two.homes = 2;
   two.stairs_every = 0;
-  two.least_area = two.most_area = 60;  // square metres: less than a minute of two cores for both
-  two.face_size = 512;
-  homes::write_homes(own, two, set_bar("two model homes"));
+  two.least_area = two.most_area = 60;  // square metres
+  two.face_size = fs::exists(own / "homes.json") ? homes::read_home_options(own).face_size
+                                                 : std::min(faces, kFirstFaces);
+  homes::write_homes(own, two, told_homes(two.homes));
   homes::HomePathOptions paths;
   paths.test_split = false;
   homes::write_home_paths(own, paths, set_bar("instructions"));
   return own;
+}
+
+// Makes the pictures of these homes again with larger faces, while they are looked at. In a process
+// of its own: it yields to this one, its memory is given back, and it ends with this one at any
+// moment (docs/design/larger-pictures.md). \param count of homes to work on  \param changing
+// becomes false when it is done
+void enlarge_beside(const fs::path& homes, std::size_t count, std::uint32_t faces,
+                    const std::shared_ptr<std::atomic<bool>>& changing) {
+  const homes::HomeSetOptions made = homes::read_home_options(homes);
+  say("Larger pictures of {} are being made beside, in some minutes; --faces {} leaves that out.\n",
+      counted(count, "home"), made.pretty > 0 ? homes::kPrettyFaceSize : made.face_size);
+  std::thread([homes = homes.string(), faces, changing] {
+    const int status = run_command({"sh", "-c", "exec nice -n 10 \"$0\" \"$@\" >/dev/null 2>&1",
+                                    own_program().string(), "homes", "--output", homes, "--enlarge",
+                                    std::to_string(faces)});
+    changing->store(false);
+    if (status == kSuccess) {
+      say("The larger pictures are there: load a page again to see them.\n");
+    } else if (status != kInternal) {  // that is also what Ctrl-C gives it
+      say(stderr,
+          "warning: larger pictures were not made; `enfilade homes -o {} --enlarge {}` "
+          "tells why\n",
+          homes, faces);
+    }
+    std::fflush(stdout);
+  }).detach();
 }
 
 // Submits, for each phase, results of two agents that learn nothing: the shortest path, an oracle,
@@ -194,7 +240,7 @@ void submit_first_agents(const fs::path& data, const service::Site& site,
   }
 }
 
-/// Whoever names neither a data set nor rules for one gets something to look at.
+/// A user who names neither a data set nor rules for one gets something to look at.
 bool is_first_visit(const Options& options) {
   return options.data.empty() && options.phases.empty() &&
          !dataset::Dataset::from_environment().has_value();
@@ -251,7 +297,8 @@ ExitCode serve(Options options) {
     if (options.organiser.empty()) options.organiser = "you";
     if (options.log.empty()) options.log = "none";  // what it prints is to be read
   }
-  const fs::path data = first_visit ? make_first_homes() : open_data(options.data).folder();
+  const fs::path data =
+      first_visit ? make_first_homes(options.faces) : open_data(options.data).folder();
   listen_for_the_end();  // until now a signal ends the process at once
   service::ServerConfig& config = options.config;
   config.database = database_of(options.database, data / "enfilade-service.sqlite");
@@ -262,6 +309,11 @@ ExitCode serve(Options options) {
   const auto warn = [](std::string_view text) { say(stderr, "warning: {}\n", text); };
   for (const std::string& notice : site->notices()) warn(notice);
   config.warn = warn;
+  // True before the first request: a browser would keep a small picture for a day.
+  const std::size_t to_enlarge =
+      first_visit ? homes::scans_to_enlarge(data, options.faces).size() : 0;
+  const auto changing = std::make_shared<std::atomic<bool>>(to_enlarge > 0);
+  config.pictures_change = [changing] { return changing->load(); };
   service::give_back_large_memory();
   service::Server server(site, config);
   if (first_visit) show_first_agents(data, *site, options, server.port());
@@ -269,6 +321,7 @@ ExitCode serve(Options options) {
   say("{} scans{} at {}{}\n", site->graphs().size(),
       site->synthetic() ? " (model homes: synthetic)" : "", address,
       service::has_web_client() ? "" : "api/v1/ (this build has no web client)");
+  if (to_enlarge > 0) enlarge_beside(data, to_enlarge, options.faces, changing);
   if (!options.organiser.empty()) print_first_steps(options, address);
   std::fflush(stdout);
   while (sem_wait(&asked_to_end) != 0) {  // until the process is asked to end
@@ -436,6 +489,9 @@ void add(CLI::App& app, int& status) {
                 "Anyone can make a team; secret goals still need an approval");
   verb.add_flag("--accept-leak", options->config.accept_leak,
                 "Serve phases whose limits give all their goals away");
+  add_setting(verb, "--faces", options->faces, "N",
+              "Texels of a first visit's faces; above 512 made while serving",
+              whole_number(1, 4096));
   verb.add_option(
           "--log", options->log,
           "One line per request on stderr: text, json or none (default: text; none if DIR and "

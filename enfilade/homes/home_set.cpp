@@ -32,7 +32,7 @@ using sets::scan_name;
 constexpr std::string_view kMarker = "# Model homes: a SYNTHETIC data set made by Enfilade\n";
 constexpr std::size_t kMostHomes = 10000;
 // Raised when a change of the program makes other pictures from the same options.
-constexpr int kGeneration = 2;
+constexpr int kGeneration = 3;
 // Progress of a home: the whole, when its mesh and graph are made, when its light is computed; its
 // pictures take the rest.
 constexpr std::size_t kUnits = 100, kBuilt = 8, kLit = 28;
@@ -260,10 +260,10 @@ void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivit
   const auto lit = std::make_shared<mesh::LitMesh>(built.tracer, built.home.lights, bake);
   tell(kLit);
   const mesh::CaptureOptions capture{.samples = options.samples};
-  const std::string state =
-      fmt::format("model home, generation {}, seed {}, {} triangles, samples {}{}", kGeneration,
-                  built.home.plan.seed, built.home.mesh.triangles.size(), options.samples,
-                  options.light == HomeLight::kFine ? "" : ", coarse light");
+  const std::string state = fmt::format(
+      "model home, generation {}, seed {}, {} triangles, samples {}{}, faces of {}", kGeneration,
+      built.home.plan.seed, built.home.mesh.triangles.size(), options.samples,
+      options.light == HomeLight::kFine ? "" : ", coarse light", options.face_size);
   const capture::MeshPanoramas panoramas(lit, connectivity, options.face_size, capture, state);
   const scan::PackOptions pack{.colour = scan::ColourCoding::kJpeg,
                                .jpeg_quality = options.jpeg_quality,
@@ -271,6 +271,14 @@ void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivit
   scan::pack(panoramas, out.folder("store").path(), pack, [&](std::size_t done, std::size_t total) {
     tell(kLit + (kUnits - kLit) * done / std::max<std::size_t>(total, 1));
   });
+}
+
+// Before corrections.
+scan::Connectivity named_graph(const std::string& scan, const BuiltHome& built, int threads) {
+  scan::Connectivity graph = build_graph(built, sets::draws_of(scan), threads);
+  graph.scan = scan;
+  graph.file = scan + "_connectivity.json";
+  return graph;
 }
 
 std::vector<scan::ScanRegions> regions_of(const Homes& homes) {
@@ -399,11 +407,7 @@ class HomeWriter {
   }
 
   scan::Connectivity graph_of(std::size_t home, const BuiltHome& built) const {
-    const std::string scan = scan_name(home);
-    scan::Connectivity graph = build_graph(built, sets::draws_of(scan), options_.threads);
-    graph.scan = scan;
-    graph.file = scan + "_connectivity.json";
-    return graph;
+    return named_graph(scan_name(home), built, options_.threads);
   }
 
   // Writes the graph with the home's corrections, if it has any. \returns what was written
@@ -451,6 +455,70 @@ HomeSetReport write_homes(const fs::path& folder, const HomeSetOptions& options,
                           const SetProgress& progress) {
   validate(options);
   return HomeWriter(folder, options, progress).run();
+}
+
+namespace {
+
+// The home's graph as its store has it, if this version makes it, too. Else its pictures would be
+// of another home.
+scan::Connectivity graph_of_store(const HomeEntry& home, const BuiltHome& built,
+                                  const scan::Store& store, const fs::path& folder, int threads) {
+  scan::Connectivity graph = named_graph(home.scan, built, threads);
+  if (built.home.mesh.triangles.size() != home.triangles ||
+      to_json(graph) != to_json(store.connectivity())) {
+    throw FileError(fmt::format(
+        "{}: this version of Enfilade makes another {} of these options; its pictures stay",
+        folder.string(), home.scan));
+  }
+  return graph;
+}
+
+std::uint32_t face_size_of(const scan::Store& store) {
+  std::uint32_t size = 0;
+  for (std::size_t v = 0; v < store.size(); ++v) {
+    size = std::max(size, store.face_sizes(ViewpointIndex(v))[index(scan::Layer::kColour)]);
+  }
+  return size;
+}
+
+}  // namespace
+
+std::vector<std::string> scans_to_enlarge(const fs::path& folder, std::uint32_t face_size) {
+  const std::vector<std::string> pretty = pretty_homes(read_home_options(folder));
+  std::vector<std::string> scans;
+  for (const HomeEntry& home : read_home_list(folder)) {
+    const fs::path file = scan::store_file(folder / "store", home.scan);
+    if (!pretty.empty() && !std::ranges::binary_search(pretty, home.scan)) continue;
+    if (!file_exists(file) || face_size_of(*scan::Store::open(file)) >= face_size) continue;
+    scans.push_back(home.scan);
+  }
+  return scans;
+}
+
+std::vector<std::string> enlarge_pictures(const fs::path& folder, std::uint32_t face_size,
+                                          int threads, const SetProgress& progress) {
+  check_range("face_size", face_size, 1, 4096);
+  const fs::path list_file = folder / "homes.json";
+  const HomeList list = sets::parse_home_list(read_file(list_file), list_file.string());
+  std::vector<std::string> scans = scans_to_enlarge(folder, face_size);
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    const std::string& scan = scans[k];
+    const auto tell = [&](std::size_t units) {
+      if (progress) progress(scan, k * kUnits + units, scans.size() * kUnits);
+    };
+    tell(0);
+    const HomeEntry& home = *std::ranges::find(list.homes, scan, &HomeEntry::scan);
+    const auto store = scan::Store::open(scan::store_file(folder / "store", scan));
+    const BuiltHome built = build_home(home.plan);
+    const scan::Connectivity graph = graph_of_store(home, built, *store, folder, threads);
+    HomeSetOptions options =
+        picture_options(list.options, place_of(scan, list.options.homes, list_file, ""));
+    options.face_size = face_size;
+    options.threads = threads;
+    take_pictures(built, graph, options, OutputFolder(folder), tell);
+    tell(kUnits);
+  }
+  return scans;
 }
 
 HomeSetOptions read_home_options(const fs::path& folder) {

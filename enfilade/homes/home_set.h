@@ -134,6 +134,26 @@ using SetProgress =
 HomeSetReport write_homes(const std::filesystem::path& folder, const HomeSetOptions& options,
                           const SetProgress& progress = {});
 
+/// The scans that enlarge_pictures() would work on, in the list's order. Reads no picture.
+/// \throws FileError; InvalidInput for a broken list or store
+std::vector<std::string> scans_to_enlarge(const std::filesystem::path& folder,
+                                          std::uint32_t face_size);
+/// Makes the pictures of a folder's homes again with larger faces, home by home. In a set with
+/// pretty homes it makes theirs alone, as the others are for training. Light and rays per texel are
+/// those of the folder's options, which stay in its list: a store says its own size. Each store is
+/// replaced by a rename, so that readers find the old one or the new, and those that have it open
+/// keep it. A killed call is continued by the next. Stores of such faces or larger ones stay, and
+/// homes without pictures are left without.
+/// \param threads 0: all cores; the files are the same for any number
+/// \returns the scans whose stores were replaced
+/// \throws ArgumentError for a face size not from 1 to 4096
+/// \throws FileError also if this version makes another home of the options, or another process is
+/// at the same work
+/// \throws InvalidInput for a broken list or store
+std::vector<std::string> enlarge_pictures(const std::filesystem::path& folder,
+                                          std::uint32_t face_size, int threads,
+                                          const SetProgress& progress = {});
+
 /// The options that the homes of a folder were made with. \throws FileError, InvalidInput
 HomeSetOptions read_home_options(const std::filesystem::path& folder);
 

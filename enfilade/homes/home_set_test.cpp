@@ -92,6 +92,62 @@ TEST(HomeSet, GoesOnWhereItWasAndRefusesWhatIsNotItsOwn) {
   EXPECT_THROW(read_home_list(folder.path()), InvalidInput);
 }
 
+std::uint32_t face_size(const fs::path& folder, const std::string& scan) {
+  const auto store = scan::Store::open(scan::store_file(folder / "store", scan));
+  EXPECT_TRUE(store->verify().empty()) << scan;
+  return store->face_sizes(ViewpointIndex(0))[index(scan::Layer::kColour)];
+}
+
+TEST(EnlargedPictures, AreThoseOfASetThatWasMadeWithThem) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
+  const TemporaryFolder small("homes"), large("homes_large");
+  write_homes(small.path(), tiny(1, 8));
+  write_homes(large.path(), tiny(1, 16));
+  auto should = content_of(small.path());
+  const auto before = scan::Store::open(scan::store_file(small.path() / "store", "home0001"));
+  const auto seen = scan::read_panorama(*before, ViewpointIndex(0));
+  EXPECT_THAT(enlarge_pictures(small.path(), 16, 2), ::testing::ElementsAre("home0001"));
+  EXPECT_EQ(face_size(small.path(), "home0001"), 16U);
+  should["store/home0001.enfilade"] = content_of(large.path()).at("store/home0001.enfilade");
+  EXPECT_EQ(content_of(small.path()), should) << "nothing else changes, and nothing is left over";
+  // Who had the old store open goes on reading it.
+  EXPECT_EQ(scan::read_panorama(*before, ViewpointIndex(0)).colour[0].pixels,
+            seen.colour[0].pixels);
+  EXPECT_TRUE(enlarge_pictures(small.path(), 16, 2).empty()) << "once";
+  EXPECT_TRUE(enlarge_pictures(small.path(), 8, 2).empty()) << "never smaller";
+  EXPECT_EQ(write_homes(small.path(), tiny(1, 8)).homes.size(), 1U) << "its options are the same";
+  EXPECT_EQ(face_size(small.path(), "home0001"), 16U);
+}
+
+TEST(EnlargedPictures, AreOfPrettyHomesWhereThereAreAny) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
+  const TemporaryFolder folder("homes");
+  write_homes(folder.path(), tiny(2, 8));
+  const fs::path list = folder.path() / "homes.json";
+  auto json = nlohmann::ordered_json::parse(read_file(list));
+  json["options"]["pretty"] = 1;
+  write_file_atomically(list, json.dump());
+  EXPECT_THAT(enlarge_pictures(folder.path(), 12, 2), ::testing::ElementsAre("home0001"));
+  EXPECT_EQ(face_size(folder.path(), "home0002"), 8U) << "it is for training";
+}
+
+TEST(EnlargedPictures, AreNotThoseOfAnotherHome) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
+  const TemporaryFolder folder("homes"), without("homes_without");
+  write_homes(folder.path(), tiny(1, 8));
+  const fs::path list = folder.path() / "homes.json";
+  auto json = nlohmann::ordered_json::parse(read_file(list));
+  json["homes"][0]["triangles"] = 12;
+  write_file_atomically(list, json.dump());
+  EXPECT_THAT(tests::refusal<FileError>([&] { enlarge_pictures(folder.path(), 16, 2); }),
+              HasSubstr("makes another home0001"));
+  EXPECT_EQ(face_size(folder.path(), "home0001"), 8U);
+  EXPECT_THROW(enlarge_pictures(folder.path(), 0, 2), ArgumentError);
+  EXPECT_THROW(enlarge_pictures(without.path(), 16, 2), FileError) << "no list of homes";
+  write_homes(without.path(), tiny(1, 0));
+  EXPECT_TRUE(enlarge_pictures(without.path(), 16, 2).empty()) << "without pictures";
+}
+
 // A shard that begins beside another sees its first file half written, or what is left of a kill.
 TEST(HomeSet, AFolderWithNothingButUnfinishedFilesIsEmpty) {
   const TemporaryFolder folder("homes");

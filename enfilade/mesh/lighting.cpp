@@ -34,6 +34,7 @@ void check_lights(const Lights& lights) {
   check_finite("sky.ground", lights.sky.ground, 0);
   check_finite("sun.towards", lights.sun.towards, kAny);
   check_finite("sun.irradiance", lights.sun.irradiance, 0);
+  check_range("sun.radius", lights.sun.radius, 0, 0.5);
   check_finite("ambient", lights.ambient, 0);
   for (const Lamp& lamp : lights.lamps) {
     check_finite("lamp.position", lamp.position, kAny);
@@ -62,6 +63,29 @@ struct Onward {
   std::span<const Ray> all() const { return std::span(rays).first(count); }
 };
 
+// Directions to the parts of the sun's disc. Their angles are all different, and their distances
+// from its middle, so that each part has the same area; each four in turn have one in each quarter
+// of the disc, and one in each of four rings. All are the middle of a sun without size.
+std::array<Vec3f, kSunParts> parts_of(const Sun& sun) {
+  const Vec3f middle = unit(sun.towards);
+  const Vec3f beside =
+      unit(cross(middle, std::abs(middle.z) < 0.9F ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0}));
+  const Vec3f across = cross(middle, beside);
+  std::array<Vec3f, kSunParts> parts;
+  parts.fill(middle);
+  if (sun.radius <= 0) return parts;
+  constexpr std::size_t kFour = 4;
+  for (std::size_t k = 0; k < kSunParts; ++k) {
+    const std::size_t four = k / kFour, quarter = k % kFour;
+    const double angle = 2 * kPi * static_cast<double>(kFour * quarter + four) / kSunParts;
+    const double ring = static_cast<double>(kFour * ((quarter + 2 * four) % kFour) + four) + 0.5;
+    const double far = std::tan(double{sun.radius}) * std::sqrt(ring / kSunParts);
+    parts[k] = unit(middle + static_cast<float>(far * std::cos(angle)) * beside +
+                    static_cast<float>(far * std::sin(angle)) * across);
+  }
+  return parts;
+}
+
 // The point moved off its surface, along the normal.
 Vec3f lifted(Vec3f at, Vec3f normal) {
   const float far = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
@@ -82,6 +106,7 @@ struct LitMesh::Impl {
       : tracer(std::move(with)),
         lights(std::move(of)),
         sun(unit(lights.sun.towards)),
+        sun_parts(parts_of(lights.sun)),
         sunny(luminance(lights.sun.irradiance) > 0),
         surfaces(tracer->mesh()),
         baked(Baker(*tracer, surfaces, lights, options, progress).run()) {}
@@ -99,6 +124,7 @@ struct LitMesh::Impl {
   std::shared_ptr<const RayTracer> tracer;
   Lights lights;
   Vec3f sun;
+  std::array<Vec3f, kSunParts> sun_parts;
   bool sunny;
   LitSurfaces surfaces;
   BakedLight baked;
@@ -140,7 +166,8 @@ void LitMesh::Impl::look(std::span<const Ray> rays, std::span<const Hit> hits,
     const Vec3f from = lifted(surfaces.position(hit.triangle, hit.u, hit.v), turned * geometric);
     const float cosine = dot(normal, sun);
     if (sunny && cosine > 0 && turned * dot(geometric, sun) > 0) {
-      to_sun.add(i, from, sun, cosine / kFloatPi * colour * lights.sun.irradiance);
+      to_sun.add(i, from, sun_parts[i % kSunParts],
+                 cosine / kFloatPi * colour * lights.sun.irradiance);
     }
     if (reflects) {
       const Vec3f back = way - 2 * dot(way, normal) * normal;

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -23,6 +24,9 @@ struct Sky {
 struct Sun {
   Vec3f towards{0.4F, -0.5F, 0.76F};  ///< direction from the ground to the sun, any length
   Vec3f irradiance;                   ///< on a surface facing it; 0: no sun
+  /// Radians: half the angle that its disc fills, at most 0.5. LitMesh::look() gives shadows soft
+  /// edges by it; 0: sharp ones.
+  float radius = 0;
 };
 /// A spherical light source, invisible itself. Give the lamp's shade an emission: emissive surfaces
 /// do not block the light of lamps.
@@ -60,6 +64,9 @@ struct BakeOptions {
   int threads = 0;  ///< 0: all cores
 };
 
+/// Into how many parts the sun's disc is divided for soft shadows.
+inline constexpr std::size_t kSunParts = 16;
+
 /// A point of a triangle, on one of its sides.
 struct SurfacePoint {
   std::uint32_t triangle = 0;
@@ -83,7 +90,9 @@ class LitMesh {
   const Mesh& mesh() const noexcept { return tracer().mesh(); }
   const Lights& lights() const noexcept;
   /// Radiance that arrives at each ray's origin: of the lit surface, one reflection in mirrors, or
-  /// the sky.
+  /// the sky. Shadow rays go to kSunParts parts of the sun's disc in turn, four to its four
+  /// quarters. So the mean over neighbouring rays has soft edges. In these edges, a ray's result
+  /// depends on its place in `rays`.
   /// \pre sizes are equal
   /// \param spread angle between neighbouring rays, radians: textures are averaged over it
   void look(std::span<const Ray> rays, std::span<Vec3f> radiance, float spread = 0) const;
@@ -91,7 +100,8 @@ class LitMesh {
   void look(std::span<const Ray> rays, std::span<const Hit> hits, std::span<Vec3f> radiance,
             float spread = 0) const;
   /// The light on points of surfaces, sunlight included: irradiance / pi, that is the radiance
-  /// which a white matt surface has there. \pre sizes are equal
+  /// which a white matt surface has there. The sun is a point, whatever its radius. \pre sizes are
+  /// equal
   void light(std::span<const SurfacePoint> points, std::span<Vec3f> radiance) const;
   /// Luminance that pictures of this mesh should show as mid-grey: the median of indoor surfaces
   /// without ceilings (of all surfaces if none is indoors).
@@ -129,5 +139,15 @@ struct VertexLightOptions {
 /// cut. There are no normals. Deterministic.
 /// \throws ArgumentError for options out of range
 Mesh with_vertex_light(const LitMesh& light, const VertexLightOptions& options = {});
+
+/// The light on a mesh, from wherever it is kept.
+struct SurfaceLight {
+  /// LitMesh::light() times `exposure`. Spans have equal sizes. Called by several threads at once.
+  std::function<void(std::span<const SurfacePoint>, std::span<Vec3f>)> at;
+  float exposure = 1;  ///< of surfaces that shine, too; light of 0.18 times 1 / it is mid-grey
+};
+/// The same of a mesh with that light. \throws ArgumentError also without SurfaceLight::at
+Mesh with_vertex_light(const Mesh& mesh, const SurfaceLight& light,
+                       const VertexLightOptions& options = {});
 
 }  // namespace enfilade::mesh

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -78,6 +79,48 @@ TEST(Lighting, LampOverAFloorFallsOffAsItShould) {
     EXPECT_NEAR(seen.y / seen.x, 2.0 / 3, 1e-4);
   }
   EXPECT_EQ(look(mesh, {0, 0, -1}, {0, 0, 1}), Vec3f{}) << "the floor's other side is dark";
+}
+
+// Below the edge of a sheet 1 m above the floor, the share of the sun's disc that is seen.
+TEST(Lighting, ASunWithSizeHasSoftShadows) {
+  Assembly assembly;
+  assembly.quad(assembly.material({0.5F, 0.5F, 0.5F}), {-4, -4, 0}, {8, 0, 0}, {0, 8, 0});
+  assembly.quad(assembly.material({0, 0, 0}), {0, -4, 1}, {3, 0, 0}, {0, 8, 0});
+  Lights lights = darkness();
+  lights.sun = {{0, 0, 1}, {2, 2, 2}, 0.1F};
+  const LitMesh mesh = lit(assembly, lights, {.bounces = 0});
+  const float sunny = 0.5F * 2 / kPi;
+  const auto seen = [&](float x) {
+    std::array<Ray, kSunParts> rays;
+    std::array<Vec3f, kSunParts> radiance;
+    rays.fill({{x, 0.3F, 0.5F}, {0, 0, -1}});
+    mesh.look(rays, radiance);
+    return radiance;
+  };
+  const double edge = std::tan(0.1);  // metres from the middle of the edge to its end
+  for (const double into : {-1.05, -0.9, -0.5, -0.2, 0.0, 0.2, 0.5, 0.9, 1.05}) {
+    const auto radiance = seen(static_cast<float>(into * edge));
+    const double t = std::clamp(into, -1.0, 1.0);
+    const double share = (std::acos(t) - t * std::sqrt(1 - t * t)) / kPi;  // of a disc
+    double sum = 0;
+    for (std::size_t four = 0; four < kSunParts; four += 4) {
+      double part = 0;
+      for (std::size_t k = four; k < four + 4; ++k) part += radiance[k].x / sunny;
+      EXPECT_NEAR(part / 4, share, 0.4) << into << ": a pixel's four rays";
+      sum += part;
+    }
+    // For edges in any direction, the count of parts is at most 2.3 off, and that of four 1.6.
+    EXPECT_NEAR(sum / kSunParts, share, 2.3 / kSunParts) << into;
+    if (std::abs(into) > 1) {
+      EXPECT_NEAR(sum / kSunParts, into < 0 ? 1 : 0, 1e-5) << "outside of the edge nothing changes";
+    }
+  }
+  lights.sun.radius = 0;
+  const LitMesh sharp = lit(assembly, lights, {.bounces = 0});
+  EXPECT_NEAR(look_down(sharp, -0.01F, 0.3F, 0.5F).x, sunny, 1e-5);
+  EXPECT_EQ(look_down(sharp, 0.01F, 0.3F, 0.5F).x, 0);
+  lights.sun.radius = -0.1F;
+  EXPECT_THROW(lit(assembly, lights), ArgumentError);
 }
 
 TEST(Lighting, OpenFloorUnderAnEvenSkyGetsPiTimesItsRadiance) {

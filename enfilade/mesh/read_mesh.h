@@ -72,5 +72,8 @@ void write_obj(const Mesh& mesh, const OutputFolder& folder, const std::string& 
 void write_glb(const Mesh& mesh, const std::filesystem::path& file);
 /// The bytes of that file. \throws ArgumentError if they are more than 4 GiB
 std::string to_glb(const Mesh& mesh);
+/// The same for viewers, packed as gzip does. Numbers whose last bits say nothing are rounded, so
+/// that it has half the size: positions to 1/65536 m, texture points to 1/4096, colours to 1/512.
+std::string to_packed_glb(Mesh mesh);
 
 }  // namespace enfilade::mesh

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -64,12 +65,8 @@ void check_options(const VertexLightOptions& o) {
 
 class Cutter {
  public:
-  Cutter(const LitMesh& light, const VertexLightOptions& options)
-      : light_(light),
-        mesh_(light.mesh()),
-        options_(options),
-        surroundings_(mesh_),
-        exposure_(image::kMidGrey<float> / light.key()) {}
+  Cutter(const Mesh& mesh, const SurfaceLight& light, const VertexLightOptions& options)
+      : light_(light), mesh_(mesh), options_(options), surroundings_(mesh_) {}
 
   Mesh run() {
     make_whole_triangles();
@@ -126,10 +123,9 @@ class Cutter {
     constexpr std::size_t kGrain = 1024;
     std::vector<Vec3f> found(points.size());
     parallel_for(points.size(), kGrain, options_.threads, [&](std::size_t a, std::size_t b) {
-      light_.light(std::span(points).subspan(a, b - a), std::span(found).subspan(a, b - a));
+      light_.at(std::span(points).subspan(a, b - a), std::span(found).subspan(a, b - a));
     });
-    for (std::size_t k = 0; k < points.size(); ++k)
-      corners_[first + k].light = exposure_ * found[k];
+    for (std::size_t k = 0; k < points.size(); ++k) corners_[first + k].light = found[k];
   }
 
   static std::uint64_t edge(std::uint32_t a, std::uint32_t b) {
@@ -262,7 +258,7 @@ class Cutter {
     constexpr Vec3f kReflected{0.45F, 0.47F, 0.5F};
     if (shines(material)) {
       const auto part = [](float x) { return std::clamp(x, 0.0F, 1.0F); };
-      const Vec3f glow = exposure_ * material.emission;
+      const Vec3f glow = light_.exposure * material.emission;
       material.colour = {part(glow.x), part(glow.y), part(glow.z)};
       material.texture = {};
       material.cutout = 0;
@@ -275,11 +271,10 @@ class Cutter {
     return material;
   }
 
-  const LitMesh& light_;
+  const SurfaceLight& light_;
   const Mesh& mesh_;
   const VertexLightOptions& options_;
   Surroundings surroundings_;
-  float exposure_;
   std::vector<Corner> corners_;
   std::vector<Piece> pieces_;
   std::unordered_map<std::uint64_t, Middle> middles_;
@@ -288,8 +283,19 @@ class Cutter {
 }  // namespace
 
 Mesh with_vertex_light(const LitMesh& light, const VertexLightOptions& options) {
+  const float exposure = image::kMidGrey<float> / light.key();
+  const auto at = [&](std::span<const SurfacePoint> points, std::span<Vec3f> found) {
+    light.light(points, found);
+    for (Vec3f& radiance : found) radiance = exposure * radiance;
+  };
+  return with_vertex_light(light.mesh(), {at, exposure}, options);
+}
+
+Mesh with_vertex_light(const Mesh& mesh, const SurfaceLight& light,
+                       const VertexLightOptions& options) {
   check_options(options);
-  return Cutter(light, options).run();
+  if (!light.at) throw ArgumentError("light: none");
+  return Cutter(mesh, light, options).run();
 }
 
 }  // namespace enfilade::mesh

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "enfilade/core/errors.h"
@@ -116,6 +117,35 @@ TEST(VertexLight, WhatShinesShowsItsOwnLight) {
     if (mesh.triangle_material[t] != 1) continue;
     for (const std::uint32_t k : mesh.triangles[t]) EXPECT_EQ(mesh.colours[k], (Vec3f{1, 1, 1}));
   }
+}
+
+TEST(VertexLight, LightThatIsKeptSomewhereIsTakenAsItIs) {
+  const LitMesh lit = half_in_the_sun();
+  // Red in the north, green in the south; exposed already.
+  const auto kept = [&lit](std::span<const SurfacePoint> points, std::span<Vec3f> radiance) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const auto& [a, b, c] = lit.mesh().triangles[points[k].triangle];
+      const auto& p = lit.mesh().positions;
+      const float y =
+          (1 - points[k].u - points[k].v) * p[a].y + points[k].u * p[b].y + points[k].v * p[c].y;
+      radiance[k] = y > 2 ? Vec3f{0.5F, 0, 0} : Vec3f{0, 0.25F, 0};
+    }
+  };
+  const Mesh mesh = with_vertex_light(lit.mesh(), {kept, 1}, {.least_edge = 0.1, .threads = 2});
+  std::size_t red = 0, green = 0;
+  for (std::size_t k = 0; k < mesh.positions.size(); ++k) {
+    const float y = mesh.positions[k].y;
+    if (y > 2.01F) {
+      EXPECT_EQ(mesh.colours[k], (Vec3f{0.5F, 0, 0})) << y;
+      ++red;
+    } else if (y < 1.99F) {
+      EXPECT_EQ(mesh.colours[k], (Vec3f{0, 0.25F, 0})) << y;
+      ++green;
+    }
+  }
+  EXPECT_GT(red, 10U);
+  EXPECT_GT(green, 10U);
+  EXPECT_THROW(with_vertex_light(lit.mesh(), {}), ArgumentError);
 }
 
 TEST(VertexLight, ThreadsChangeNothingAndOptionsAreChecked) {

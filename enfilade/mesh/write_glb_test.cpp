@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "enfilade/core/gzip.h"
 #include "enfilade/mesh/mesh_builder.h"
 #include "enfilade/mesh/mpcat40.h"
 #include "enfilade/mesh/read_mesh.h"
@@ -66,6 +67,22 @@ std::vector<std::tuple<std::string, std::uint32_t, Corners>> triangles(const Mes
   }
   std::ranges::sort(all);
   return all;
+}
+
+TEST(WriteGlb, PackedForViewersHasRoundedNumbers) {
+  Mesh made = still_life();
+  made.colours.assign(made.positions.size(), {1 / 3.0F, 0.5F, 2 / 3.0F});
+  made.positions.front().x = 1 / 3.0F;
+  const std::string plain = to_glb(made), packed = to_packed_glb(made);
+  EXPECT_LT(packed.size(), plain.size());
+  const Mesh read = parse_mesh(gunzip(packed, 2 * plain.size()), "still.glb").mesh;
+  ASSERT_EQ(read.triangles.size(), made.triangles.size());
+  const Box is = bounds(read), should = bounds(made);
+  EXPECT_NEAR(length(is.low - should.low), 0, 2.0 / 65536) << "half a step along each axis";
+  EXPECT_NEAR(length(is.high - should.high), 0, 2.0 / 65536);
+  for (const Vec3f c : read.colours) {
+    EXPECT_EQ(c, (Vec3f{171 / 512.0F, 0.5F, 341 / 512.0F})) << "thirds, to 1/512";
+  }
 }
 
 TEST(WriteGlb, IsReadBackWithTheSameTrianglesMaterialsAndTextures) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <span>
@@ -13,6 +14,7 @@
 
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
+#include "enfilade/core/gzip.h"
 #include "enfilade/core/output_folder.h"
 #include "enfilade/image/codecs.h"
 #include "enfilade/image/tone.h"
@@ -281,6 +283,23 @@ class GlbWriter {
 }  // namespace
 
 std::string to_glb(const Mesh& mesh) { return GlbWriter(mesh).write(); }
+
+std::string to_packed_glb(Mesh mesh) {
+  const auto round_to = [](float x, float steps) { return std::round(x * steps) / steps; };
+  // Positions that are coarser open cracks between surfaces that meet.
+  constexpr float kPosition = 65536, kTexture = 4096, kLight = 512;
+  for (Vec3f& p : mesh.positions) {
+    p = {round_to(p.x, kPosition), round_to(p.y, kPosition), round_to(p.z, kPosition)};
+  }
+  for (Vec3f& c : mesh.colours) {
+    c = {round_to(c.x, kLight), round_to(c.y, kLight), round_to(c.z, kLight)};
+  }
+  for (auto& corners : mesh.texture_points) {
+    for (TexturePoint& t : corners) t = {round_to(t.u, kTexture), round_to(t.v, kTexture)};
+  }
+  constexpr int kLevel = 6;
+  return gzip(to_glb(mesh), kLevel);
+}
 
 void write_glb(const Mesh& mesh, const std::filesystem::path& file) {
   write_file_atomically(file, to_glb(mesh));

@@ -4,18 +4,17 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 #include <utility>
 
 #include "apps/common/program.h"
 #include "apps/enfilade/drawn_path.h"
-#include "apps/enfilade/home_pictures.h"
 #include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/graph/check.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/building_plan.h"
 
 namespace enfilade::apps::graph_verb {
 namespace {
@@ -163,11 +162,11 @@ std::vector<PlannedPath> paths_of(const DrawnPath& drawn) {
   return paths;
 }
 
-// Of --mesh, else of a model home.
-std::optional<draw::PlanUnderlay> underlay_of(const DrawArguments& a, const dataset::Dataset& data,
-                                              const graph::NavGraph& graph) {
-  if (a.mesh.empty()) return home_underlay(data.folder(), graph);
-  return draw::plan_underlay(read_mesh_file(a.mesh, {}), graph);
+// Drawn from --mesh, else from what the data set tells of the building.
+homes::BuildingPlan plan_of(const DrawArguments& a, const dataset::Dataset& data,
+                            const graph::NavGraph& graph) {
+  if (!a.mesh.empty()) return {{}, draw::plan_underlay(read_mesh_file(a.mesh, {}), graph)};
+  return homes::read_building_plan(data.folder(), data.panorama_places().images, graph);
 }
 
 void draw_plan(const DrawArguments& a) {
@@ -187,9 +186,9 @@ void draw_plan(const DrawArguments& a) {
     options.goal = draw::planned_goal(drawn.path(), drawn.goal_name());
   }
   const graph::NavGraph& graph = data.graphs()->graph(scan);
-  const auto underlay = underlay_of(a, data, graph);
-  if (underlay) options.underlay = &*underlay;
-  if (underlay && a.mesh.empty()) {  // a model home
+  const homes::BuildingPlan plan = plan_of(a, data, graph);
+  options.underlay = plan.drawn();
+  if (data.synthetic()) {
     options.title = (options.title.empty() ? graph.scan() : options.title) + " (synthetic)";
   }
   const std::string output = a.output.empty() ? scan + ".svg" : a.output;

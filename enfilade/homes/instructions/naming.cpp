@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "enfilade/mesh/mpcat40.h"
+#include "enfilade/tasks/objects.h"
 
 namespace enfilade::homes::instructions {
 namespace {
@@ -252,16 +253,17 @@ std::string spoken_noun(const HomeThing& thing, Rng& rng) {
   return std::string(nouns[rng.below(nouns.size())]);
 }
 
-// How much people care for things of a category, [0, 1].
-double category_weight(std::uint16_t category) {
+// How much people care for an object, [0, 1].
+double object_weight(const mesh::Object& object) {
   using enum mesh::Mpcat40::Category;
-  static constexpr std::array kNever{kWall, kDoor, kStairs, kCeiling, kBeam};
-  static constexpr std::array kSeldom{kWindow, kRailing};
+  static constexpr std::array kPassed{kWindow, kRailing};  // on the way, but never asked for
   static constexpr std::array kSometimes{kCushion, kCurtain, kTowel,  kLighting,
                                          kBlinds,  kClothes, kObjects};
-  const auto is_in = [&](const auto& list) { return std::ranges::count(list, category) > 0; };
-  if (is_in(kNever)) return 0;
-  if (is_in(kSeldom)) return 0.1;
+  const auto is_in = [&](const auto& list) {
+    return std::ranges::count(list, object.category) > 0;
+  };
+  if (is_in(kPassed)) return 0.1;
+  if (!tasks::can_be_asked_for(object.name)) return 0;
   return is_in(kSometimes) ? 0.4 : 1;
 }
 
@@ -443,8 +445,7 @@ bool Naming::is_way(std::size_t room) const {
 
 double weight_of(const Home& home, std::size_t thing) {
   const std::uint32_t object = home.things[thing].object;
-  return object < home.mesh.objects.size() ? category_weight(home.mesh.objects[object].category)
-                                           : 1;
+  return object < home.mesh.objects.size() ? object_weight(home.mesh.objects[object]) : 1;
 }
 
 bool is_plural(std::string_view name) {

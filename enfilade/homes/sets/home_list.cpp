@@ -1,8 +1,6 @@
 #include "enfilade/homes/sets/home_list.h"
 
 #include <fmt/format.h>
-#include <array>
-#include <cmath>
 #include <concepts>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -27,7 +25,6 @@ using json::Element;
 using json::Faults;
 using json::Path;
 using Json = nlohmann::ordered_json;
-using Kind = draw::UnderlayLine::Kind;
 
 constexpr std::string_view kPrefix = "home";  // of a scan's name
 constexpr std::string_view kFormat = "enfilade-homes";
@@ -35,16 +32,6 @@ constexpr std::int64_t kVersion = 1;
 // The largest coordinate (metres) or area (m2) that is read: far beyond any home, and small enough
 // for the lines, whose ends are floats.
 constexpr double kMostNumber = 1e6;
-
-struct LineName {
-  const char* name;
-  Kind kind;
-};
-constexpr std::array<LineName, 5> kLines{{{"walls", Kind::kWall},
-                                          {"doors", Kind::kDoor},
-                                          {"windows", Kind::kWindow},
-                                          {"stairs", Kind::kStairs},
-                                          {"furniture", Kind::kThing}}};
 
 template <class T, class Object>
 concept ConstOrNot = std::same_as<std::remove_const_t<T>, Object>;
@@ -76,7 +63,7 @@ void for_fields(ConstOrNot<RoomEntry> auto& room, auto& visit) {
 }
 
 void for_fields(ConstOrNot<draw::UnderlayStorey> auto& storey, auto& visit) {
-  for (const LineName& line : kLines) visit.lines(line, storey.lines);
+  for (const draw::UnderlayKind& kind : draw::kUnderlayKinds) visit.lines(kind, storey.lines);
 }
 
 void for_fields(ConstOrNot<HomeEntry> auto& home, auto& visit) {
@@ -114,14 +101,8 @@ class Writer {
     out_[name] = json_of(value);
   }
   // As x, y of both ends of each line.
-  void lines(const LineName& which, const std::vector<draw::UnderlayLine>& lines) {
-    Json& numbers = out_[which.name] = Json::array();
-    for (const draw::UnderlayLine& line : lines) {
-      if (line.kind != which.kind) continue;
-      for (const float metres : {line.from.x, line.from.y, line.to.x, line.to.y}) {
-        numbers.push_back(std::round(1000.0 * metres) / 1000);
-      }
-    }
+  void lines(const draw::UnderlayKind& which, const std::vector<draw::UnderlayLine>& lines) {
+    out_[which.name] = draw::line_ends(lines, which.kind);
   }
 
  private:
@@ -165,7 +146,7 @@ class Reader {
   void optional(const char* name, T& value) {
     read_field({name, false}, value);
   }
-  void lines(const LineName& which, std::vector<draw::UnderlayLine>& lines) {
+  void lines(const draw::UnderlayKind& which, std::vector<draw::UnderlayLine>& lines) {
     std::vector<double> numbers;
     optional(which.name, numbers);
     if (numbers.size() % 4 != 0) {
