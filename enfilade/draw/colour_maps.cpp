@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -22,6 +23,21 @@ namespace {
 constexpr std::array<std::uint32_t, 16> kDepthColours{
     0xfde725, 0xd2e21b, 0xa5db36, 0x7ad151, 0x54c568, 0x35b779, 0x22a884, 0x1f988b,
     0x23888e, 0x2a788e, 0x31688e, 0x39568c, 0x414487, 0x472f7d, 0x481a6c, 0x440154};
+
+// Colours of ids 1, 2, ... as 0xRRGGBB. Wall, floor and ceiling are pale. The others were chosen
+// one by one, common categories first: of a grid of moderate chroma, the colour that is farthest in
+// CIELAB from those before.
+constexpr std::array<std::uint32_t, kChosenColours> kIdColours{
+    0xbacbe3, 0xc49a6c, 0xe098fb, 0x08bc47, 0x2cfbe0, 0xf2238f, 0xf2e93e, 0xaa083e, 0x082caa,
+    0x1a5008, 0x6b2359, 0xbc1a08, 0xb3fb6b, 0x8f8f08, 0xa111a1, 0xfb9811, 0xf3eacd, 0x7db374,
+    0x8f74aa, 0xfb8662, 0x6b2c1a, 0x747dfb, 0x625008, 0xf2e086, 0xe986a1, 0x2c3e62, 0xaa6208,
+    0x087dce, 0x08fbaa, 0x08473e, 0x08aab3, 0x473e8f, 0xfb4759, 0x08bcfb, 0x478608, 0xfb62d7,
+    0xfbc5fb, 0x087d59, 0x98f2f2, 0xbc59a1, 0x2c7da1};
+
+constexpr Rgb split_rgb(std::uint32_t rgb) {
+  return {static_cast<std::uint8_t>(rgb >> 16U), static_cast<std::uint8_t>(rgb >> 8U & 0xffU),
+          static_cast<std::uint8_t>(rgb & 0xffU)};
+}
 
 std::uint8_t to_level(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
@@ -154,7 +170,7 @@ Rgb depth_colour(double share) {
   const double part = place - static_cast<double>(i);
   Rgb colour;
   for (std::size_t c = 0; c < colour.size(); ++c) {
-    const auto level = [&](std::uint32_t rgb) { return rgb >> (16 - 8 * c) & 0xffU; };
+    const auto level = [&](std::uint32_t rgb) { return split_rgb(rgb)[c]; };
     colour[c] = to_level((1 - part) * level(kDepthColours[i]) + part * level(kDepthColours[i + 1]));
   }
   return colour;
@@ -162,6 +178,7 @@ Rgb depth_colour(double share) {
 
 Rgb id_colour(std::uint32_t id) {
   if (id == 0) return kNothing;
+  if (id <= kChosenColours) return split_rgb(kIdColours[id - 1]);
   constexpr double kGolden = 0.61803398874989485;
   // Four kinds of saturation and value, so that ids of like hue (21, 34, 55 apart) differ in them.
   constexpr std::array<std::array<double, 2>, 4> kKinds{
@@ -176,17 +193,47 @@ double farthest_depth(const image::Image16& depth) {
   return std::max(1.0, std::ceil(std::ranges::max(depth.pixels) / scan::kDepthUnitsPerMetre));
 }
 
+DepthRange depth_range(std::span<const image::Image16> depth) {
+  constexpr double kLeftOut = 0.05;  // at either end
+  constexpr double kLeast = 0.5;     // m
+  std::vector<std::size_t> pixels(std::size_t{1} << 16);
+  for (const image::Image16& picture : depth) {
+    for (const std::uint16_t units : picture.pixels) ++pixels[units];
+  }
+  pixels[0] = 0;  // no reading
+  const auto all = std::accumulate(pixels.begin(), pixels.end(), std::size_t{0});
+  if (all == 0) return {};
+  // The reading that has this share of all at or below it, in decimetres.
+  const auto decimetres = [&](double share) {
+    const double wanted = share * static_cast<double>(all);
+    std::size_t units = 0, counted = 0;
+    while (static_cast<double>(counted) < wanted) counted += pixels[++units];
+    return static_cast<double>(units) / scan::kDepthUnitsPerMetre * 10;
+  };
+  const double nearest = std::floor(decimetres(kLeftOut)) / 10;
+  return {nearest, std::max(std::ceil(decimetres(1 - kLeftOut)) / 10, nearest + kLeast)};
+}
+
+image::Image8 colour_depth(const image::Image16& depth, const DepthRange& range) {
+  const auto& [nearest, farthest] = range;
+  if (!std::isfinite(nearest) || !std::isfinite(farthest) || !(nearest < farthest)) {
+    throw ArgumentError(
+        fmt::format("range: {} to {} metres; nearest < farthest is expected", nearest, farthest));
+  }
+  std::vector<Rgb> colours(std::size_t{1} << 16);
+  for (std::size_t units = 1; units < colours.size(); ++units) {
+    const double metres = static_cast<double>(units) / scan::kDepthUnitsPerMetre;
+    colours[units] = depth_colour((metres - nearest) / (farthest - nearest));
+  }
+  colours[0] = kNothing;
+  return coloured(depth, [&](std::uint16_t units) { return colours[units]; });
+}
+
 image::Image8 colour_depth(const image::Image16& depth, double farthest) {
   if (!(farthest > 0) || !std::isfinite(farthest)) {
     throw ArgumentError(fmt::format("farthest: {} metres; more than 0 is expected", farthest));
   }
-  std::vector<Rgb> colours(std::size_t{1} << 16);
-  for (std::size_t units = 1; units < colours.size(); ++units) {
-    colours[units] =
-        depth_colour(static_cast<double>(units) / scan::kDepthUnitsPerMetre / farthest);
-  }
-  colours[0] = kNothing;
-  return coloured(depth, [&](std::uint16_t units) { return colours[units]; });
+  return colour_depth(depth, DepthRange{0, farthest});
 }
 
 image::Image8 colour_ids(const image::Image16& ids) { return coloured_ids(ids); }

@@ -28,8 +28,12 @@ inline constexpr Rgb kNothing{128, 128, 128};
 /// \param share clamped to [0, 1]
 Rgb depth_colour(double share);
 
-/// A fixed colour for each id: hues in steps of the golden ratio, so that consecutive ids differ
-/// most. 0 is kNothing.
+/// Number of ids whose colours are chosen: Matterport3D's categories 1 .. 41.
+inline constexpr std::uint32_t kChosenColours = 41;
+
+/// A fixed colour for each id. Those of 1 .. kChosenColours are at least 25 apart in CIELAB
+/// (CIE76), from each other and from kNothing. Above: hues in steps of the golden ratio, so that
+/// consecutive ids differ most. 0 is kNothing.
 Rgb id_colour(std::uint32_t id);
 
 /// Upper end of the depth scale for a picture: its largest reading, rounded up to whole metres; 1
@@ -41,6 +45,21 @@ double farthest_depth(const image::Image16& depth);
 /// beyond it has its colour
 /// \throws ArgumentError if depth has more than one channel, or unless farthest > 0
 image::Image8 colour_depth(const image::Image16& depth, double farthest);
+
+/// The distances between which the colours of a depth picture change, metres.
+struct DepthRange {
+  double nearest = 0;   ///< this and less: depth_colour(0)
+  double farthest = 1;  ///< this and more: depth_colour(1)
+};
+
+/// The range of most readings of some pictures, from their 5th to their 95th percentile. It is
+/// rounded outwards to decimetres, and at least half a metre long. {0, 1} without readings.
+/// \param depth quarter millimetres, 0: no reading
+DepthRange depth_range(std::span<const image::Image16> depth);
+
+/// Colours of depth within a range. \param depth as above
+/// \throws ArgumentError if depth has more than one channel, or unless nearest < farthest
+image::Image8 colour_depth(const image::Image16& depth, const DepthRange& range);
 
 /// Colours of ids. \throws ArgumentError for more than one channel (here and below)
 image::Image8 colour_ids(const image::Image16& ids);

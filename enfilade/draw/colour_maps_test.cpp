@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "enfilade/core/errors.h"
@@ -84,6 +85,43 @@ TEST(ColourDepth, FarthestIsAWholeMetreAndNeverNone) {
   EXPECT_EQ(farthest_depth(picture_of<std::uint16_t>(1, {65535})), 17);
 }
 
+TEST(DepthRange, IsThatOfMostReadings) {
+  // Nearly all readings lie evenly from 1 to 3 m; the rest is the frame of a door and a window.
+  std::vector<std::uint16_t> units;
+  for (int i = 0; i < 180; ++i) units.push_back(static_cast<std::uint16_t>(4000 + i * 8000 / 179));
+  for (int i = 0; i < 8; ++i) units.push_back(400);
+  for (int i = 0; i < 8; ++i) units.push_back(60000);
+  for (int i = 0; i < 50; ++i) units.push_back(0);  // no reading counts for nothing
+  const auto range = depth_range(std::array{picture_of<std::uint16_t>(41, std::move(units))});
+  EXPECT_NEAR(range.nearest, 1, 1e-9);
+  EXPECT_NEAR(range.farthest, 3, 1e-9);
+}
+
+TEST(DepthRange, IsNeverNothing) {
+  const auto range_of = [](std::vector<std::uint16_t> units) {
+    return depth_range(std::array{picture_of<std::uint16_t>(2, std::move(units))});
+  };
+  EXPECT_EQ(range_of({0, 0}).nearest, 0);
+  EXPECT_EQ(range_of({0, 0}).farthest, 1);
+  EXPECT_NEAR(range_of({8000, 8000}).nearest, 2, 1e-9);
+  EXPECT_NEAR(range_of({8000, 8000}).farthest, 2.5, 1e-9);
+  EXPECT_EQ(depth_range({}).farthest, 1);
+}
+
+TEST(ColourDepth, SpreadsReadingsOverARange) {
+  const auto depth = picture_of<std::uint16_t>(5, {0, 4000, 8000, 12000, 40000});
+  const image::Image8 picture = colour_depth(depth, DepthRange{2, 4});
+  EXPECT_EQ(pixel(picture, 0, 0), kNothing);
+  EXPECT_EQ(pixel(picture, 1, 0), depth_colour(0));
+  EXPECT_EQ(pixel(picture, 2, 0), depth_colour(0));
+  EXPECT_EQ(pixel(picture, 3, 0), depth_colour(0.5));
+  EXPECT_EQ(pixel(picture, 4, 0), depth_colour(1));
+  for (const DepthRange wrong : {DepthRange{2, 2}, DepthRange{3, 2}, DepthRange{0, std::nan("")}}) {
+    EXPECT_THAT([&] { (void)colour_depth(depth, wrong); },
+                ThrowsMessage<ArgumentError>(HasSubstr("nearest < farthest")));
+  }
+}
+
 TEST(ColourDepth, RefusesWhatIsNoDepth) {
   const image::Image16 two(1, 1, 2);
   EXPECT_THAT([&] { (void)colour_depth(two, 1); },
@@ -94,15 +132,42 @@ TEST(ColourDepth, RefusesWhatIsNoDepth) {
   }
 }
 
-TEST(IdColour, FirstFortyAreTellableApartAndFromNothing) {
-  for (std::uint32_t a = 1; a <= 40; ++a) {
-    EXPECT_GT(distance(id_colour(a), kNothing), 40) << a;
-    for (std::uint32_t b = a + 1; b <= 40; ++b) {
-      // Twelve levels: about the least that eyes tell apart side by side.
-      EXPECT_GE(distance(id_colour(a), id_colour(b)), 12) << a << " and " << b;
+// CIELAB of an sRGB colour (white D65), from the definitions of IEC 61966-2-1 and CIE 15.
+std::array<double, 3> lab(Rgb colour) {
+  const auto linear = [](double level) {
+    return level <= 10.31475 ? level / 255 / 12.92 : std::pow((level / 255 + 0.055) / 1.055, 2.4);
+  };
+  const double r = linear(colour[0]), g = linear(colour[1]), b = linear(colour[2]);
+  const auto root = [](double t) {
+    return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116;
+  };
+  const double x = root((0.4124564 * r + 0.3575761 * g + 0.1804375 * b) / 0.95047);
+  const double y = root(0.2126729 * r + 0.7151522 * g + 0.0721750 * b);
+  const double z = root((0.0193339 * r + 0.1191920 * g + 0.9503041 * b) / 1.08883);
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
+}
+
+// CIE76.
+double lab_distance(Rgb a, Rgb b) {
+  const auto p = lab(a), q = lab(b);
+  return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
+}
+
+TEST(IdColour, CategoriesAreTellableApartAndFromNothing) {
+  EXPECT_NEAR(lab_distance({255, 255, 255}, {0, 0, 0}), 100, 0.01);
+  for (std::uint32_t a = 1; a <= kChosenColours; ++a) {
+    EXPECT_GE(lab_distance(id_colour(a), kNothing), 25) << a;
+    for (std::uint32_t b = a + 1; b <= kChosenColours; ++b) {
+      EXPECT_GE(lab_distance(id_colour(a), id_colour(b)), 25) << a << " and " << b;
     }
-    // Ids that follow each other must differ plainly.
-    EXPECT_GT(distance(id_colour(a), id_colour(a + 1)), 60) << a;
+  }
+  constexpr std::uint32_t kPicture = 6, kWindow = 9;  // both hang on walls
+  EXPECT_GE(lab_distance(id_colour(kPicture), id_colour(kWindow)), 60);
+}
+
+TEST(IdColour, IdsThatFollowEachOtherDifferPlainly) {
+  for (std::uint32_t id = 1; id <= 500; ++id) {
+    EXPECT_GT(distance(id_colour(id), id_colour(id + 1)), 50) << id;
   }
 }
 

@@ -155,11 +155,17 @@ PlanUnderlay plan_underlay(const mesh::Mesh& mesh, const graph::NavGraph& graph)
   return underlay;
 }
 
-void add_text(PlanUnderlay& underlay, const graph::NavGraph& graph, Vec3f at,
-              const std::string& text) {
-  const std::vector<GraphStorey> storeys = find_storeys(graph);
-  if (storeys.empty() || underlay.storeys.size() != storeys.size()) return;
-  underlay.storeys[nearest_storey(storeys, at.z)].texts.push_back({at, text});
+std::vector<double> line_ends(const std::vector<UnderlayLine>& lines, UnderlayLine::Kind kind,
+                              double step) {
+  const double steps = std::round(1 / step);  // in a metre
+  std::vector<double> ends;
+  for (const UnderlayLine& line : lines) {
+    if (line.kind != kind) continue;
+    for (const double metres : {line.from.x, line.from.y, line.to.x, line.to.y}) {
+      ends.push_back(std::round(metres * steps) / steps);
+    }
+  }
+  return ends;
 }
 
 }  // namespace enfilade::draw

@@ -1,5 +1,6 @@
 /// \file  Background of a floor plan: walls, doors, windows, stairs and room names.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -24,6 +25,25 @@ struct UnderlayLine {
   Vec3f from, to;  ///< world, metres
 };
 
+/// A kind of lines as files name it.
+struct UnderlayKind {
+  const char* name;
+  UnderlayLine::Kind kind;
+};
+/// All kinds, in the order of files.
+inline constexpr std::array<UnderlayKind, 5> kUnderlayKinds{
+    {{"walls", UnderlayLine::Kind::kWall},
+     {"doors", UnderlayLine::Kind::kDoor},
+     {"windows", UnderlayLine::Kind::kWindow},
+     {"stairs", UnderlayLine::Kind::kStairs},
+     {"furniture", UnderlayLine::Kind::kThing}}};
+
+/// The lines of a kind as files have them, in metres. A line has four numbers: x and y of the
+/// start, x and y of the end.
+/// \param step metres to which they are rounded, > 0
+std::vector<double> line_ends(const std::vector<UnderlayLine>& lines, UnderlayLine::Kind kind,
+                              double step = 0.001);
+
 /// A word on a building's plan, such as a room's name.
 struct UnderlayText {
   Vec3f at;  ///< centre; world, metres
@@ -46,9 +66,5 @@ struct PlanUnderlay {
 /// mpcat40. Leaves out everything more than 3 m outside the box around a storey's viewpoints. \pre
 /// mesh::check() finds no errors
 PlanUnderlay plan_underlay(const mesh::Mesh& mesh, const graph::NavGraph& graph);
-
-/// Adds a text to the storey whose floor is nearest. Does nothing if there is no storey.
-void add_text(PlanUnderlay& underlay, const graph::NavGraph& graph, Vec3f at,
-              const std::string& text);
 
 }  // namespace enfilade::draw

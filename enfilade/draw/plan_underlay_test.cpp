@@ -104,9 +104,14 @@ TEST(PlanUnderlay, StoreysAreCutEachAndStairsBetween) {
   EXPECT_GT(count(underlay.storeys[0], Kind::kStairs), 16U);
   EXPECT_EQ(count(underlay.storeys[1], Kind::kStairs), 0U);
   for (const UnderlayLine& line : underlay.storeys[1].lines) EXPECT_GT(line.from.z, 3);
-  add_text(underlay, graph_at(floors), {1, 1, 3.1F}, "bedroom");
-  ASSERT_EQ(underlay.storeys[1].texts.size(), 1U);
-  EXPECT_TRUE(underlay.storeys[0].texts.empty());
+}
+
+TEST(PlanUnderlay, LinesAreWrittenAsFourNumbersOfAKind) {
+  const std::vector<UnderlayLine> lines{{Kind::kDoor, {1.00049F, 2, 0}, {3, -4.0006F, 0}},
+                                        {Kind::kWall, {9, 9, 0}, {8, 8, 0}}};
+  EXPECT_EQ(line_ends(lines, Kind::kDoor), (std::vector<double>{1, 2, 3, -4.001}));
+  EXPECT_EQ(line_ends(lines, Kind::kDoor, 0.01), (std::vector<double>{1, 2, 3, -4}));
+  EXPECT_TRUE(line_ends(lines, Kind::kStairs).empty());
 }
 
 TEST(PlanUnderlay, LeavesOutWhatIsFarAway) {
@@ -119,7 +124,7 @@ TEST(PlanUnderlay, LeavesOutWhatIsFarAway) {
 
 TEST(FloorPlan, DrawsTheUnderlayInsteadOfShading) {
   PlanUnderlay underlay = plan_underlay(furnished(), one_room());
-  add_text(underlay, one_room(), {3, 2, 0}, "bed & breakfast");
+  underlay.storeys.front().texts.push_back({{3, 2, 0}, "bed & breakfast"});
   FloorPlanOptions options;
   options.underlay = &underlay;
   const std::string svg = floor_plan_svg(one_room(), {}, options);

@@ -91,6 +91,12 @@ std::string name_of_goal(const tasks::EpisodeSet& episodes, const tasks::Episode
     return objects == nullptr ? "" : name_of_object(*objects, episodes.graph_of(episode), *object);
   }
   if (std::holds_alternative<tasks::Region>(path.goal)) return target_of(episode.text);
+  if (const auto* boxes = std::get_if<tasks::Boxes>(&path.goal)) {
+    // An instruction's own words for it may be a sentence: "Find the orange pair of shoes."
+    for (const tasks::Box& box : boxes->boxes) {
+      if (std::string name = without_article(box.object); !name.empty()) return name;
+    }
+  }
   for (const auto& [name, text] : episode.details.fields) {
     if (name == "obj_name") return without_article(text);
   }

@@ -33,8 +33,8 @@ std::optional<PlannedGoal> planned_goal(const tasks::ReferencePath& path,
                                         std::string_view what = {});
 
 /// The name of a goal's object or region, without details after a number sign. REVERIE: as in the
-/// boxes. CVDN: the instruction's end (`<TAR> plant`). SOON: its `obj_name`, "The vase." without
-/// article and full stop. Empty if it has no name.
+/// boxes. CVDN: the instruction's end (`<TAR> plant`). SOON: the first name that a box has, else
+/// the instruction's `obj_name`; "The vase." without article and full stop. Empty without a name.
 std::string name_of_goal(const tasks::EpisodeSet& episodes, const tasks::Episode& episode,
                          const tasks::ObjectBoxes* objects);
 

@@ -106,6 +106,12 @@ TEST(PlannedGoal, IsNamed) {
   EXPECT_EQ(name_of_goal(set, {"", 0, 0, "", {}}, nullptr), "");
   EXPECT_EQ(name_of_goal(set, {"", 1, 0, "<NAV> where? <TAR> chair", {}}, nullptr), "chair");
   EXPECT_EQ(name_of_goal(set, soon, nullptr), "lamp");
+  // The boxes' own name is no sentence.
+  soon.details.fields = {{"obj_name", "Find the orange pair of shoes. "}};
+  tasks::Box unnamed, named;
+  named.object = "shoes";
+  set.paths[2] = path_to(tasks::Boxes{{unnamed, named}, {}});
+  EXPECT_EQ(name_of_goal(set, soon, nullptr), "shoes");
 }
 
 TEST(PlannedGoal, HasAShotThatLooksAtTheObject) {

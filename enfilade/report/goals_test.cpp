@@ -3,17 +3,16 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 
-#include "enfilade/core/base64.h"
 #include "enfilade/report/parts/parts.h"
 #include "enfilade/tasks/objects.h"
 #include "tests/support/made_run.h"
+#include "tests/support/page.h"
 
 namespace enfilade::report {
 namespace EN_UNIT {
+using testing::decoded;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -45,15 +44,9 @@ class Goals : public ::testing::Test {
   ScoredRun run_;
 };
 
-std::string decoded(const std::string& uri) {
-  const std::string_view base64 = std::string_view(uri).substr(uri.find(',') + 1);
-  std::string text(base64_bytes(base64).value_or(0), '\0');
-  EXPECT_EQ(decode_base64(base64, std::as_writable_bytes(std::span(text))), std::string_view::npos);
-  return text;
-}
-
 TEST_F(Goals, PlansMarkWhoSeesTheObject) {
-  const auto part = parts::plans_part(run_, episodes_, {{"worst", 0}});
+  parts::BuildingPlans plans(*data_);
+  const auto part = parts::plans_part(run_, episodes_, {{"worst", 0}}, plans);
   ASSERT_EQ(part.at("plans").size(), 1U);
   const std::string svg = decoded(part["plans"][0].at("picture").get<std::string>());
   EXPECT_THAT(svg, HasSubstr("sees the plant (1 viewpoint)"));

@@ -56,6 +56,7 @@ class Reporter {
         data_(data),
         floor_(config.benchmark->continuous()),
         progress_(floor_ ? Progress() : progress),
+        plans_(data),
         found_(find_runs(config.runs, data, *config.benchmark)),
         runs_(score_runs(found_, data, floor_ ? progress : Progress())),
         synthetic_(data.synthetic()) {
@@ -100,8 +101,9 @@ class Reporter {
     chosen_run_ = parts::choose_run(runs_, found_);
     if (!chosen_run_) return parts::missing("There are no results that can be scored.");
     const tasks::EpisodeSet& episodes = *runs_.split_of(*chosen_run_->run).on_graph();
-    chosen_ = choose_episodes(*chosen_run_, episodes, config_.episodes_of_a_kind);
-    return gallery_part(*chosen_run_, episodes, chosen_, data_);
+    chosen_ = choose_episodes(*chosen_run_, episodes, parts::clear_scans(data_),
+                              config_.episodes_of_a_kind);
+    return gallery_part(*chosen_run_, episodes, chosen_, data_, plans_);
   }
 
   // The first of each kind in the gallery.
@@ -111,7 +113,8 @@ class Reporter {
     for (const parts::ChosenEpisode& one : chosen_) {
       if (first.empty() || first.back().kind != one.kind) first.push_back(one);
     }
-    return plans_part(*chosen_run_->run, *runs_.split_of(*chosen_run_->run).on_graph(), first);
+    return plans_part(*chosen_run_->run, *runs_.split_of(*chosen_run_->run).on_graph(), first,
+                      plans_);
   }
 
   // "train 14039, val_seen 1021": of all splits; in continuous space of those that runs have.
@@ -155,6 +158,7 @@ class Reporter {
   const dataset::Dataset& data_;
   bool floor_;  // in continuous space: the page has fewer parts, and the scoring tells its progress
   Progress progress_;
+  parts::BuildingPlans plans_;
   RunDirectory found_;
   ScoredRuns runs_;
   std::vector<tasks::Annotations> splits_;

@@ -27,9 +27,10 @@ struct ReportConfig {
   std::size_t episodes_of_a_kind = 3;  ///< best, worst, random: three times as many in all
 };
 
-/// An HTML document of a few megabytes that needs no other file and no network. A part whose input
-/// is missing (no pictures, no model) says so in its place. The same input gives the same page,
-/// except the random word that names its own scripts to the browser.
+/// An HTML document of a few megabytes that needs no other file and no network. Parts whose input
+/// is missing (no pictures, no model) are named in one line at its end, with the reason. Pictures
+/// are of buildings with at least 256 texels a face where there are any. The same input gives the
+/// same page, except the random word that names its own scripts to the browser.
 /// \throws as find_runs(), score_runs(), models::load_training_log() and
 /// models::load_recorded_split(); Error if this build has no D3; errors of broken panoramas
 std::string make_report(const ReportConfig& config, const dataset::Dataset& data,

@@ -8,24 +8,19 @@
 #include "enfilade/core/check.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/published.h"
 #include "enfilade/tasks/scorer.h"
 
 namespace enfilade::report {
 namespace {
 
-constexpr std::array<PublishedRow, 11> kPublished{{
-    {"shortest", "val_seen", 10.19, 0, 1, 1},
-    {"random", "val_seen", 9.58, 9.45, 0.159, 0.214},
-    {"teacher", "val_seen", 10.95, 8.01, 0.271, 0.367},
-    {"student", "val_seen", 11.33, 6.01, 0.386, 0.529},
-    {"shortest", "val_unseen", 9.48, 0, 1, 1},
-    {"random", "val_unseen", 9.77, 9.23, 0.163, 0.220},
-    {"teacher", "val_unseen", 10.67, 8.61, 0.196, 0.291},
-    {"student", "val_unseen", 8.39, 7.81, 0.218, 0.284},
-    {"random", "test", 9.93, 9.77, 0.132, 0.183},
-    {"student", "test", 8.13, 7.85, 0.204, 0.266},
-    {"human", "test", 11.90, 1.61, 0.864, 0.902},
-}};
+// What the paper calls our agents.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kPapersNames{
+    {{"shortest", "Shortest"},
+     {"random", "Random"},
+     {"teacher", "Seq2Seq, teacher forcing"},
+     {"student", "Seq2Seq, student forcing"},
+     {"human", "Human"}}};
 
 std::size_t split_rank(const std::string& split) {
   constexpr std::array<std::string_view, 7> kOrder{
@@ -126,9 +121,8 @@ ResultsTable make_table(const ScoredRuns& runs, bool synthetic) {
   const bool papers = table.benchmark->in_paper && !table.synthetic;
   for (const auto& group : groups_of(runs.runs)) {
     TableRow& row = table.rows.emplace_back(make_row(group, table.columns, {}));
-    if (papers && row.episodes == published_episodes(row.split)) {
-      row.published = published_row(row.agent, row.split);
-    }
+    if (papers) row.published = published_row(row.agent, row.split);
+    if (row.published && row.published->episodes != row.episodes) row.published.reset();
     for (const auto& [language, scores] : group.front()->languages) {
       table.rows.push_back(make_row(group, table.columns, language));
     }
@@ -140,15 +134,16 @@ std::optional<PublishedRow> published_row(std::string_view agent, std::string_vi
   constexpr std::string_view kForcing = "-forcing";
   std::string_view name = without_seed(agent);
   if (name.ends_with(kForcing)) name.remove_suffix(kForcing.size());
-  const auto row = std::ranges::find_if(
-      kPublished, [&](const PublishedRow& r) { return r.agent == name && r.split == split; });
-  return row == kPublished.end() ? std::nullopt : std::optional(*row);
-}
-
-std::size_t published_episodes(std::string_view split) noexcept {
-  if (split == "val_seen") return 1020;
-  if (split == "val_unseen") return 2349;
-  return split == "test" ? 4173 : 0;
+  const auto known =
+      std::ranges::find(kPapersNames, name, [](const auto& one) { return one.first; });
+  if (known == kPapersNames.end()) return std::nullopt;
+  const auto all = tasks::published_results();
+  const auto row = std::ranges::find_if(all, [&](const tasks::PublishedResult& one) {
+    return one.source == tasks::kFirstPaper && one.agent == known->second && one.split == split;
+  });
+  if (row == all.end()) return std::nullopt;
+  return PublishedRow{row->episodes, row->value("TL").value(), row->value("NE").value(),
+                      row->value("SR").value(), row->value("OSR").value()};
 }
 
 std::optional<double> published_value(const PublishedRow& row, std::string_view metric) noexcept {

@@ -31,22 +31,9 @@ struct TableColumn {
 /// - continuous space: TL NE SR OSR SPL nDTW SDTW
 std::span<const TableColumn> table_columns(const tasks::Benchmark& benchmark) noexcept;
 
-/// A figure that was published for a split called "val unseen", as it stands in the source.
-struct PublishedResult {
-  tasks::Task task;
-  std::string_view agent;
-  std::string_view source;                       ///< where it was read
-  std::optional<double> success = {}, spl = {};  ///< [0, 1]
-  std::optional<double> goal_progress = {};      ///< metres
-};
-/// All that is known to us with a source; no figure is from memory.
-std::span<const PublishedResult> published_results() noexcept;
-
-/// A row of table 1 of Anderson et al., CVPR 2018. The paper has no SPL, which its authors proposed
-/// afterwards.
+/// A row of tasks::kFirstPaper, of R2R.
 struct PublishedRow {
-  std::string_view agent;        ///< "shortest", "random", "teacher", "student", "human"
-  std::string_view split;        ///< "val_seen", "val_unseen", "test"
+  std::size_t episodes = 0;      ///< of the paper's split: those of another number are other data
   double trajectory_length = 0;  ///< TL, metres
   double nav_error = 0;          ///< NE, metres
   double success = 0;            ///< SR, [0, 1]
@@ -56,10 +43,6 @@ struct PublishedRow {
 /// The row of an agent, by its name in Enfilade. "student-forcing" is "student", and "-1" at the
 /// end (a seed) is not part of the name. An ablation ("student-language") has no row.
 std::optional<PublishedRow> published_row(std::string_view agent, std::string_view split) noexcept;
-
-/// How many instructions the paper's split has; 0 for one that it does not have. Figures of another
-/// number of episodes are of another data set, and no published row belongs beside them.
-std::size_t published_episodes(std::string_view split) noexcept;
 
 /// What a published row has in a column; none for SPL.
 std::optional<double> published_value(const PublishedRow& row, std::string_view metric) noexcept;

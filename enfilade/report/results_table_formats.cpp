@@ -10,13 +10,13 @@
 #include "enfilade/report/results_table.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/published.h"
 #include "enfilade/tasks/scorer.h"
 
 namespace enfilade::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using tasks::Task;
 
 constexpr double kAny = -std::numeric_limits<double>::infinity();
 
@@ -115,30 +115,17 @@ const Table& table_of(const tasks::Benchmark& benchmark) noexcept {
   return kTables[row];
 }
 
-constexpr const char* kNaviLlm = "README of zd11024/NaviLLM";
-constexpr const char* kNavGpt2 = "README of GengzeZhou/NavGPT-2";
-
-// Read in these texts on 2026-11-22.
-constexpr auto kResults = std::to_array<PublishedResult>({
-    {Task::kR2r, "Speaker-Follower, greedy", "its README", 0.355, {}, {}},
-    {Task::kR2r,
-     "EnvDrop with back-translation, PyTorch 1.7.1",
-     "README of airsplay/R2R-EnvDrop",
-     0.535,
-     0.488,
-     {}},
-    {Task::kR2r, "NaviLLM", kNaviLlm, 0.67, 0.59, {}},
-    {Task::kR2r, "NavGPT-2 XL", kNavGpt2, 0.6989, 0.5886, {}},
-    {Task::kR2r, "NavGPT-2 XXL", kNavGpt2, 0.7382, 0.6106, {}},
-    {Task::kReverie, "NaviLLM", kNaviLlm, 0.4215, 0.3568, {}},
-    {Task::kReverie, "NaviLLM without pretraining", kNaviLlm, 0.4456, 0.3663, {}},
-    {Task::kCvdn, "NaviLLM", kNaviLlm, {}, {}, 6.16},
-    {Task::kSoon, "NaviLLM", kNaviLlm, 0.3833, 0.2924, {}},
-});
+// Figures that stand in notes, by their columns, and their names in JSON.
+constexpr auto kFigures =
+    std::to_array<std::pair<std::string_view, const char*>>({{"SR", "success"},
+                                                             {"SPL", "spl"},
+                                                             {"OSR", "oracle_success"},
+                                                             {"NE", "nav_error"},
+                                                             {"nDTW", "ndtw"},
+                                                             {"GP", "goal_progress"}});
 
 constexpr const char* kSynthetic =
     "SYNTHETIC: model homes made by Enfilade. Not to be compared with any published figure.";
-constexpr const char* kPaper = "paper: Anderson et al., CVPR 2018, table 1.";
 constexpr const char* kStar =
     "* Turns on the spot are taken once; without the star every entry of a trajectory counts.";
 constexpr const char* kIntervals =
@@ -182,24 +169,30 @@ bool any_published(const ResultsTable& table) {
 }
 
 // "NaviLLM: SR 67, SPL 59 (README of zd11024/NaviLLM)"
-std::string shown(const PublishedResult& result) {
+std::string shown(const tasks::PublishedResult& result) {
   std::vector<std::string> values;
-  if (result.success) values.push_back(fmt::format("SR {:.4g}", 100 * *result.success));
-  if (result.spl) values.push_back(fmt::format("SPL {:.4g}", 100 * *result.spl));
-  if (result.goal_progress) values.push_back(fmt::format("GP {:.2f} m", *result.goal_progress));
+  for (const auto& [column, name] : kFigures) {
+    const auto value = result.value(column);
+    if (!value) continue;
+    const bool metres = column == "NE" || column == "GP";
+    values.push_back(metres ? fmt::format("{} {:.2f} m", column, *value)
+                            : fmt::format("{} {:.4g}", column, 100 * *value));
+  }
   return fmt::format("Published, val unseen: {}: {} ({}).", result.agent, fmt::join(values, ", "),
                      result.source);
 }
 
 // Those that belong beside the table: nothing beside model homes, or other splits.
-std::vector<PublishedResult> published_beside(const ResultsTable& table) {
+std::vector<tasks::PublishedResult> published_beside(const ResultsTable& table) {
   const bool unseen = std::ranges::any_of(
       table.rows, [](const TableRow& row) { return row.split.starts_with("val_unseen"); });
-  std::vector<PublishedResult> beside;
+  std::vector<tasks::PublishedResult> beside;
   if (table.synthetic || !unseen) return beside;
   if (table.benchmark->in_paper && !any_published(table)) return beside;
-  for (const PublishedResult& result : published_results()) {
-    if (&tasks::benchmark(result.task) == table.benchmark) beside.push_back(result);
+  for (const tasks::PublishedResult& one : tasks::published_results()) {
+    if (one.benchmark == table.benchmark->name && one.source != tasks::kFirstPaper) {
+      beside.push_back(one);
+    }
   }
   return beside;
 }
@@ -229,8 +222,8 @@ std::vector<std::string> notes_of(const ResultsTable& table) {
   }
   if (has_stars(table)) notes.emplace_back(kStar);
   notes.emplace_back(kIntervals);
-  for (const PublishedResult& one : published_beside(table)) notes.push_back(shown(one));
-  if (any_published(table)) notes.emplace_back(kPaper);
+  for (const tasks::PublishedResult& one : published_beside(table)) notes.push_back(shown(one));
+  if (any_published(table)) notes.push_back(fmt::format("paper: {}.", tasks::kFirstPaper));
   for (const std::string& one : table.left_out) notes.push_back("Left out: " + one + ".");
   return notes;
 }
@@ -258,11 +251,11 @@ Json columns_json(std::span<const TableColumn> columns) {
 
 Json published_json(const ResultsTable& table) {
   Json all = Json::array();
-  for (const PublishedResult& one : published_beside(table)) {
+  for (const tasks::PublishedResult& one : published_beside(table)) {
     Json& json = all.emplace_back(Json{{"agent", one.agent}, {"source", one.source}});
-    if (one.success) json["success"] = *one.success;
-    if (one.spl) json["spl"] = *one.spl;
-    if (one.goal_progress) json["goal_progress"] = *one.goal_progress;
+    for (const auto& [column, name] : kFigures) {
+      if (const auto value = one.value(column)) json[name] = *value;
+    }
   }
   return all;
 }
@@ -417,7 +410,5 @@ std::string to_markdown(const ResultsTable& table) {
 std::span<const TableColumn> table_columns(const tasks::Benchmark& benchmark) noexcept {
   return table_of(benchmark).columns;
 }
-
-std::span<const PublishedResult> published_results() noexcept { return kResults; }
 
 }  // namespace enfilade::report

@@ -128,10 +128,6 @@ TEST_F(TaskTableTest, WhatOthersPublishedStandsBelowRealDataOnly) {
   const std::string text = to_text(table(Task::kReverie, false));
   EXPECT_THAT(text, HasSubstr("Published, val unseen: NaviLLM: SR 42.15, SPL 35.68 (README of "));
   EXPECT_THAT(to_text(table(Task::kReverie)), Not(HasSubstr("NaviLLM")));
-  for (const PublishedResult& one : published_results()) {
-    EXPECT_FALSE(one.source.empty()) << one.agent;
-    EXPECT_TRUE(one.success || one.goal_progress) << one.agent;
-  }
 }
 
 TEST_F(TaskTableTest, RxrHasRowsByLanguageAndBothNdtws) {

@@ -41,10 +41,6 @@ const largestShare = (histograms) =>
 const validation = (splits) => inOrder(Object.keys(splits)).filter((split) => split !== 'train');
 
 function drawErrors(section, data) {
-  if (data.errors.missing) {
-    section.append(missing(data.errors.missing));
-    return;
-  }
   const agents = data.errors.agents;
   const all = agents.flatMap((a) => validation(a.splits).map((split) => a.splits[split]));
   const last = lastBin(all);
@@ -86,14 +82,10 @@ function drawShare(chart, bins, split, shift) {
 }
 
 function drawByLength(section, data) {
-  if (data.byLength.missing) {
-    section.append(missing(data.byLength.missing));
-    return;
-  }
   const agents = data.byLength.agents;
   const bins = agents.flatMap((a) => validation(a.splits).flatMap((split) => a.splits[split]));
   if (bins.length === 0) {
-    section.append(missing('There are too few paths to tell: fewer than 5 of each length.'));
+    leaveOut('Success by path length', 'There are too few paths: fewer than 5 of each length.');
     return;
   }
   const splits = new Set(agents.flatMap((a) => validation(a.splits)));
@@ -135,10 +127,6 @@ function lengthChart(splits, key, title, label, unit) {
 }
 
 function drawLengths(section, data) {
-  if (data.lengths.missing) {
-    section.append(missing(data.lengths.missing));
-    return;
-  }
   const splits = data.lengths.splits;
   const withPaths = splits.filter((split) => split.paths);
   const withWords = splits.filter((split) => split.wordsSummary);

@@ -84,10 +84,6 @@ function drawCurve(agent, splits, curve, domains, random) {
 }
 
 function drawCurves(section, data) {
-  if (data.curves.missing) {
-    section.append(missing(data.curves.missing));
-    return;
-  }
   const agents = data.curves.agents;
   const splits = curveSplits(agents);
   const domains = curveDomains(agents, splits);

@@ -16,9 +16,16 @@ function paragraph(text, kind) {
   return element('p', {class: kind}, text);
 }
 
-// `what` is left out of the page; `why`: a sentence.
-function missing(why, what = 'This part') {
-  return element('p', {class: 'missing'}, `${what} is left out. ${why}`);
+// What the page leaves out, and why: a sentence. All of it takes one line at the page's end.
+const leftOut = new Map();  // a sentence -> what it is about
+
+function leaveOut(what, why) {
+  leftOut.set(why, [...(leftOut.get(why) || []), what]);
+}
+
+function leftOutLine() {
+  const parts = [...leftOut].map(([why, what]) => `${what.join(', ')}: ${why}`);
+  return element('p', {class: 'missing', id: 'left-out'}, `Left out: ${parts.join(' ')}`);
 }
 
 const percent = (share, digits = 0) =>

@@ -265,19 +265,17 @@ const kChoosingText = 'Agents that choose among viewpoints: circles are where th
 
 function drawGallery(section, data) {
   const part = data.gallery;
-  if (part.missing) {
-    section.append(missing(part.missing));
-    return;
-  }
   const chooses = part.episodes.some((one) => agentsOf(part, one)
     .some((agent) => agent.steps.some((step) => step.choices)));
-  const among = part.withAttention
-    ? ` (of the ${part.withAttention} episodes whose attention was kept)` : '';
+  const among = [
+    part.withAttention ? `the ${part.withAttention} episodes whose attention was kept` : '',
+    part.leastTexels ? `buildings with pictures of ${part.leastTexels} texels a face or more` : '',
+  ].filter(Boolean).map((of) => ` (of ${of})`).join('');
   section.append(paragraph(`${agentName(part.agent)} on ${part.split}${among}: the best, the ` +
     'worst, and some at random. Blue is the reference path, orange the agent’s.', 'lead'));
   if (chooses) section.append(paragraph(kChoosingText, 'note'));
-  if (part.noAttention) section.append(missing(part.noAttention, 'Attention over words'));
-  if (part.noPictures) section.append(missing(part.noPictures, 'What the agent sees'));
+  if (part.noAttention) leaveOut('Attention over words', part.noAttention);
+  if (part.noPictures) leaveOut('What the agent sees', part.noPictures);
   if (part.episodes.length === 0) return;
   const view = element('div');
   let current = part.episodes[0];

@@ -1,7 +1,7 @@
 'use strict';
 
 // Puts the page together. What fails is said in its place and at the top, so that a test, or a
-// reader, sees it.
+// reader, sees it. What is left out is said in one line at the end.
 
 // Address, title, how it is drawn, and the data without which it is left out.
 const kSections = [
@@ -57,7 +57,7 @@ function flattened(value, prefix = '') {
 
 function drawSettings(section, data) {
   if (data.about.models.length === 0) {
-    section.append(missing('No model was trained here.'));
+    leaveOut('Settings', 'No model was trained here.');
     return;
   }
   for (const model of data.about.models) {
@@ -77,16 +77,24 @@ function drawPage() {
   const contents = document.getElementById('contents');
   for (const [id, title, draw, needs] of kSections) {
     if (!(needs in data)) continue;
+    if (data[needs].missing) {
+      leaveOut(title, data[needs].missing);
+      continue;
+    }
     const section = element('section', {id}, element('h2', {}, title));
-    sections.append(section);
-    contents.append(element('a', {href: `#${id}`}, title));
+    sections.append(section);  // before it is drawn, as some parts measure their size
     try {
       draw(section, data);
     } catch (error) {
-      section.append(missing(`It could not be drawn: ${error.message}.`));
+      section.append(paragraph(`It could not be drawn: ${error.message}.`, 'missing'));
       fail(id, error);
     }
+    if (section.childElementCount > 1) contents.append(element('a', {href: `#${id}`}, title));
+    else section.remove();  // it is left out
   }
+  const first = sections.querySelector('section');
+  if (first) document.querySelector('.skip').setAttribute('href', `#${first.id}`);
+  if (leftOut.size > 0) sections.append(leftOutLine());
   document.getElementById('foot').append('Made by Enfilade. Charts drawn with D3. ' +
     'This page is one file and loads nothing.');
 }

@@ -7,16 +7,38 @@ const kFieldOfView = 75.2;  // degrees, of the agents' camera from left to right
 // All of the building, and the circle around the goal.
 function mapScale(building, goal, around, width, height) {
   const shown = building.storey.map((s, i) => i).filter((i) => building.storey[i] !== null);
-  const extent = (values) => d3.extent([...shown.map((i) => values[i]), values[goal] - around,
-    values[goal] + around]);
-  const [left, right] = extent(building.x);
-  const [bottom, top] = extent(building.y);
+  const ends = building.plan.flatMap((storey) => storey.lines.walls || []);
+  const extent = (values, axis) => d3.extent([...shown.map((i) => values[i]),
+    ...ends.filter((end, k) => k % 2 === axis), values[goal] - around, values[goal] + around]);
+  const [left, right] = extent(building.x, 0);
+  const [bottom, top] = extent(building.y, 1);
   const border = 18;
   const scale = Math.min((width - 2 * border) / Math.max(right - left, 1),
     (height - 2 * border) / Math.max(top - bottom, 1), 60);
   const x0 = width / 2 - scale * (left + right) / 2;
   const y0 = height / 2 + scale * (bottom + top) / 2;
-  return {scale, at: (v) => [x0 + scale * building.x[v], y0 - scale * building.y[v]]};
+  const point = (x, y) => [x0 + scale * x, y0 - scale * y];
+  return {scale, point, at: (v) => point(building.x[v], building.y[v])};
+}
+
+// Furniture first, walls over it, and the rooms' names. Nothing where the data set tells of none.
+function drawPlan(svg, building, place, storey) {
+  const plan = building.plan[storey];
+  if (!plan) return;
+  for (const kind of ['furniture', 'stairs', 'windows', 'doors', 'walls']) {
+    const ends = plan.lines[kind] || [];
+    let path = '';
+    for (let k = 0; k + 3 < ends.length; k += 4) {
+      const from = place.point(ends[k], ends[k + 1]).map((p) => p.toFixed(1));
+      const to = place.point(ends[k + 2], ends[k + 3]).map((p) => p.toFixed(1));
+      path += `M${from}L${to}`;
+    }
+    if (path) svg.append('path').attr('class', `plan-line ${kind}`).attr('d', path);
+  }
+  for (const [name, x, y] of plan.names) {
+    const [left, top] = place.point(x, y);
+    svg.append('text').attr('class', 'room').attr('x', left).attr('y', top).text(name);
+  }
 }
 
 function drawBuilding(svg, building, place, storey) {
@@ -90,6 +112,7 @@ function drawMap(episode, building, index, successDistance) {
     .attr('viewBox', `0 0 ${width} ${height}`)
     .attr('aria-label', `Map of ${episode.scan} at step ${index}`);
   const storey = building.storey[step.v];
+  drawPlan(svg, building, place, storey);
   drawBuilding(svg, building, place, storey);
   drawWay(svg, place, episode.reference, 'path');
   const last = episode.steps.length - 1;

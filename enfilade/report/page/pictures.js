@@ -8,14 +8,10 @@ function picture(source, description) {
 
 function drawExamples(section, data) {
   const part = data.examples;
-  if (part.missing) {
-    section.append(missing(part.missing));
-    return;
-  }
   section.append(paragraph(`Paths of ${part.split} at random: what is seen at the start, and how ` +
     'three people describe the way.'.replace('people', data.about.synthetic ? 'speakers' : 'people'),
     'lead'));
-  if (part.noPictures) section.append(missing(part.noPictures, 'The view from the start'));
+  if (part.noPictures) leaveOut('The view from the start', part.noPictures);
   const list = element('div', {class: 'pictures'});
   for (const path of part.paths) {
     const item = element('figure', {class: 'example'});
@@ -31,12 +27,9 @@ function drawExamples(section, data) {
 
 function drawPanoramas(section, data) {
   const part = data.panoramas;
-  if (part.missing) {
-    section.append(missing(part.missing));
-    return;
-  }
   const some = part.panoramas.length < part.buildings
-    ? `${part.panoramas.length} of ${part.buildings} buildings`
+    ? `${part.panoramas.length} of ${part.buildings} buildings` +
+      (part.leastTexels ? `, of those with pictures of ${part.leastTexels} texels a face or more` : '')
     : `The ${part.buildings} buildings`;
   section.append(paragraph(`${some}, each from the viewpoint with most neighbours, in all ` +
     'directions at once.', 'lead'));
@@ -50,10 +43,6 @@ function drawPanoramas(section, data) {
 
 function drawPlans(section, data) {
   const part = data.plans;
-  if (part.missing) {
-    section.append(missing(part.missing));
-    return;
-  }
   section.append(paragraph(`Episodes of ${agentName(part.agent)} on ${part.split}: the reference ` +
     'path as a band, the agent’s way as a line that darkens with time.', 'lead'));
   const list = element('div', {class: 'pictures'});
@@ -68,10 +57,6 @@ function drawPlans(section, data) {
 // Of walks in continuous space: a map from above with the lines of all agents.
 function drawWalks(section, data) {
   const part = data.walks;
-  if (part.missing) {
-    section.append(missing(part.missing));
-    return;
-  }
   section.append(paragraph(`Episodes of ${part.split}: the reference path as a band with the ring ` +
     'of success at its end, each agent’s way as a line that darkens with time. Best and worst are ' +
     `by where ${agentName(part.agent)} stopped.`, 'lead'));

@@ -95,10 +95,6 @@ function commonPhrases(words) {
 }
 
 function drawWords(section, data) {
-  if (data.words.missing) {
-    section.append(missing(data.words.missing));
-    return;
-  }
   section.append(paragraph(`How the ${data.words.count.toLocaleString('en')} instructions begin: ` +
     'first word inside, fourth outside. Beginnings of less than 0.3 % are left blank.', 'lead'));
   section.append(element('div', {class: 'two'}, element('figure', {}, sunburst(data.words)),

@@ -95,11 +95,12 @@ function successChart(rows, split) {
 
 function drawResults(section, data) {
   const rows = data.table.rows;
-  for (const left of data.table.left_out) section.append(paragraph(`Left out: ${left}.`, 'note'));
   if (rows.length === 0) {
-    section.append(missing('No results file of this run can be scored.'));
+    leaveOut('Results', 'No results file of this run can be scored.');
+    for (const left of data.table.left_out) leaveOut('A file', `${left}.`);
     return;
   }
+  for (const left of data.table.left_out) section.append(paragraph(`Left out: ${left}.`, 'note'));
   section.append(resultTable(rows, data.table.columns));
   if (data.table.scorer) {
     section.append(paragraph(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
@@ -24,8 +25,8 @@ namespace enfilade::report::parts {
 namespace {
 
 constexpr PictureSize kFrameSize{384, 288};
-constexpr std::uint32_t kPanoramaWidth = 800;
-constexpr Radians kPanoramaBand = degrees(90);  // of its height
+constexpr std::uint32_t kPanoramaWidth = 4 * kClearTexels;  // a face's texels, a pixel each
+constexpr Radians kPanoramaBand = degrees(90);              // of its height
 constexpr std::uint64_t kRandomSeed = 2018;
 constexpr std::size_t kMostOthers = 2;  // agents beside the one that the gallery is about
 
@@ -140,7 +141,24 @@ void add_decision(Json& json, const models::DecisionStep& step, const graph::Nav
   }
 }
 
-Json building_json(const graph::NavGraph& graph) {
+// By storey; to the centimetre.
+Json plan_json(const homes::BuildingPlan& plan) {
+  Json storeys = Json::array();
+  if (plan.drawn() == nullptr) return storeys;
+  for (const draw::UnderlayStorey& storey : plan.underlay.storeys) {
+    Json lines = Json::object(), names = Json::array();
+    for (const auto& [name, kind] : draw::kUnderlayKinds) {
+      lines[name] = draw::line_ends(storey.lines, kind, 0.01);
+    }
+    for (const draw::UnderlayText& text : storey.texts) {
+      names.push_back({text.text, rounded(text.at.x, 0.01), rounded(text.at.y, 0.01)});
+    }
+    storeys.push_back({{"lines", std::move(lines)}, {"names", std::move(names)}});
+  }
+  return storeys;
+}
+
+Json building_json(const graph::NavGraph& graph, const homes::BuildingPlan& plan) {
   Json x = Json::array(), y = Json::array(), edges = Json::array(), storey = Json::array();
   std::vector<std::size_t> storeys(graph.size(), 0);
   const std::vector<draw::GraphStorey> found = draw::find_storeys(graph);
@@ -156,7 +174,21 @@ Json building_json(const graph::NavGraph& graph) {
       if (v < edge.target) edges.push_back({i, edge.target.at()});
     }
   }
-  return {{"x", x}, {"y", y}, {"storey", storey}, {"storeys", found.size()}, {"edges", edges}};
+  return {{"x", x},           {"y", y},
+          {"storey", storey}, {"storeys", found.size()},
+          {"edges", edges},   {"plan", plan_json(plan)}};
+}
+
+// Whether all chosen episodes are of these buildings, and others of the split are not.
+bool is_narrowed(const tasks::EpisodeSet& episodes, const std::vector<ChosenEpisode>& chosen,
+                 const std::set<ScanIndex>& to) {
+  const auto is_there = [&](const tasks::Episode& episode) {
+    return to.contains(episodes.path_of(episode).scan);
+  };
+  return !chosen.empty() && !std::ranges::all_of(episodes.episodes, is_there) &&
+         std::ranges::all_of(chosen, [&](const ChosenEpisode& one) {
+           return is_there(episodes.episodes[one.episode]);
+         });
 }
 
 // What of a goal is to be seen in frames.
@@ -381,7 +413,8 @@ std::optional<GalleryRun> choose_run(const ScoredRuns& runs, const RunDirectory&
 }
 
 std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
-                                           const tasks::EpisodeSet& episodes, std::size_t each) {
+                                           const tasks::EpisodeSet& episodes,
+                                           const std::set<ScanIndex>& clear, std::size_t each) {
   std::vector<tasks::EpisodeMetrics> metrics;
   for (std::size_t i = 0; i < gallery.run->scores.ours.episodes; ++i) {
     metrics.push_back(metrics_of(gallery.run->scores.ours, i));
@@ -391,6 +424,10 @@ std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
     const std::string& id = episodes.episodes[i].instruction_id;
     if (!gallery.recorded || holds(*gallery.recorded, id)) left.push_back(i);
   }
+  const auto is_clear = [&](std::size_t i) {
+    return clear.contains(episodes.path_of(episodes.episodes[i]).scan);
+  };
+  if (std::ranges::any_of(left, is_clear)) std::erase_if(left, std::not_fn(is_clear));
   std::set<std::size_t> paths;
   std::vector<ChosenEpisode> chosen;
   const auto take = [&](const char* kind, const auto& suits) {
@@ -416,13 +453,16 @@ std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
 }
 
 Json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
-                  const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data) {
+                  const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data,
+                  BuildingPlans& plans) {
   Frames frames{data};
   Json all = Json::array(), buildings = Json::object();
   for (const ChosenEpisode& one : chosen) {
     all.push_back(episode_json(gallery, episodes, one, frames));
     const graph::NavGraph& graph = episodes.graph_of(episodes.episodes[one.episode]);
-    if (!buildings.contains(graph.scan())) buildings[graph.scan()] = building_json(graph);
+    if (!buildings.contains(graph.scan())) {
+      buildings[graph.scan()] = building_json(graph, plans.of(graph));
+    }
   }
   Json part{{"agent", gallery.run->agent},
             {"split", gallery.run->split},
@@ -434,6 +474,7 @@ Json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
   if (part["frames"].empty() && !part.contains("panoramas")) part["noPictures"] = frames.why_not;
   if (!gallery.recorded) part["noAttention"] = gallery.no_attention;
   if (gallery.recorded) part["withAttention"] = recorded_count(*gallery.recorded);
+  if (is_narrowed(episodes, chosen, clear_scans(data))) part["leastTexels"] = kClearTexels;
   return part;
 }
 

@@ -1,6 +1,7 @@
 /// \file  The page's gallery: some episodes of one run, moment by moment.
 #pragma once
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,14 +41,19 @@ struct GalleryRun : RunRecord {
 std::optional<GalleryRun> choose_run(const ScoredRuns& runs, const RunDirectory& found);
 
 /// `each` of the best, of the worst and at random; one episode per path. Only those with records,
-/// if there are any. The best are successes by the shortest path, from afar; the worst stopped
-/// farthest from the goal.
+/// if there are any; of them only those of `clear` buildings, likewise. The best are successes by
+/// the shortest path, from afar; the worst stopped farthest from the goal.
 std::vector<ChosenEpisode> choose_episodes(const GalleryRun& gallery,
-                                           const tasks::EpisodeSet& episodes, std::size_t each);
+                                           const tasks::EpisodeSet& episodes,
+                                           const std::set<ScanIndex>& clear, std::size_t each);
 
-/// {"agent", "split", "buildings", "frames", "panoramas", "episodes"}.
+/// {"agent", "split", "buildings", "frames", "panoramas", "episodes"}. Each building has its graph
+/// and its plan: {"x", "y", "storey", "storeys", "edges", "plan": [{"lines", "names"}]}. Lines are
+/// {"walls", "doors", ...}, names [[name, x, y]]. Metres to the centimetre. The plan is empty where
+/// nothing is known.
 Json gallery_part(const GalleryRun& gallery, const tasks::EpisodeSet& episodes,
-                  const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data);
+                  const std::vector<ChosenEpisode>& chosen, const dataset::Dataset& data,
+                  BuildingPlans& plans);
 
 /// The agent's pose and its next action. Pointers are into the recorded file.
 struct Moment {

@@ -3,9 +3,11 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +16,7 @@
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/draw/outlines.h"
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/homes/building_plan.h"
 #include "enfilade/models/training_log.h"
 #include "enfilade/render/renderer.h"
 #include "enfilade/report/run_directory.h"
@@ -25,7 +28,7 @@ namespace enfilade::report::parts {
 
 using Json = nlohmann::ordered_json;
 
-/// {"missing": why}: what stands in the place of a part.
+/// {"missing": why}: in the place of a part. All of them take one line of the page.
 Json missing(const std::string& why);
 
 /// Counts in bins of one width.
@@ -93,13 +96,32 @@ std::optional<std::string> panorama_uri(const dataset::Dataset& data, const rend
 /// A sentence for where a picture would be. It names no folder: pages are handed around.
 std::string no_pictures_of(std::string_view scan);
 
-/// A few paths of a split at random, each with its instructions and the view from its start.
-/// `splits`: whole files; val_unseen is taken if it is there.
+/// Texels along a face from which on pictures are shown first: with fewer one sees texels.
+inline constexpr std::uint32_t kClearTexels = 256;
+/// The scans with faces of at least kClearTexels; if there are none, all scans. A set of homes has
+/// few of display quality among many for training.
+std::set<ScanIndex> clear_scans(const dataset::Dataset& data);
+
+/// The plans of a data set's buildings, each read once. One thread at a time.
+class BuildingPlans {
+ public:
+  explicit BuildingPlans(const dataset::Dataset& data) : data_(data) {}
+  /// Empty where the data set tells of nothing, also if its list is of another version of Enfilade.
+  /// \throws InvalidInput for a broken file
+  const homes::BuildingPlan& of(const graph::NavGraph& graph);
+
+ private:
+  dataset::Dataset data_;
+  std::map<std::string, homes::BuildingPlan> plans_;  // by scan
+};
+
+/// A few paths of a split at random, those of clear_scans() first, each with its instructions and
+/// the view from its start. `splits`: whole files; val_unseen is taken if it is there.
 Json examples_part(const std::vector<tasks::Annotations>& splits, const dataset::Dataset& data,
                    std::size_t count);
 
-/// The panorama of each building's viewpoint with most neighbours, of at most `most` buildings,
-/// spread evenly over the list.
+/// The panorama of each building's viewpoint with most neighbours, of at most `most` buildings of
+/// clear_scans(), spread evenly over the list.
 Json panoramas_part(const dataset::Dataset& data, std::size_t most);
 
 /// An episode of the page's gallery.
@@ -110,7 +132,7 @@ struct ChosenEpisode {
 
 /// Floor plans with the reference path, the agent's and the goal, of these episodes of a run.
 Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
-                const std::vector<ChosenEpisode>& chosen);
+                const std::vector<ChosenEpisode>& chosen, BuildingPlans& plans);
 
 /// Maps from above of a split's episodes, with the trajectories of each agent's first run. The
 /// split is val_unseen if there is a run on it. Shown are the best, worst and median episodes of

@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "enfilade/core/base64.h"
+#include "enfilade/core/errors.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/dataset/views.h"
 #include "enfilade/draw/floor_plan.h"
@@ -25,8 +26,8 @@ namespace {
 using Walks = std::vector<tasks::ContinuousResult>;
 
 constexpr PictureSize kExampleSize{480, 360};
-constexpr std::uint32_t kBuildingWidth = 800;
-constexpr std::uint64_t kExampleSeed = 2018;  // any: the same data give the same page
+constexpr std::uint32_t kBuildingWidth = 4 * kClearTexels;  // a face's texels, a pixel each
+constexpr std::uint64_t kExampleSeed = 2018;                // any: the same data give the same page
 
 // Pictures are drawn larger and averaged: a pixel of a small picture covers several texels, and
 // without averaging it would show noise.
@@ -77,6 +78,20 @@ ViewpointIndex busiest(const graph::NavGraph& graph) {
     if (graph.edges(v).size() > graph.edges(best).size()) best = v;
   }
   return best;
+}
+
+// The first viewpoint with pictures counts. 0: there are none, or they are broken, which is told if
+// one of them is to be shown.
+std::uint32_t texels_of(const scan::PanoramaSet& panoramas, ScanIndex scan) {
+  try {
+    const scan::PanoramaSource* source = panoramas.find_source(scan);
+    for (std::size_t v = 0; source != nullptr && v < source->size(); ++v) {
+      const std::uint32_t size = source->face_sizes(ViewpointIndex(v))[index(scan::Layer::kColour)];
+      if (size > 0) return size;
+    }
+  } catch (const Error&) {
+  }
+  return 0;
 }
 
 // In degrees, clockwise from north, as people read it.
@@ -173,6 +188,26 @@ std::optional<std::string> panorama_uri(const dataset::Dataset& data, const rend
   return encode(middle_rows(averaged(render_panorama(data, view, width * kOversampling)), band));
 }
 
+std::set<ScanIndex> clear_scans(const dataset::Dataset& data) {
+  std::set<ScanIndex> clear, all;
+  for (std::size_t s = 0; s < data.graphs()->size(); ++s) {
+    all.insert(ScanIndex(s));
+    if (texels_of(*data.panoramas(), ScanIndex(s)) >= kClearTexels) clear.insert(ScanIndex(s));
+  }
+  return clear.empty() ? all : clear;
+}
+
+const homes::BuildingPlan& BuildingPlans::of(const graph::NavGraph& graph) {
+  const auto found = plans_.find(graph.scan());
+  if (found != plans_.end()) return found->second;
+  homes::BuildingPlan plan;
+  try {
+    plan = homes::read_building_plan(data_.folder(), data_.panorama_places().images, graph);
+  } catch (const FileError&) {  // a list of another version: drawn without walls
+  }
+  return plans_.emplace(graph.scan(), std::move(plan)).first->second;
+}
+
 std::string no_pictures_of(std::string_view scan) {
   return fmt::format("The data set has no pictures of {}.", scan);
 }
@@ -183,7 +218,13 @@ Json examples_part(const std::vector<tasks::Annotations>& splits, const dataset:
   if (split == nullptr) return missing("There are no annotations in the data set.");
   Json all = Json::array();
   std::string why;
-  for (const std::size_t i : random_order(split->paths.size())) {
+  const std::set<ScanIndex> clear = clear_scans(data);
+  std::vector<std::size_t> order = random_order(split->paths.size());
+  std::ranges::stable_partition(order, [&](std::size_t i) {
+    const auto scan = data.graphs()->find(split->paths[i].scan);
+    return scan && clear.contains(*scan);
+  });
+  for (const std::size_t i : order) {
     if (all.size() == count) break;
     const tasks::PathAnnotation& path = split->paths[i];
     if (path.instructions.empty()) continue;
@@ -203,11 +244,13 @@ Json examples_part(const std::vector<tasks::Annotations>& splits, const dataset:
 
 Json panoramas_part(const dataset::Dataset& data, std::size_t most) {
   const graph::GraphSet& graphs = *data.graphs();
-  const std::size_t buildings = graphs.size(), shown = std::min(buildings, most);
+  const std::set<ScanIndex> clear = clear_scans(data);
+  const std::vector<ScanIndex> from(clear.begin(), clear.end());
+  const std::size_t shown = std::min(from.size(), most);
   Json all = Json::array();
   std::string why;
   for (std::size_t k = 0; k < shown; ++k) {
-    const ScanIndex scan(k * buildings / shown);
+    const ScanIndex scan = from[k * from.size() / shown];
     const graph::NavGraph& graph = graphs.graph(scan);
     if (graph.included_count() == 0) continue;
     const ViewpointIndex v = busiest(graph);
@@ -223,11 +266,14 @@ Json panoramas_part(const dataset::Dataset& data, std::size_t most) {
                    {"picture", *picture}});
   }
   if (all.empty()) return missing(why);
-  return {{"buildings", buildings}, {"panoramas", std::move(all)}};
+  Json part{{"buildings", graphs.size()}};
+  if (from.size() < graphs.size()) part["leastTexels"] = kClearTexels;
+  part["panoramas"] = std::move(all);
+  return part;
 }
 
 Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
-                const std::vector<ChosenEpisode>& chosen) {
+                const std::vector<ChosenEpisode>& chosen, BuildingPlans& plans) {
   const tasks::ObjectBoxes* objects = episodes.objects.get();
   const auto& trajectories = std::get<std::vector<tasks::Trajectory>>(run.trajectories);
   Json all = Json::array();
@@ -243,6 +289,7 @@ Json plans_part(const ScoredRun& run, const tasks::EpisodeSet& episodes,
     draw::FloorPlanOptions options;
     options.title =
         fmt::format("{}, episode {} ({})", graph.scan(), episode.instruction_id, one.kind);
+    options.underlay = plans.of(graph).drawn();
     options.lines = draw::episode_lines(episode);
     options.goal = draw::planned_goal(episodes.path_of(episode),
                                       draw::name_of_goal(episodes, episode, objects));
