@@ -2,7 +2,7 @@
 // Each file is kept compressed; the server unpacks it for the few who can't.
 import { createHash } from 'node:crypto';
 import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
-import { extname, join, relative, sep } from 'node:path';
+import { extname, join, posix, relative, sep } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 const types = {
@@ -15,8 +15,10 @@ const types = {
   '.txt': 'text/plain; charset=utf-8',
 };
 
-// What all pages together may weigh, compressed: people on phones download a good part of it.
-const mostBytes = 300_000;
+// What one page may weigh at the first visit, and all files together, compressed: people on phones wait for the one,
+// and packages carry the other.
+const mostAtFirst = 320_000;
+const mostBytes = 360_000;
 
 const [dist, output] = process.argv.slice(2);
 const names = readdirSync(dist, { recursive: true, withFileTypes: true })
@@ -26,6 +28,7 @@ const names = readdirSync(dist, { recursive: true, withFileTypes: true })
 
 const arrays = [];
 const rows = [];
+const sizes = new Map();
 let bytes = 0;
 names.forEach((name, k) => {
   const type = types[extname(name)];
@@ -33,13 +36,34 @@ names.forEach((name, k) => {
   const content = readFileSync(join(dist, name));
   const packed = gzipSync(content, { level: 9 });
   bytes += packed.length;
+  sizes.set(`/${name}`, packed.length);
   const digest = createHash('sha256').update(content).digest('hex').slice(0, 16);
   arrays.push(`constexpr unsigned char kFile${k}[] = {${[...packed].join(',')}};`);
   rows.push(`    {"/${name}", "${type}", "${digest}", view(kFile${k})},`);
 });
 
 if (bytes > mostBytes) throw new Error(`embed.mjs: the web client has ${bytes} bytes compressed, ${mostBytes} at most`);
-console.log(`The web client: ${names.length} files, ${Math.round(bytes / 1000)} kB compressed`);
+const kB = (n) => Math.round(n / 1000);
+console.log(`The web client: ${names.length} files, ${kB(bytes)} kB compressed`);
+
+/** The files that a file needs before anything is shown: those that it names, and what they import at once. */
+function firstLoad(path, known = new Set()) {
+  if (known.has(path) || !sizes.has(path)) return known;
+  known.add(path);
+  const text = readFileSync(join(dist, path), 'utf8');
+  const named = path.endsWith('.html') ? [...text.matchAll(/(?:src|href)="([^"]+\.(?:js|css|svg))"/g)].map(([, file]) => file)
+    : path.endsWith('.js') ? [...text.matchAll(/(?:from|import)\s*"(\.{1,2}\/[^"]+)"/g)].map(([, file]) => posix.join(posix.dirname(path), file)) : [];
+  for (const file of named) firstLoad(file, known);
+  return known;
+}
+const loads = names.filter((name) => name.endsWith('.html')).map((name) => {
+  const files = [...firstLoad(`/${name}`)];
+  return [name.slice(0, -'.html'.length), files.reduce((sum, file) => sum + sizes.get(file), 0)];
+});
+for (const [name, size] of loads) {
+  if (size > mostAtFirst) throw new Error(`embed.mjs: ${name} needs ${size} bytes compressed at first, ${mostAtFirst} at most`);
+}
+console.log(`At the first visit: ${loads.map(([name, size]) => `${name} ${kB(size)}`).join(', ')} kB`);
 
 writeFileSync(
   output,

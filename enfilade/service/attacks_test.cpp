@@ -344,8 +344,10 @@ TEST(Attacks, NoAnswerHasASecretGoal) {
   std::string all = taken->body;
   for (const char* target :
        {"/api/v1/splits", "/api/v1/splits/test/episodes", "/api/v1/phases", "/api/v1/submissions",
-        "/api/v1/submissions/1", "/api/v1/leaderboards/test", "/api/v1/leaderboards/final",
-        "/api/v1/leaderboards/test?format=csv&all=1", "/secret.json",
+        "/api/v1/submissions/1", "/api/v1/submissions/1/method", "/api/v1/submissions/1/breakdown",
+        "/api/v1/submissions/1/episodes/1_0",
+        "/api/v1/leaderboards/test/comparison?first=1&second=1", "/api/v1/leaderboards/test",
+        "/api/v1/leaderboards/final", "/api/v1/leaderboards/test?format=csv&all=1", "/secret.json",
         "/api/v1/splits/secret/episodes"}) {
     all += served.get(target, team)->body;
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
@@ -63,15 +64,26 @@ TEST(Browsing, LegendsNameWhatIsInThePictures) {
   const auto store = scan::Store::open(served.root() / "data/store/row.enfilade");
   const auto panorama = scan::read_panorama(*store, ViewpointIndex(1));
   std::map<int, int> counted;
-  int farthest = 0;
   for (const auto& face : panorama.classes) {
     for (const auto id : face.pixels) ++counted[id];
   }
-  for (const auto& face : panorama.depth) {
-    for (const auto depth : face.pixels) farthest = std::max<int>(farthest, depth);
-  }
   counted.erase(0);
-  EXPECT_EQ(legends.at("depth").at("farthest"), std::ceil(farthest / 4000.0));
+  std::vector<std::uint16_t> readings;
+  for (const auto& face : panorama.depth) {
+    std::ranges::copy_if(face.pixels, std::back_inserter(readings), [](auto d) { return d != 0; });
+  }
+  std::ranges::sort(readings);
+  const auto reading = [&](double share) {
+    return readings[static_cast<std::size_t>(share * static_cast<double>(readings.size()))] /
+           4000.0;
+  };
+  // To a decimetre, outwards: most of what is seen lies between, and little lies beyond.
+  const auto nearest = legends.at("depth").at("nearest").get<double>();
+  const auto farthest = legends["depth"].at("farthest").get<double>();
+  EXPECT_LE(nearest, reading(0.06));
+  EXPECT_GE(nearest, reading(0.04) - 0.1);
+  EXPECT_GE(farthest, reading(0.94));
+  EXPECT_LE(farthest, std::max(reading(0.96) + 0.1, nearest + 0.5 + 1e-9));
   EXPECT_EQ(legends["depth"].at("colours").size(), 16U);
   const auto& classes = legends.at("classes");
   ASSERT_EQ(classes.size(), counted.size());
@@ -84,6 +96,24 @@ TEST(Browsing, LegendsNameWhatIsInThePictures) {
     EXPECT_THAT(one.at("colour").get<std::string>(), ::testing::StartsWith("#"));
     EXPECT_NE(one.at("name"), "");
   }
+}
+
+TEST(Browsing, AWrongNameIsQuotedWithTheRightOnes) {
+  Served served;
+  const auto told = [&served](const std::string& target) {
+    const auto answer = served.json("/api/v1/" + target);
+    return answer.at("error").at("message").get<std::string>();
+  };
+  EXPECT_EQ(told("scans/nosuch"), R"(scan: there is no "nosuch"; allowed are row, wing)");
+  EXPECT_EQ(told("scans/rov/plan"), R"(scan: there is no "rov"; the nearest is "row")");
+  EXPECT_EQ(told("splits/val_seem/episodes"),
+            R"(split: there is no "val_seem"; the nearest is "val_seen")");
+  EXPECT_EQ(told("splits/val_seen/episodes?task=soon"),
+            R"(split: there is no "val_seen"; the data set has none)");
+  EXPECT_EQ(told("splits/val_seen/episodes?task=revery"),
+            R"(task: there is no "revery"; the nearest is "reverie")");
+  EXPECT_EQ(told("scans/row/viewpoints/%22v9/distances"),
+            R"(viewpoint "\"v9" of scan row has no pictures)");
 }
 
 TEST(Browsing, OfAPlanNothingIsKnownWhereThereAreGraphsAlone) {

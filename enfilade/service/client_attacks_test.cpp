@@ -402,8 +402,11 @@ TEST(ClientAttacks, BeforeTheEndHeadersDoNotDependOnTheGoalsEither) {
     const auto team = target.served().team("A");
     target.submit(team, {}, "m");
     std::string all;
-    for (const char* page : {"/api/v1/phases", "/api/v1/submissions/1", "/api/v1/leaderboards/test",
-                             "/api/v1/splits/hidden/episodes?limit=500"}) {
+    for (const char* page :
+         {"/api/v1/phases", "/api/v1/submissions/1", "/api/v1/submissions/1/method",
+          "/api/v1/submissions/1/breakdown",
+          "/api/v1/leaderboards/test/comparison?first=1&second=1", "/api/v1/leaderboards/test",
+          "/api/v1/splits/hidden/episodes?limit=500"}) {
       httplib::Headers asked = team;
       asked.emplace("Accept-Encoding", "gzip");
       const auto answer = target.served().get(page, asked);

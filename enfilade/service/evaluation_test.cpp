@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/net/server.h"
 #include "enfilade/service/client.h"
@@ -58,6 +59,78 @@ TEST(Evaluation, EveryFaultOfAFileIsShownAndNothingIsKept) {
   EXPECT_THAT(refused->body, HasSubstr("$[0].trajectory[0]"));
   EXPECT_THAT(refused->body, HasSubstr("7_7"));
   EXPECT_EQ(served.json("/api/v1/submissions", team).at("submissions").size(), 0U);
+}
+
+/// The paths of val_seen once more as val_unseen, with ids of its own: 11_0, 11_1, 12_0, ...
+/// \param phases after the one of val_seen, which is "open"
+void serve_two_splits(Served& served, const std::string& phases) {
+  tasks::Annotations annotations = testing::row_annotations("val_unseen", true);
+  for (tasks::PathAnnotation& path : annotations.paths) path.path_id += 10;
+  write_file_atomically(served.root() / "data/r2r/R2R_val_unseen.json", to_json(annotations));
+  served.restart_with(R"({"name": "open", "split": "val_seen"})" + phases);
+}
+
+/// row_results() of them. \param faults whether one has no trajectory, and one leaves the graph
+std::string unseen_results(std::size_t moves, bool faults = false) {
+  auto results = nlohmann::json::parse(row_results(moves));
+  for (auto& one : results) one["instr_id"] = "1" + one["instr_id"].get<std::string>();
+  if (faults) {
+    results[0].erase("trajectory");
+    results[4]["trajectory"][0][0] = "v9";
+  }
+  return results.dump();
+}
+
+TEST(Evaluation, AFileOfAnotherSplitHasOneFaultAndThePhaseThatTakesIt) {
+  Served served;
+  serve_two_splits(served, R"(, {"name": "unseen", "split": "val_unseen"})");
+  const auto team = served.team("A");
+  for (const bool faults : {false, true}) {
+    const auto refused = served.submit(team, "open", unseen_results(3, faults));
+    EXPECT_EQ(refused->status, 422);
+    const auto error = nlohmann::json::parse(refused->body).at("error");
+    EXPECT_EQ(error.at("code"), "invalid-input");
+    EXPECT_EQ(error.at("phase"), "unseen");
+    ASSERT_EQ(error.at("diagnostics").size(), 1U);
+    EXPECT_EQ(error["diagnostics"][0].at("code"), "other-split");
+    EXPECT_EQ(error["diagnostics"][0].at("message"),
+              "this is a file of val_unseen, and phase open is of val_seen; phase unseen takes it");
+  }
+  EXPECT_EQ(served.submit(team, "unseen", unseen_results(3))->status, 202);
+}
+
+TEST(Evaluation, AFileOfNoOtherSplitHasItsFaultsOneByOne) {
+  Served served;
+  serve_two_splits(served, R"(, {"name": "unseen", "split": "val_unseen",
+                               "ends": "2001-01-01T00:00:00Z"})");
+  const auto team = served.team("A");
+  auto mixed = nlohmann::json::parse(row_results(3));
+  mixed[0]["instr_id"] = "11_0";
+  auto unknown = nlohmann::json::parse(row_results(3));
+  for (auto& one : unknown) one["instr_id"] = "9" + one["instr_id"].get<std::string>();
+  for (const auto& file : {mixed.dump(), unknown.dump(), unseen_results(3)}) {  // that has ended
+    const auto refused = served.submit(team, "open", file);
+    EXPECT_EQ(refused->status, 422);
+    EXPECT_THAT(refused->body, HasSubstr("unknown-instr-id"));
+    EXPECT_THAT(refused->body, Not(HasSubstr("other-split")));
+    EXPECT_FALSE(nlohmann::json::parse(refused->body)["error"].contains("phase"));
+  }
+}
+
+// The public file of the split has the same ids, so the answer tells nothing of the goals.
+TEST(Evaluation, ThatAFileIsOfASecretSplitDependsOnItsIdsAlone) {
+  Served served;
+  serve_two_splits(served, "");
+  served.restart_with(R"({"name": "unseen", "split": "val_unseen"},
+    {"name": "test", "split": "test", "annotations": "secret.json"})");
+  const auto team = served.team("A");
+  const auto told = [&](const std::string& results) {
+    return served.submit(team, "unseen", results)->body;
+  };
+  const std::string at_the_goals = told(row_results(3));
+  EXPECT_EQ(nlohmann::json::parse(at_the_goals).at("error").at("phase"), "test");
+  EXPECT_EQ(told(row_results(0)), at_the_goals);
+  EXPECT_EQ(told(row_results(2)), at_the_goals);
 }
 
 TEST(Evaluation, TheSameFileAgainIsTheSameSubmission) {

@@ -1,5 +1,6 @@
 // What the people who run a server count on: its health, its files, its memory, its answers to
 // what is not there.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <csignal>
@@ -181,6 +182,22 @@ TEST(Operations, PeopleGetAPageWhereThereIsNothing) {
   EXPECT_THAT(wrong_name->body, AllOf(HasSubstr("<h1>"), HasSubstr("--public-name vln.example")));
 }
 
+TEST(Operations, ThePageWhereThereIsNothingLeadsToTheOthers) {
+  Served served;
+  const auto body = served.get("/nothing", {{"Accept", kBrowser}})->body;
+  for (const char* link : {"/", "/episodes", "/leaderboard", "/submit", "/organise"}) {
+    EXPECT_THAT(body, HasSubstr(fmt::format("<a href=\"{}\">", link)));
+  }
+  EXPECT_THAT(body, AllOf(Not(HasSubstr("href=\"/replay\"")), Not(HasSubstr("SYNTHETIC"))));
+  http::Request request;
+  request.path = "/nothing";
+  request.headers.emplace("accept", kBrowser);
+  http::Response error = http::error_response(404, "there is nothing here");
+  http::show_to_people(request, {.synthetic = true, .runs = true}, error);
+  EXPECT_THAT(*error.body,
+              AllOf(HasSubstr("<a href=\"/replay\">Runs</a>"), HasSubstr("SYNTHETIC")));
+}
+
 TEST(Operations, ScriptsAndTheApisClientsGetJson) {
   Served served;
   for (const auto& [target, accept] :
@@ -197,7 +214,7 @@ TEST(Operations, WhatAPageQuotesIsText) {
   request.path = "/x";
   request.headers.emplace("accept", "text/html");
   http::Response error = http::error_response(400, "not <script>alert(1)</script> & \"x\"");
-  http::show_to_people(request, error);
+  http::show_to_people(request, {}, error);
   EXPECT_THAT(*error.body, AllOf(HasSubstr("not &lt;script&gt;"), Not(HasSubstr("<script"))));
 }
 

@@ -1,18 +1,16 @@
 // Runs of the arena, looked at over real sockets.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <memory>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "enfilade/arena/ask.h"
 #include "enfilade/arena/play.h"
-#include "enfilade/dataset/dataset.h"
-#include "enfilade/service/sessions/sessions.h"
+#include "enfilade/service/sessions/painters.h"
+#include "enfilade/service/sessions/replays.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/files.h"
+#include "tests/support/asked_runs.h"
 #include "tests/support/refusal.h"
 #include "tests/support/served_benchmarks.h"
 #include "tests/support/served_data.h"
@@ -25,83 +23,24 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
 
-/// A model that says the same in each episode, step by step.
-class Script : public arena::Endpoint {
- public:
-  explicit Script(std::vector<std::string> lines) : lines_(std::move(lines)) {}
-  std::string post(std::string_view /*body*/, const arena::RequestOrigin& origin) override {
-    const std::string& line = lines_.at(std::min(origin.calls.size(), lines_.size() - 1));
-    return json{{"choices", {{{"message", {{"role", "assistant"}, {"content", line}}}}}},
-                {"usage", {{"prompt_tokens", 100}, {"completion_tokens", 7}}}}
-        .dump();
-  }
-
- private:
-  std::vector<std::string> lines_;
-};
-
-const std::vector<std::string> kScript{
-    "I look first. <script>alert(1)</script> <img src=x onerror=alert(2)>\nAction: look left",
-    "On along the hall.\nAction: go_to B", "Action: go_to C", "Here it is.\nAction: stop"};
-
-class ReplayTest : public ::testing::Test {
- protected:
-  ReplayTest() : runs_("runs"), served_(showing(runs_.path())) {}
-  static ServerConfig showing(const fs::path& runs) {
-    ServerConfig config;
-    config.runs = runs;
-    return config;
-  }
-
-  std::shared_ptr<const tasks::EpisodeSet> episodes(const std::string& split,
-                                                    tasks::Task task = tasks::Task::kR2r) {
-    return std::make_shared<const tasks::EpisodeSet>(
-        dataset::Dataset(served_.root() / "data").episodes(task, split));
-  }
-  fs::path ask(const std::string& name, std::vector<std::string> lines = kScript,
-               const std::string& split = "val_seen", tasks::Task task = tasks::Task::kR2r) {
-    const auto set = episodes(split, task);
-    std::vector<std::size_t> all(set->episodes.size());
-    std::iota(all.begin(), all.end(), 0U);
-    arena::AskConfig config;
-    config.chat.model = "scripted";
-    config.answers = arena::Answers::kText;
-    config.limits.mistakes = 3;
-    arena::AnswerCache cache(served_.root() / ("cache-" + name));
-    Script script(std::move(lines));
-    fs::path folder = runs_.path() / name;
-    arena::ask(arena::GraphWorld(set), {}, all, arena::Prompt::named("text"), config, &script,
-               cache, folder);
-    return folder;
-  }
-  json get(const std::string& path) { return served_.json("/api/v1/runs" + path); }
-  /// The status, and what the answer says is wrong.
-  std::pair<int, std::string> refused(const std::string& path) {
-    const auto answer = served_.get("/api/v1/runs" + path);
-    const json body = json::parse(answer->body, nullptr, false);
-    return {answer->status, body.contains("error") ? body["error"].value("message", "") : ""};
-  }
-  static void change(const fs::path& file, const std::string& from, const std::string& to) {
-    std::string text = read_file(file);
-    const std::size_t at = text.find(from);
-    ASSERT_NE(at, std::string::npos) << from;
-    write_file_atomically(file, text.replace(at, from.size(), to));
-  }
-
-  tests::TemporaryFolder runs_;
-  testing::Served served_;
-};
+using ReplayTest = testing::AskedRuns;
+using testing::kScript;
 
 TEST_F(ReplayTest, ARunIsShownStepByStep) {
   ask("a run");
   const json runs = get("").at("runs");
   ASSERT_EQ(runs.size(), 1U);
   EXPECT_EQ(runs[0], json::parse(R"({"run": "a run", "task": "r2r", "split": "val_seen",
-                                     "model": "scripted", "prompt": "text", "episodes": 6})"));
+                                     "model": "scripted", "prompt": "text", "outcomes": true,
+                                     "episodes": 6})"));
   const json run = get("/a%20run");
   ASSERT_EQ(run.at("list").size(), 6U);
-  EXPECT_EQ(run["list"][1], json::parse(R"({"episode": "1_1", "ending": "stopped", "steps": 4,
-                                            "mistakes": 0})"));
+  EXPECT_EQ(run.at("matching"), 6);
+  EXPECT_EQ(run["list"][1],
+            json::parse(R"({"episode": "1_1", "instruction": "Go past the <b>table</b>.",
+                            "ending": "stopped", "steps": 4, "mistakes": 0, "unanswered": 0,
+                            "prompt_tokens": 400, "answer_tokens": 28, "success": true,
+                            "spl": 1.0, "nav_error": 1.0})"));
   EXPECT_EQ(get("/a%20run?offset=5").at("list").size(), 1U);
   EXPECT_EQ(get("/a%20run?limit=2").at("list").size(), 2U);
 
@@ -205,7 +144,7 @@ TEST_F(ReplayTest, BrokenTranscriptsAreNamedWithTheirLine) {
   change(transcripts / "2_0.jsonl", "\"told\":\"You", "\"tell\":\"You");
   write_file_atomically(transcripts / "2_1.jsonl", "");
   change(transcripts / "3_0.jsonl", "\"heading\":", "\"heading\":\"<b>\",\"was\":");
-  fs::resize_file(transcripts / "3_1.jsonl", sessions::Replays::kMostBytes + 1);
+  fs::resize_file(transcripts / "3_1.jsonl", sessions::kMostTranscriptBytes + 1);
   const json list = get("/run").at("list");
   ASSERT_EQ(list.size(), 6U);
   EXPECT_EQ(list[0].at("problem"), "the last line is no end of an episode");
@@ -359,13 +298,16 @@ TEST_F(ReplayTest, WalksInContinuousSpaceAreShownInWords) {
 
 TEST_F(ReplayTest, AFolderMayBeARunItself) {
   const fs::path folder = ask("run");
-  const sessions::Replays one(Site::open(served_.root() / "data"), folder);
+  const auto site = Site::open(served_.root() / "data");
+  const auto painters = std::make_shared<sessions::Painters>(site);
+  sessions::Replays one(site, folder, painters);
   EXPECT_EQ(one.runs("").at("runs").at(0).at("run"), "run");
   EXPECT_EQ(one.episode("run", "1_0").at("steps").size(), 4U);
-  const sessions::Replays none(Site::open(served_.root() / "data"), {});
+  sessions::Replays none(site, {}, painters);
   EXPECT_TRUE(none.runs("").at("runs").empty());
-  EXPECT_THAT(tests::refusal<FileError>([&] { sessions::Replays(nullptr, folder / "run.json"); }),
-              HasSubstr("run.json: not a folder"));
+  EXPECT_THAT(
+      tests::refusal<FileError>([&] { sessions::Replays(nullptr, folder / "run.json", nullptr); }),
+      HasSubstr("run.json: not a folder"));
 }
 
 TEST_F(ReplayTest, PagesAreToldWhetherThereAreRuns) {

@@ -12,9 +12,12 @@
 
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
+#include "enfilade/continuous/scene.h"
+#include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
+#include "enfilade/homes/lit_home.h"
 #include "enfilade/mesh/read_mesh.h"
 #include "enfilade/service/browsing/site_json.h"
 #include "tests/support/served_data.h"
@@ -44,6 +47,25 @@ tasks::ContinuousEpisode episode(std::int64_t id, Vec3d start, Vec3d goal) {
   return made;
 }
 
+/// RxR's test split, with one start, in a home: its goals are hidden.
+void write_hidden_guides(const fs::path& data) {
+  const auto graph = nlohmann::json::parse(
+      read_file(data / "connectivity" / (std::string(kScan) + "_connectivity.json")));
+  const auto start = std::ranges::find_if(
+      graph, [](const auto& viewpoint) { return viewpoint.at("included").template get<bool>(); });
+  make_folder(data / "rxr");
+  write_file_atomically(data / "rxr/rxr_test_guide.jsonl",
+                        nlohmann::json{{"instruction_id", 1},
+                                       {"scan", kScan},
+                                       {"heading", 0.5},
+                                       {"path", {start->at("image_id")}},
+                                       {"language", "en-IN"},
+                                       {"instruction", "Go on"},
+                                       {"timed_instruction", nlohmann::json::array()}}
+                                .dump() +
+                            "\n");
+}
+
 /// A set of small homes, of which the first has a floor, with a server of it.
 class RoamingTest : public ::testing::Test {
  protected:
@@ -64,7 +86,12 @@ class RoamingTest : public ::testing::Test {
       for (std::int64_t id = 1; id <= 3; ++id)
         episodes.episodes.push_back(episode(id, {1, 2, 0}, {3, 4.5, 0}));
       write_file_atomically(data / "vlnce" / (std::string(split) + ".json.gz"), to_json(episodes));
+      episodes.episodes.resize(1);
+      episodes.episodes[0].instruction.language = "hi-IN";
+      write_file_atomically(data / "vlnce" / (std::string(split) + "_guide.json.gz"),
+                            to_json(episodes));
     }
+    write_hidden_guides(data);
     ServerConfig config;
     config.database = testing::new_database(folder_->path() / "service.sqlite");
     config.port = 0;
@@ -189,6 +216,36 @@ TEST_F(RoamingTest, EpisodesAreTheFiles) {
   EXPECT_EQ(json("/api/v1/continuous/val_seen/episodes?scan=home0002").at("matching"), 0);
 }
 
+TEST_F(RoamingTest, EpisodesAreSearchedForWords) {
+  const std::string all = "/api/v1/continuous/val_seen/episodes?q=";
+  EXPECT_EQ(json(all + "WINDOW").at("matching"), 3);
+  const auto second = json(all + "window%3C/b%3E,%202");
+  ASSERT_EQ(second.at("matching"), 1);
+  EXPECT_EQ(second.at("episodes")[0].at("id"), "2");
+  EXPECT_EQ(json(all + "door").at("matching"), 0);
+}
+
+TEST_F(RoamingTest, RxrsEpisodesAreTheirOwn) {
+  const auto answer = json("/api/v1/continuous/val_seen/episodes?task=rxr-ce");
+  EXPECT_EQ(answer.at("task"), "rxr-ce");
+  ASSERT_EQ(answer.at("episodes").size(), 1U);
+  EXPECT_EQ(answer["episodes"][0].at("language"), "hi-IN");
+  EXPECT_TRUE(answer["episodes"][0].contains("path"));
+  EXPECT_EQ(get("/api/v1/continuous/val_seen/episodes?task=r2r")->status, 404);
+  // RxR's test split hides its goals, and so does what was made from it.
+  const auto hidden = json("/api/v1/continuous/test/episodes?task=rxr-ce");
+  EXPECT_EQ(hidden.at("goals_hidden"), true);
+  EXPECT_THAT(hidden.dump(), Not(HasSubstr("4.5")));
+  std::vector<std::string> splits;
+  const auto list = json("/api/v1/splits?task=all");
+  for (const auto& one : list.at("continuous")) {
+    splits.push_back(one.at("title").get<std::string>() + " " + one.at("split").get<std::string>());
+  }
+  EXPECT_THAT(splits, ::testing::ElementsAre("R2R-CE val_seen", "R2R-CE test", "RxR-CE val_seen",
+                                             "RxR-CE test"));
+  EXPECT_FALSE(json("/api/v1/splits").contains("continuous"));
+}
+
 // R2R's test split has no goals in the data set: neither may the continuous one tell them.
 TEST_F(RoamingTest, HidesWhatR2rHides) {
   const auto answer = json("/api/v1/continuous/test/episodes");
@@ -263,6 +320,81 @@ TEST(Roaming, AMeshFileIsShownWithItsTextures) {
   EXPECT_EQ(client.Get("/api/v1/scans/row/floor")->status, 404);
   const auto scan = nlohmann::json::parse(client.Get("/api/v1/scans/row")->body);
   EXPECT_EQ(scan.at("roam"), false);  // there is no floor
+}
+
+/// A set of small homes whose first has kept light: green everywhere, so that no other light looks
+/// like it.
+class KeptLight : public ::testing::Test {
+ protected:
+  KeptLight() {
+    tests::write_small_homes(data_);
+    home_ = homes::read_home_list(data_).front();
+  }
+  void keep_green_light() const {
+    const homes::BuiltHome built = homes::build_home(home_.plan);
+    mesh::Lights lights;
+    lights.sky = {{}, {}, {}};
+    lights.ambient = {0, 5, 0};
+    const mesh::LitMesh light(built.tracer, lights,
+                              {.spacing = 2, .detail = 1, .rays = 1, .bounces = 0});
+    make_folder(data_ / "light");
+    continuous::Scene::lit(built.tracer, light, {.light_spacing = 0.5})
+        ->save(data_ / homes::home_light_file(home_.scan));
+  }
+  browsing::Roaming::Packed mesh() const {
+    const auto site = Site::open(data_);
+    return browsing::Roaming(site).mesh(*site->graphs().find(home_.scan));
+  }
+  /// Share of the mesh's corners that are green.
+  static double green(const browsing::Roaming::Packed& packed) {
+    const mesh::Mesh shown = mesh::parse_mesh(gunzip(*packed.gzip, packed.bytes), "home.glb").mesh;
+    const auto count = std::ranges::count_if(shown.colours, [](Vec3f c) { return c.x < c.y / 2; });
+    return static_cast<double>(count) / static_cast<double>(shown.colours.size());
+  }
+  fs::path kept_mesh() const { return data_ / homes::lit_home_file(home_); }
+
+  const tests::TemporaryFolder folder_{"kept_light"};
+  const fs::path data_ = folder_.path() / "homes";
+  homes::HomeEntry home_;
+};
+
+TEST_F(KeptLight, IsReadAndNothingIsBaked) {
+  keep_green_light();
+  EXPECT_GT(green(mesh()), 0.8) << "baked light is white nearly everywhere";
+}
+
+TEST_F(KeptLight, AMeshIsMadeOnceForAllServers) {
+  keep_green_light();
+  const auto made = mesh();
+  ASSERT_TRUE(fs::exists(kept_mesh()));
+  EXPECT_EQ(read_file(kept_mesh()), *made.gzip);
+  EXPECT_EQ(mesh().digest, made.digest);
+  // What is there is sent as it is.
+  write_file_atomically(kept_mesh(), gzip("kept", 6));
+  const auto kept = mesh();
+  EXPECT_EQ(gunzip(*kept.gzip, kept.bytes), "kept");
+  // A damaged file is made again.
+  write_file_atomically(kept_mesh(), made.gzip->substr(0, made.gzip->size() / 2));
+  EXPECT_EQ(mesh().digest, made.digest);
+  EXPECT_EQ(read_file(kept_mesh()), *made.gzip);
+}
+
+TEST_F(KeptLight, OfAnotherHomeIsNotTaken) {
+  keep_green_light();
+  const fs::path light = data_ / homes::home_light_file(home_.scan);
+  std::string bytes = read_file(light);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write_file_atomically(light, bytes);
+  EXPECT_LT(green(mesh()), 0.2) << "it is baked instead";
+  homes::HomeEntry other = home_;
+  ++other.plan.seed;
+  EXPECT_NE(homes::lit_home_file(other), homes::lit_home_file(home_));
+}
+
+TEST_F(KeptLight, AFolderThatMayNotBeWrittenIsServedAllTheSame) {
+  write_file_atomically(data_ / "light", "a file, where the folder would be");
+  EXPECT_GT(mesh().bytes, 100'000U);
+  EXPECT_TRUE(fs::is_regular_file(data_ / "light"));
 }
 
 TEST_F(RoamingTest, EpisodesAreWalkedByRequests) {

@@ -57,6 +57,10 @@ struct ServerConfig {
   /// Public runs of `enfilade ask`, `enfilade mcp` and Python's arena: the folder that holds
   /// theirs, or one of them. Empty: none.
   std::filesystem::path runs = {};
+  /// Whether stores of the data set are being replaced by others with larger pictures. Browsers
+  /// then ask for each picture again instead of keeping it for a day. Called by any thread; empty:
+  /// the stores stay.
+  std::function<bool()> pictures_change = {};
   bool open_registration = false;  ///< anyone can make a team; else only organisers
   /// Serve phases whose limits give away more bits than their secret goals have. Otherwise such
   /// phases are refused.

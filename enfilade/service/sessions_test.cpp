@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <algorithm>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -65,6 +66,9 @@ TEST_F(PlayingTest, AnEpisodeIsWalkedToItsGoalAndScored) {
   EXPECT_EQ(state.at("calls"), 0);
   EXPECT_TRUE(state.at("ending").is_null());
   EXPECT_EQ(served_.get(play.path + "/result", play.headers)->status, 409);
+  const auto early = served_.get(play.path + "/outcome", play.headers);
+  EXPECT_EQ(early->status, 409);
+  EXPECT_THAT(early->body, Not(HasSubstr("\"v")));
   for (int k = 0; k < 3; ++k) {
     const auto [status, next] = call(
         play, {{"tool", "go_to"}, {"argument", farther(state.at("observation"))}, {"after", k}});
@@ -78,13 +82,63 @@ TEST_F(PlayingTest, AnEpisodeIsWalkedToItsGoalAndScored) {
   EXPECT_EQ(call(play, {{"tool", "stop"}}).first, 409) << "it is over";
   const dataset::Dataset data(served_.root() / "data");
   const tasks::EpisodeSet episodes = data.episodes("val_seen");
-  const auto results = tasks::parse_results(served_.get(play.path + "/result", play.headers)->body,
-                                            "result", episodes, tasks::Coverage::kPart);
+  auto results = tasks::parse_results(served_.get(play.path + "/result", play.headers)->body,
+                                      "result", episodes, tasks::Coverage::kPart);
   ASSERT_EQ(results.trajectories.size(), 1U);
   EXPECT_EQ(results.trajectories[0].points.size(), 4U);
   EXPECT_EQ(
       episodes.graphs->graph(ScanIndex(0)).id(results.trajectories[0].points.back().viewpoint),
       "v3");
+  // The outcome is that of the scorer.
+  const json outcome = served_.json(play.path + "/outcome", play.headers);
+  const tasks::EpisodeSet part = tasks::part_of(episodes, results.trajectories);
+  const tasks::ScoreTable score = tasks::compute_score(results, part);
+  EXPECT_EQ(outcome.at("scan"), "row");
+  EXPECT_EQ(outcome.at("kind"), "end");
+  EXPECT_EQ(outcome.at("path"), json({"v0", "v1", "v2", "v3"}));
+  EXPECT_EQ(outcome.at("walk"), outcome.at("path"));
+  EXPECT_EQ(outcome.at("viewpoints"), json::array());
+  EXPECT_EQ(outcome.at("success"), true);
+  EXPECT_DOUBLE_EQ(outcome.at("error").get<double>(), score.value(0, "nav_error"));
+  EXPECT_DOUBLE_EQ(outcome.at("length").get<double>(), score.value(0, "trajectory_length"));
+  EXPECT_DOUBLE_EQ(outcome.at("shortest").get<double>(), score.value(0, "shortest"));
+}
+
+TEST_F(PlayingTest, TheOutcomeOfAStopAtTheStartIsNoSuccess) {
+  const Play play = begin({{"split", "val_seen"}, {"episode", "2_1"}});
+  EXPECT_EQ(call(play, {{"tool", "look"}, {"argument", "left"}}).first, 200);
+  EXPECT_EQ(call(play, {{"tool", "stop"}}).first, 200);
+  const json outcome = served_.json(play.path + "/outcome", play.headers);
+  EXPECT_EQ(outcome.at("walk"), json::array({"v1"})) << "a turn is no step";
+  EXPECT_EQ(outcome.at("length"), 0);
+  EXPECT_EQ(outcome.at("error"), outcome.at("shortest"));
+  EXPECT_EQ(outcome.at("error"), 3.0);
+  EXPECT_EQ(outcome.at("success"), false) << "success is nearer than 3 m";
+  served_.stop();  // it is replayed, and judged again
+  served_.start();
+  EXPECT_EQ(served_.json(play.path + "/outcome", play.headers), outcome);
+}
+
+TEST_F(PlayingTest, AnEpisodeIsChosenWhereNoneIsNamed) {
+  std::set<std::string> chosen;
+  for (int k = 0; k < 40; ++k) {
+    const Play play = begin({{"split", "val_seen"}});
+    chosen.insert(play.begun.at("episode").get<std::string>());
+    if (k > 0) continue;
+    served_.stop();  // the database has the chosen one
+    served_.start();
+    EXPECT_EQ(served_.json(play.path, play.headers).at("episode"), play.begun.at("episode"));
+  }
+  EXPECT_THAT(chosen, ::testing::Each(::testing::AnyOf("1_0", "1_1", "2_0", "2_1", "3_0", "3_1")));
+  EXPECT_GT(chosen.size(), 1U);
+}
+
+TEST_F(PlayingTest, ASplitWithoutEpisodesHasNoSessions) {
+  write_file_atomically(served_.root() / "data/r2r/R2R_train.json", "[]");
+  served_.restart_with(R"({"name": "open", "split": "val_seen"})");
+  const auto [status, answer] = post("/api/v1/sessions", json{{"split", "train"}}.dump());
+  EXPECT_EQ(status, 404);
+  EXPECT_THAT(answer.dump(), HasSubstr("split train of r2r has no episode"));
 }
 
 // What the arena's session says to the same calls, whoever carries them.
@@ -162,6 +216,23 @@ TEST_F(PlayingTest, HiddenGoalsStayHidden) {
     EXPECT_THAT(all, Not(HasSubstr(fmt::format("\"v{}\"", v))));
   }
   EXPECT_EQ(served_.get(play.path + "/result", play.headers)->status, 200);
+  const auto outcome = served_.get(play.path + "/outcome", play.headers);
+  EXPECT_EQ(outcome->status, 404);
+  EXPECT_THAT(outcome->body, HasSubstr("split test of r2r has hidden goals"));
+  EXPECT_THAT(outcome->body, Not(HasSubstr("\"v")));
+}
+
+// The data set has the goals that a phase keeps secret.
+TEST_F(PlayingTest, OutcomesOfASecretPhaseAreRefused) {
+  write_file_atomically(served_.root() / "kept.json",
+                        to_json(testing::row_annotations("val_seen", true)));
+  served_.restart_with(R"({"name": "secret", "split": "val_seen", "annotations": "kept.json"})");
+  const Play play = begin(first_episode());
+  EXPECT_EQ(call(play, {{"tool", "stop"}}).first, 200);
+  const auto outcome = served_.get(play.path + "/outcome", play.headers);
+  EXPECT_EQ(outcome->status, 404);
+  EXPECT_THAT(outcome->body, HasSubstr("hidden goals"));
+  EXPECT_THAT(outcome->body, Not(HasSubstr("\"v")));
 }
 
 TEST_F(PlayingTest, SessionsOfOthersAreAsIfThereWereNone) {
@@ -173,7 +244,7 @@ TEST_F(PlayingTest, SessionsOfOthersAreAsIfThereWereNone) {
   EXPECT_EQ(none->status, 404);
   EXPECT_EQ(other->body, none->body);
   EXPECT_EQ(post(mine.path + "/calls", R"({"tool": "stop"})", yours.headers).first, 404);
-  for (const char* rest : {"/result", "/pictures/strip/0"}) {
+  for (const char* rest : {"/result", "/outcome", "/pictures/strip/0"}) {
     EXPECT_EQ(served_.get(mine.path + rest, yours.headers)->status, 404) << rest;
   }
   EXPECT_EQ(served_.json(mine.path, mine.headers).at("calls"), 0);
@@ -199,7 +270,7 @@ TEST_F(PlayingTest, PicturesAreOfWhatIsSeenNow) {
 
 TEST_F(PlayingTest, BadRequestsAreToldWhatIsAllowed) {
   const std::pair<json, std::string> wrong[]{
-      {{{"split", "val_seen"}}, "episode"},
+      {{{"episode", "1_0"}}, "split"},
       {{{"split", "nowhere"}, {"episode", "1_0"}}, "no split nowhere"},
       {{{"split", "val_seen"}, {"episode", "7_0"}}, "no episode"},
       {{{"split", "val_seen"}, {"episode", "1_0"}, {"task", "chess"}}, "chess"},

@@ -99,9 +99,9 @@ TEST_F(PlantedLinks, AreNotFollowedByAsk) {
     fs::remove(out_ / folder);
   }
   // Links in place of files are replaced, those in place of the cache's folders refused.
-  for (const char* file : {"run.json", "results.json"}) plant(file, "made.json");
+  for (const char* file : {"run.json", "results.json", "usage.json"}) plant(file, "made.json");
   ASSERT_EQ(ask(walk), 0);
-  for (const char* file : {"run.json", "results.json"}) {
+  for (const char* file : {"run.json", "results.json", "usage.json"}) {
     EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(out_ / file))) << file;
   }
   expect_nothing_outside();

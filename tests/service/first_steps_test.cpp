@@ -1,13 +1,19 @@
 // `enfilade serve` as people start it: what it prints, and what it refuses.
 #include <gmock/gmock.h>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "enfilade/core/gzip.h"
 #include "enfilade/homes/home_set.h"
+#include "enfilade/image/codecs.h"
+#include "enfilade/scan/store.h"
 #include "tests/service/program.h"
 #include "tests/support/emulated.h"
 #include "tests/support/served_data.h"
@@ -189,12 +195,90 @@ TEST_F(FirstVisit, APortThatIsTakenIsToldBeforeHomesAreMade) {
   EXPECT_FALSE(std::filesystem::exists("enfilade-demo"));
 }
 
+// Texels of a face as the server sends it, and how long a browser keeps it.
+std::pair<std::uint32_t, std::string> sent_face(int port) {
+  httplib::Client client("127.0.0.1", port);
+  const auto scan = nlohmann::json::parse(client.Get("/api/v1/scans/home0001")->body);
+  const auto id = scan.at("viewpoints").at(0).at("id").get<std::string>();
+  const auto face = client.Get("/api/v1/scans/home0001/viewpoints/" + id + "/faces/0.jpg");
+  const auto picture = image::decode_jpeg(image::bytes_of(face->body), "face");
+  return {picture.width, face->get_header_value("Cache-Control")};
+}
+
+// Two homes as a first visit makes them, with pictures that are quickly made.
+void write_first_homes(std::uint32_t face_size) {
+  homes::HomeSetOptions options = homes::home_set_preset("small");
+  options.face_size = face_size;
+  const std::filesystem::path folder = "enfilade-demo/two-homes";
+  homes::write_homes(folder, options);
+  homes::HomePathOptions paths;
+  paths.test_split = false;
+  paths.tasks = {"r2r"};
+  homes::write_home_paths(folder, paths);
+}
+
+TEST_F(FirstVisit, LargerPicturesComeWhileItServes) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
+  write_first_homes(8);
+  Program program(EN_PROGRAM, std::vector<std::string>{"--faces", "96"});
+  program.start();
+  const std::string said = program.said_until("Ctrl-C ends it.");
+  EXPECT_THAT(said, HasSubstr("Larger pictures of 2 homes are being made beside"));
+  EXPECT_THAT(said, HasSubstr("--faces 8 leaves that out")) << "the size that they have";
+  const auto [first, kept] = sent_face(program.port());
+  EXPECT_TRUE(first == 8 || first == 96) << first;
+  std::string told;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+  while (told.find("load a page again") == std::string::npos &&
+         std::chrono::steady_clock::now() < end) {
+    const auto [size, header] = sent_face(program.port());
+    EXPECT_TRUE(size == 8 || size == 96) << size << ": never a part of one";
+    told = program.said_until("load a page again");
+  }
+  EXPECT_EQ(sent_face(program.port()), std::pair(96U, std::string("public, max-age=86400")));
+  if (first == 8) {
+    EXPECT_EQ(kept, "no-cache") << "or browsers would show it for a day";
+  }
+  // Once they are there nothing is made.
+  program.kill();
+  program.start();
+  EXPECT_THAT(program.said_until("Ctrl-C ends it."), ::testing::Not(HasSubstr("Larger pictures")));
+}
+
+TEST_F(FirstVisit, LargerPicturesGoOnAfterAKill) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
+  write_first_homes(8);
+  Program program(EN_PROGRAM, std::vector<std::string>{"--faces", "256"});
+  const std::filesystem::path store = "enfilade-demo/two-homes/store/home0002.enfilade";
+  const std::filesystem::path part = store.string() + ".part";
+  program.start();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+  const auto wait_for = [&end](const auto& ready) {
+    while (!ready() && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  wait_for([&] { return std::filesystem::exists(part); });
+  program.kill();
+  const auto size = [&store] {
+    const auto opened = scan::Store::open(store);
+    EXPECT_TRUE(opened->verify().empty());
+    return opened->face_sizes(ViewpointIndex(0))[scan::index(scan::Layer::kColour)];
+  };
+  EXPECT_EQ(size(), 8U) << "usable as it was";
+  program.start();
+  EXPECT_THAT(program.said_until("Ctrl-C ends it."), HasSubstr("Larger pictures of 1 home "));
+  wait_for([&] { return !std::filesystem::exists(part) && size() == 256; });
+  EXPECT_EQ(size(), 256U);
+}
+
 TEST_F(FirstVisit, TwoHomesAreMadeAlsoAfterAKill) {
   if (tests::is_emulated()) GTEST_SKIP() << "in emulation, pictures of homes take an hour";
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "pictures of 512 texels take too long with a sanitizer";
 #endif
   const std::filesystem::path first = "enfilade-demo/two-homes/store/home0001.enfilade";
+  program_.add({"--faces", "512"});  // and none beside
   program_.launch();
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(10);
   while (!std::filesystem::exists(first) && std::chrono::steady_clock::now() < end) {
@@ -204,7 +288,9 @@ TEST_F(FirstVisit, TwoHomesAreMadeAlsoAfterAKill) {
   const auto made = std::filesystem::last_write_time(first);
   program_.start(std::chrono::minutes(10));
   EXPECT_EQ(std::filesystem::last_write_time(first), made) << "made again";
-  program_.said_until("Ctrl-C ends it.");
+  EXPECT_THAT(program_.said_until("Ctrl-C ends it."),
+              AllOf(HasSubstr("home 1 of 2 is made\nhome 2 of 2 is made\n"),
+                    ::testing::Not(HasSubstr("Larger pictures"))));
   const nlohmann::json scans = get("/api/v1/scans");
   EXPECT_EQ(scans.at("synthetic"), true);
   EXPECT_EQ(scans.at("scans").size(), 2U);

@@ -55,6 +55,10 @@ class Program {
     words_.insert(words_.end(), {data, "--db", database});
   }
 
+  /// More words, of what starts after this.
+  void add(const std::vector<std::string>& words) {
+    words_.insert(words_.end(), words.begin(), words.end());
+  }
   /// Begins, and returns at once.
   void launch() {
     std::filesystem::remove(said_);  // what the server before said

@@ -7,8 +7,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
+#include "enfilade/core/base64.h"
 #include "enfilade/core/file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -28,6 +31,14 @@ inline nlohmann::json data_of(const std::string& page) {
   const std::size_t tag = page.find("<script type=\"application/json\"");
   const std::size_t begin = page.find('>', tag) + 1;
   return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+/// The content of a picture's address, "data:image/svg+xml;base64,...".
+inline std::string decoded(const std::string& uri) {
+  const std::string_view base64 = std::string_view(uri).substr(uri.find(',') + 1);
+  std::string text(base64_bytes(base64).value_or(0), '\0');
+  EXPECT_EQ(decode_base64(base64, std::as_writable_bytes(std::span(text))), std::string_view::npos);
+  return text;
 }
 
 /// The program's name; nothing if there is none.

@@ -2,8 +2,8 @@
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import type { Page } from 'playwright-core';
-import { complaints, type Home, inspect, makeHomes, missing, newFolder, openPage, pathsOf, results, scan, serve, writeAnnotations } from './harness.ts';
+import { complaints, type Home, inspect, missing, newData, pathsOf, results, scan, serve } from './harness.ts';
+import { handIn, newTeam } from './teams.ts';
 
 /** SYNTHETIC: each path of R2R with an object at its end, which is seen from there only. */
 function writeReverie(data: string): void {
@@ -28,10 +28,7 @@ const reverieResults = (data: string, right: boolean): string => JSON.stringify(
 describe.skipIf(missing)('benchmarks', () => {
   let home: Home;
   beforeAll(async () => {
-    const folder = newFolder();
-    const data = join(folder, 'homes');
-    makeHomes(data);
-    writeAnnotations(data);
+    const { folder, data } = newData();
     writeReverie(data);
     const phases = join(folder, 'phases.json');
     writeFileSync(phases, JSON.stringify({ phases: [
@@ -44,32 +41,21 @@ describe.skipIf(missing)('benchmarks', () => {
     await home?.stop();
   });
 
-  async function hand(page: Page, phase: string, method: string, content: string): Promise<void> {
-    await page.getByLabel('Phase').selectOption(phase);
-    await page.getByLabel('Method').fill(method);
-    await page.getByLabel('Results file').setInputFiles({ name: 'r.json', mimeType: 'application/json', buffer: Buffer.from(content) });
-    await page.getByRole('button', { name: 'Check and submit' }).click();
-  }
-
   it('have their own checks, scores and columns', async () => {
-    const page = await openPage(home, '/submit?phase=objects');
-    await page.getByLabel("The team's name").fill('Gardeners');
-    await page.getByRole('button', { name: 'Create team' }).click();
-    await page.locator('.token').waitFor();
-    await page.getByRole('button', { name: 'Log in' }).click();
-    await page.getByText('You are').waitFor();
+    const page = await newTeam(home, 'Gardeners', '/submit?phase=objects');
     await page.getByText('REVERIE, scored as official.').waitFor();
 
     // A file of R2R's form: nothing was named.
-    await hand(page, 'objects', 'walks', reverieResults(home.folder, true).replaceAll(/,"predObjId":\d+/g, ''));
+    await handIn(page, 'walks', reverieResults(home.folder, true).replaceAll(/,"predObjId":\d+/g, ''));
     await page.getByRole('alert').waitFor();
     expect(await page.getByRole('alert').textContent()).toContain('neither predObjId nor pred_objid');
 
-    await hand(page, 'objects', 'looks elsewhere', reverieResults(home.folder, false));
+    await handIn(page, 'looks elsewhere', reverieResults(home.folder, false));
     await page.getByRole('row', { name: /looks elsewhere.*scored/ }).waitFor();
-    await hand(page, 'objects', 'finds it', reverieResults(home.folder, true));
+    await handIn(page, 'finds it', reverieResults(home.folder, true));
     await page.getByRole('row', { name: /finds it.*scored/ }).waitFor();
-    await hand(page, 'walks', 'walks', await results(home, true));
+    await page.getByLabel('Phase').selectOption('walks');
+    await handIn(page, 'walks', await results(home, true));
     await page.getByRole('row', { name: /walks.*scored/ }).waitFor();
     // A table for each benchmark.
     const heads = async (label: string) => page.getByRole('region', { name: label }).getByRole('columnheader').allTextContents();

@@ -6,11 +6,12 @@ import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { distancesFrom } from '../src/scan/distances.ts';
 import type { Scan } from '../src/scan/scan.ts';
 import type { WalkTask } from '../src/work/walk_task.ts';
+import type { WriteTask } from '../src/work/write_task.ts';
 import { goBack } from './browsers.ts';
 import { complaints, enfilade, type Home, inspect, keepScreenshot, makeCollection, missing, newToken, openHome, openPage, patience } from './harness.ts';
 import { stepTo } from './walking.ts';
 
-declare const window: { walkTask?: WalkTask };
+declare const window: { walkTask?: WalkTask; writeTask?: WriteTask };
 
 interface Entry {
   readonly path_id: number;
@@ -62,7 +63,7 @@ describe.skipIf(missing)('a collection', () => {
     expect(await organiser.getByLabel('Name, in links').inputValue()).toBe('ways-through-a-flat');
     await organiser.getByRole('checkbox', { name: /val_seen/ }).check();
     await organiser.getByLabel('Only the first paths of each').fill('2');
-    await organiser.getByText('More').click();
+    await organiser.getByText('More', { exact: true }).click();
     await organiser.getByLabel(/inactive task/).fill('1');
     await organiser.getByRole('button', { name: 'Create and open' }).click();
     await organiser.getByText('The consent still says').waitFor();
@@ -89,6 +90,8 @@ describe.skipIf(missing)('a collection', () => {
     await inspect(first, 'collect-instructions');
     await first.getByRole('button', { name: 'Start' }).click();
     await first.getByRole('button', { name: 'Play' }).waitFor();
+    expect(await first.evaluate(turnToNext)).toBeLessThan(1e-3); // not at a wall
+    await first.getByText('You have not looked around yet.').waitFor();
     await first.getByRole('button', { name: 'Next along the path' }).click();
     await first.getByText('Place 2 of 3').waitFor();
     await first.getByLabel('Your directions').fill('Go');
@@ -110,8 +113,8 @@ describe.skipIf(missing)('a collection', () => {
     await inspect(first, 'collect-between');
     await first.getByRole('button', { name: 'Next' }).click();
     await write(first, directions('A'));
-    await first.getByRole('button', { name: 'Next' }).click();
-    await first.getByRole('heading', { name: 'Thank you' }).waitFor();
+    await first.getByRole('heading', { name: 'Thank you' }).waitFor(); // at once: nothing is left
+    await first.getByText('Your 2 tasks have been received.').waitFor();
     await inspect(first, 'collect-done');
     await first.close();
 
@@ -129,7 +132,6 @@ describe.skipIf(missing)('a collection', () => {
     await write(third, directions('C'));
     await third.getByRole('button', { name: 'Next' }).click();
     await write(third, directions('C'));
-    await third.getByRole('button', { name: 'Next' }).click();
     await third.getByRole('heading', { name: 'Thank you' }).waitFor();
     await third.close();
     await organiser.reload();
@@ -163,6 +165,9 @@ describe.skipIf(missing)('a collection', () => {
     await reviewer.getByLabel('The directions').fill(kept);
     await reviewer.keyboard.press('Escape');
     await reviewer.keyboard.press('n');
+    await reviewer.keyboard.press('n'); // at once: the last that was asked for is shown
+    await reviewer.getByText('5 of 6').waitFor();
+    await reviewer.keyboard.press('p');
     await reviewer.getByText('4 of 6').waitFor();
     await reviewer.keyboard.press('p');
     await reviewer.getByText('3 of 6').waitFor();
@@ -177,7 +182,7 @@ describe.skipIf(missing)('a collection', () => {
       await reviewer.getByText(place).waitFor();
       await reviewer.getByRole('button', { name: 'Accept' }).click();
     }
-    await reviewer.getByText('this was the last').waitFor();
+    await reviewer.getByRole('heading', { name: 'All reviewed' }).waitFor();
     await reviewer.getByRole('combobox', { name: 'Show' }).selectOption('rejected');
     await reviewer.getByText('1 of 1').waitFor();
     await expect.poll(() => reviewer.getByLabel('Why, if you reject it').inputValue(), { timeout: patience }).toBe('It leads elsewhere.');
@@ -201,7 +206,7 @@ describe.skipIf(missing)('a collection', () => {
     await organiser.goto(`${home.server}/review?collection=ways-through-a-flat`);
     await organiser.getByText('1 of 1').waitFor();
     await organiser.getByRole('button', { name: 'Accept' }).click();
-    await organiser.getByText('this was the last').waitFor();
+    await organiser.getByRole('heading', { name: 'All reviewed' }).waitFor();
 
     const text = await files('ways-through-a-flat', { split: 'val_seen', what: 'annotations' });
     const annotations = JSON.parse(text) as Entry[];
@@ -251,6 +256,7 @@ describe.skipIf(missing)('a collection', () => {
       if (k === 0) await inspect(page, 'walk-stop');
       await page.evaluate(() => { window.walkTask = undefined as never; });
       await page.getByRole('button', { name: 'Yes, this is the goal' }).click();
+      if (k === 11) break;
       await page.getByText(`You have submitted ${k + 1} of 12.`).waitFor();
       expect(await page.locator('main').innerText()).not.toMatch(/bonus|goal|\d m\b/); // it would help with another
       if (k === 0) await inspect(page, 'walk-between');
@@ -309,20 +315,36 @@ describe.skipIf(missing)('a collection', () => {
     await write(first, directions('A'));
     await second.getByRole('button', { name: 'Try again' }).click();
     await shown(second, 'nothing more for you', 'collect-nothing');
+    await shown(first, 'Your work has been received.', 'collect-only');
+    const third = await openPage(home, link);
+    await third.getByRole('button', { name: 'I agree' }).click();
+    await third.getByRole('button', { name: 'Start' }).waitFor();
     await organiser.goto(`${home.server}/organise`);
+    await organiser.getByLabel('More: One way').click();
     await organiser.getByRole('button', { name: 'Close: One way' }).click();
+    await organiser.getByText('Closed.').waitFor();
+    await organiser.getByLabel('More: One way').click();
     await organiser.getByRole('button', { name: 'Open again: One way' }).waitFor();
+    await organiser.keyboard.press('Escape');
     await inspect(organiser, 'organise-many');
-    await first.getByRole('button', { name: 'Next' }).click();
-    await shown(first, 'This collection is closed', 'collect-closed');
-    await first.close();
-    await second.close();
+    await third.getByRole('button', { name: 'Start' }).click();
+    await shown(third, 'This collection is closed', 'collect-closed');
+    for (const page of [first, second, third]) await page.close();
   });
 
   it('made no browser complain', () => {
     expect(complaints).toEqual([]);
   });
 });
+
+/** Runs in the page: the angle between the view and the next viewpoint of the path, radians. */
+function turnToNext(): number {
+  const { viewer } = window.writeTask!;
+  const at = (v: number) => viewer.scan.viewpoints[v]!.position;
+  const [from, to] = [at(viewer.pose.viewpoint), at(viewer.nextOnPath!)];
+  const difference = Math.atan2(to[0] - from[0], to[1] - from[1]) - viewer.pose.heading;
+  return Math.abs(Math.atan2(Math.sin(difference), Math.cos(difference)));
+}
 
 /** Runs in the page: no zoom, no ring outside of the view, no look straight up. */
 function seesAsAnAgent(): object {

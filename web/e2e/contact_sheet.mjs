@@ -1,7 +1,9 @@
 // One picture of all pages out of the tests' screenshots: node e2e/contact_sheet.mjs SCREENSHOTS OUTPUT.jpg
-// (ENFILADE_SCREENSHOTS=SCREENSHOTS npm run e2e makes them.) Model homes: whatever it shows is synthetic.
-import { existsSync, readdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
-import { join } from 'node:path';
+// (ENFILADE_SCREENSHOTS=SCREENSHOTS npm run e2e makes them.) Model homes: whatever it shows is synthetic. A page of pages/ that is not among
+// them is an error.
+import { existsSync, readdirSync, statSync, writeFileSync } from 'node:fs';
+import { join, resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
 
 const [folder, output] = process.argv.slice(2);
@@ -18,22 +20,30 @@ const names = readdirSync(folder)
   .sort();
 if (names.length === 0) throw new Error(`contact_sheet.mjs: ${folder}: no page has all of ${kinds.map((kind) => `NAME-${kind}.png`).join(', ')}`);
 
+// A screenshot's name begins with its page: "view", "view-episode".
+const pages = readdirSync(join(import.meta.dirname, '../pages')).filter((name) => name.endsWith('.html')).map((name) => name.slice(0, -'.html'.length));
+const absent = pages.filter((page) => !names.some((name) => name === page || name.startsWith(`${page}-`)));
+if (absent.length > 0) throw new Error(`contact_sheet.mjs: ${folder}: no screenshot of ${absent.join(', ')}`);
+
 const picture = (name, kind) =>
-  `<img class="${kind.startsWith('phone') ? 'phone' : 'desktop'}" src="data:image/png;base64,${readFileSync(join(folder, `${name}-${kind}.png`)).toString('base64')}">`;
+  `<img class="${kind.startsWith('phone') ? 'phone' : 'desktop'}" src="${name}-${kind}.png">`;
 const html = `<!doctype html><meta charset="utf-8"><style>
-  body { margin: 0; padding: 16px; width: 2000px; font: 16px Arial, sans-serif; background: #d9d6cf; }
-  h1 { font-size: 24px; margin: 0 0 12px; } ul { list-style: none; margin: 0; padding: 0; display: grid; grid-template-columns: 1fr 1fr 1fr; gap: 16px; }
+  body { margin: 0; padding: 16px; width: 2144px; font: 13px Arial, sans-serif; background: #d9d6cf; }
+  h1 { font-size: 24px; margin: 0 0 12px; } ul { list-style: none; margin: 0; padding: 0; display: grid; grid-template-columns: repeat(6, 1fr); gap: 10px 12px; }
   li div { display: flex; gap: 4px; align-items: start; } p { margin: 0 0 4px; font-weight: 700; }
   img { display: block; object-fit: cover; object-position: top; background: #fff; }
-  .desktop { width: 298px; height: 186px; } .phone { width: 174px; height: 376px; } .pair { flex-direction: column; }
+  .desktop { width: 160px; height: 100px; } .phone { width: 93px; height: 204px; } .pair { flex-direction: column; }
 </style><h1>Pages of enfilade serve, at 1440 and at 390 pixels, light and dark. Model homes: SYNTHETIC</h1>
 <ul>${names.map((name) => `<li><p>${name}</p><div><div class="pair">${picture(name, 'desktop')}${picture(name, 'desktop-dark')}</div>${picture(name, 'phone')}${picture(name, 'phone-dark')}</div></li>`).join('')}</ul>`;
 
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });
-const page = await browser.newPage({ viewport: { width: 2032, height: 1000 }, deviceScaleFactor: 1 });
+const page = await browser.newPage({ viewport: { width: 2176, height: 1000 }, deviceScaleFactor: 1 });
 page.setDefaultTimeout(600_000);
-await page.setContent(html, { waitUntil: 'load' });
-for (const quality of [85, 75, 65, 55]) {
+// A page beside the pictures, which stays there: all of them in one message are too much for a browser.
+const sheet = resolve(folder, 'index.html');
+writeFileSync(sheet, html);
+await page.goto(pathToFileURL(sheet).href, { waitUntil: 'load' });
+for (const quality of [85, 75, 65, 55, 45]) {
   writeFileSync(output, await page.screenshot({ fullPage: true, type: 'jpeg', quality }));
   if (statSync(output).size <= mostBytes) break;
 }

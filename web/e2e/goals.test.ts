@@ -3,6 +3,10 @@ import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import type { Episode } from '../src/episodes/episode.ts';
+import { judge, type Outcome } from '../src/episodes/outcome.ts';
+import { viewpointIndex } from '../src/scan/scan.ts';
+import { Api } from '../src/server/api.ts';
 import type { Viewer } from '../src/viewer/viewer.ts';
 import { complaints, type Home, inspect, makeHomes, missing, newFolder, openPage, patience, serve } from './harness.ts';
 
@@ -45,6 +49,9 @@ function writeGoals(data: string): void {
     inst_idx: 3, scan, target: 'chair', start_pano: { heading: 0.5, elevation: 0, pano: start }, nav_camera: [],
     dialog_history: [{ nav_idx: 0, role: 'navigator', message: 'Left <i>or</i> right?' }, { nav_idx: 2, role: 'oracle', message: 'To the left.' }],
     nav_history: [start], game_idx: 1, end_panos: [end, aside], player_path: [start, middle, end], planner_path: [start, middle],
+  }, { // before anything is said
+    inst_idx: 4, scan, target: 'chair', start_pano: { heading: 0.5, elevation: 0, pano: start }, nav_camera: [], dialog_history: [],
+    nav_history: [start], game_idx: 1, end_panos: [end, aside], player_path: [start, middle, end], planner_path: [start, middle],
   }]));
   const timed = ['जाओ', 'सीधे', 'और', 'रुको'].map((word, k) => ({ word, start_time: 0.5 * k, end_time: 0.5 * k + 0.4 }));
   write('rxr/rxr_val_seen_guide.jsonl', `${JSON.stringify({
@@ -54,7 +61,7 @@ function writeGoals(data: string): void {
   const corner = (heading: number, elevation: number) => ({ heading, elevation });
   write('soon/val_seen.json', JSON.stringify([{
     path: [[start, middle, end]], instr_id: '5',
-    instructions: [['The vase. ', 'It is round. ', 'By the wall. ', 'In the hall. ', 'Find the round vase in the hall.']],
+    instructions: [['I want to find the vase. ', 'It is round. ', 'By the wall. ', 'In the hall. ', 'Find the round vase in the hall.']],
     bboxes: [{ scan, image_id: end, heading: 0, elevation: 0, obj_name: 'vase', target: {
       center: corner(0, 0), left_top: corner(6.0, 0.2), right_top: corner(0.25, 0.2),
       right_bottom: corner(0.25, -0.3), left_bottom: corner(6.0, -0.3) } }],
@@ -92,14 +99,14 @@ describe.skipIf(missing)('goals in the viewer', () => {
   });
 
   it('are listed by benchmark', async () => {
-    const split = page.getByLabel('Split', { exact: true });
-    await split.selectOption('reverie/val_seen');
+    const [benchmark, split] = [page.getByLabel('Benchmark'), page.getByLabel('Split', { exact: true })];
+    await benchmark.selectOption({ label: 'REVERIE' });
     await page.getByRole('link', { name: '7_57_0' }).waitFor();
     expect(await page.locator('td b').count(), 'text is text').toBe(0);
-    expect(await split.locator('option').allTextContents()).toEqual(expect.arrayContaining([
-      'REVERIE val_seen (1)', 'REVERIE test (1, goals hidden)', 'CVDN val_seen (1)', 'RxR val_seen (1)', 'SOON val_seen (1)', 'R2R-Back val_seen (1)']));
+    expect(await benchmark.locator('option').allTextContents()).toEqual(['R2R-Back', 'RxR', 'REVERIE', 'CVDN', 'SOON']);
+    expect(await split.locator('option').allTextContents()).toEqual(['val_seen (1)', 'test (1, goals hidden)']);
     await inspect(page, 'episodes-reverie');
-    await split.selectOption('rxr/val_seen');
+    await benchmark.selectOption({ label: 'RxR' });
     await page.locator('td[lang="hi-IN"]').waitFor();
     await page.getByRole('link', { name: '11_26' }).click();
     await ready(page);
@@ -132,6 +139,9 @@ describe.skipIf(missing)('goals in the viewer', () => {
     await page.getByText('Goal: the region of the chair, 2 viewpoints').waitFor();
     expect(await page.locator('.enfilade-map .seen').count()).toBe(2);
     await inspect(page, 'view-cvdn');
+    await page.goto(`${home.server}/view?split=cvdn/val_seen&id=4`);
+    await ready(page);
+    expect(await page.locator('.instruction').textContent()).toBe('Looking for: chair');
   });
 
   it('of RxR come with their language and words in time', async () => {
@@ -179,6 +189,33 @@ describe.skipIf(missing)('goals in the viewer', () => {
     expect(await page.locator('.enfilade-map .seen').count()).toBe(0);
     const answer = await fetch(`${home.server}/api/v1/splits/test/episodes?task=reverie&id=8_0`);
     expect(Object.keys(((await answer.json()) as { episodes: object[] }).episodes[0]!)).not.toContain('goal');
+  });
+
+  it.each(['reverie', 'cvdn', 'rxr', 'r2r-back'])('of %s are judged alike by the server and by /try', async (task) => {
+    const api = new Api(home.server);
+    const send = (path: string, body: object, headers: Record<string, string> = {}) =>
+      api.call<{ session: number; key: string }>(path,
+        { method: 'POST', body: JSON.stringify(body), headers: { 'Content-Type': 'application/json', ...headers } });
+    const [brief] = (await api.call<{ episodes: Episode[] }>(`splits/val_seen/episodes?task=${task}`)).episodes;
+    const [episode] = (await api.call<{ episodes: Episode[] }>(`splits/val_seen/episodes?task=${task}&id=${brief!.instruction_id}`)).episodes;
+    const { session, key } = await send('sessions', { task, split: 'val_seen', episode: episode!.instruction_id });
+    const headers = { 'Enfilade-Session': key };
+    await send(`sessions/${session}/calls`, { tool: 'stop' }, headers);
+    const { error, length, ...rest } = await api.call<Outcome>(`sessions/${session}/outcome`, { headers });
+    const scan = await api.scan(episode!.scan);
+    const { error: own, length: walked, ...same } = judge(scan, episode!, [viewpointIndex(scan, episode!.start)])!;
+    expect(rest).toMatchObject(same);
+    expect(error).toBeCloseTo(own!, 3);
+    expect(length).toBe(walked);
+  });
+
+  it('of REVERIE decide in /try, and its map has where the object is seen', async () => {
+    await page.goto(`${home.server}/try?${new URLSearchParams({ split: 'reverie/val_seen', id: '7_57_0' })}`);
+    await page.getByText('Water the <b>plant</b> in the corner.').waitFor();
+    await page.getByRole('button', { name: 'Stop here' }).click();
+    await page.getByText('Success is to stop at a viewpoint that shows the object.').waitFor();
+    await page.getByRole('heading', { name: /^No success/ }).waitFor();
+    expect(await page.locator('.enfilade-map .seen').count()).toBe(2);
   });
 
   it('broke no rule of the pages', () => {

@@ -8,7 +8,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
-import { expect } from 'vitest';
+import { afterAll, beforeAll, expect } from 'vitest';
 import { isFirefox, launchBrowser, missingBrowser } from './browsers.ts';
 
 export const program = process.env['ENFILADE_PROGRAM'] ?? '';
@@ -76,6 +76,13 @@ export function writeAnnotations(data: string): void {
   writeFileSync(join(data, 'r2r/R2R_val_seen.json'), JSON.stringify(annotations));
 }
 
+/** Beside val_seen a split test of one episode, 9_0, whose goal is hidden. */
+export function writeHiddenSplit(data: string): void {
+  const [path] = pathsOf(data);
+  const episode = { path_id: 9, scan, heading: 0.5, path: path!.slice(0, 1), instructions: ['Go on.'] };
+  writeFileSync(join(data, 'r2r/R2R_test.json'), JSON.stringify([episode]));
+}
+
 async function listen(child: ChildProcess): Promise<string> {
   for await (const chunk of child.stdout!) {
     const found = /http:\/\/[\d.]+:\d+/.exec(String(chunk));
@@ -86,13 +93,36 @@ async function listen(child: ChildProcess): Promise<string> {
 
 export const newFolder = (): string => mkdtempSync(join(tmpdir(), 'enfilade-e2e-'));
 
-export async function openHome(): Promise<Home> {
+/** In a new folder: the model home with val_seen. */
+export function newData(): { readonly folder: string; readonly data: string } {
   const folder = newFolder();
   const data = join(folder, 'homes');
   makeHomes(data);
   writeAnnotations(data);
+  return { folder, data };
+}
+
+export async function openHome(): Promise<Home> {
+  const { folder, data } = newData();
   enfilade('ask', '--data', data, '--split', 'val_seen', '--stand-in', 'oracle', '-o', join(folder, 'runs/oracle'));
   return serve(folder, data, join(folder, 'service.sqlite'), ['--runs', join(folder, 'runs')]);
+}
+
+/** With a mesh and a floor for /roam, and without runs. */
+export async function openRoamHome(): Promise<Home> {
+  const { folder, data } = newData();
+  enfilade('continuous', data);
+  return serve(folder, data, join(folder, 'service.sqlite'));
+}
+
+/** Opens a home before the tests of a block, and stops it after them. */
+export function withHome(use: (home: Home) => void): void {
+  let home: Home | undefined;
+  beforeAll(async () => {
+    home = await openHome();
+    use(home);
+  });
+  afterAll(() => home?.stop());
 }
 
 /** Serves a data set, and opens a browser. The folder goes when it stops. */
@@ -214,6 +244,28 @@ export async function inspect(page: Page, name: string): Promise<void> {
   }
   await page.emulateMedia({ colorScheme: 'light' });
   await page.setViewportSize(before);
+}
+
+/** Nothing moved by itself on a page so far. Browsers count how much did: 0.1 is the limit of "good". Chromium alone tells. */
+export async function expectStill(page: Page): Promise<void> {
+  if (isFirefox) return;
+  const { sum, moved } = await page.evaluate(() => new Promise<{ sum: number; moved: string[] }>((resolve) => {
+    let sum = 0;
+    const moved: string[] = [];
+    type Shift = PerformanceEntry & {
+      readonly value: number; readonly hadRecentInput: boolean; readonly sources: readonly { readonly node?: Node }[];
+    };
+    new PerformanceObserver((list) => {
+      for (const { value, hadRecentInput, sources } of list.getEntries() as Shift[]) {
+        if (hadRecentInput) continue;
+        sum += value;
+        const parts = sources.map(({ node }) => (node instanceof Element ? node.outerHTML : String(node?.textContent)).slice(0, 80));
+        moved.push(`${value.toFixed(3)}: ${parts.join(' | ')}`);
+      }
+    }).observe({ type: 'layout-shift', buffered: true });
+    setTimeout(() => resolve({ sum, moved }), 300);
+  }));
+  expect(sum, `at ${page.viewportSize()!.width} pixels: ${moved.join('\n')}`).toBeLessThanOrEqual(0.02);
 }
 
 /** Into the folder ENFILADE_SCREENSHOTS, or of Firefox into firefox/ in it, for a person to look at. */

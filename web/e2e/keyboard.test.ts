@@ -1,4 +1,4 @@
-/** Every page with no mouse: each control can be reached, has a name and shows the focus; each errand can be done. */
+/** Errands with no mouse. That each control of every page can be reached is in every_page.test.ts. */
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
@@ -6,67 +6,9 @@ import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import type { WalkTask } from '../src/work/walk_task.ts';
 import { isFirefox } from './browsers.ts';
 import { complaints, type Home, makeCollection, missing, newToken, openHome, openPage, patience, results } from './harness.ts';
+import { expectReached, focused, tabTo } from './keys.ts';
 
 declare const window: { walkTask?: WalkTask };
-
-interface Stop {
-  readonly name: string;
-  readonly tag: string;
-  readonly outlined: boolean;
-}
-
-/** Runs in the page: what has the focus; nothing if that is the page itself. */
-function focused(): Stop | undefined {
-  const element = document.activeElement as (HTMLElement & { labels?: NodeListOf<HTMLElement> }) | null;
-  if (!element || element === document.body || element === document.documentElement) return undefined;
-  const label = element.labels?.[0]?.textContent;
-  const name = element.getAttribute('aria-label') ?? label ?? element.textContent ?? '';
-  const { outlineStyle, outlineWidth } = getComputedStyle(element);
-  return { name: name.trim(), tag: element.tagName, outlined: outlineStyle !== 'none' && Number.parseFloat(outlineWidth) >= 2 };
-}
-
-/** All that Tab comes to, in its order. */
-async function stops(page: Page): Promise<Stop[]> {
-  const found: Stop[] = [];
-  for (let k = 0; k < 150; ++k) {
-    await page.keyboard.press('Tab');
-    const stop = await page.evaluate(focused);
-    if (!stop) return found;
-    found.push(stop);
-  }
-  throw new Error(`the focus does not leave the page: ${found.slice(-3).map(({ name }) => name).join(', ')}`);
-}
-
-/** Presses Tab until something of that name has the focus. */
-async function tabTo(page: Page, name: RegExp): Promise<void> {
-  const passed: string[] = [];
-  for (let k = 0; k < 150; ++k) {
-    await page.keyboard.press('Tab');
-    const stop = await page.evaluate(focused);
-    if (stop && name.test(stop.name)) return;
-    passed.push(stop?.name ?? '(page)');
-  }
-  throw new Error(`Tab does not come to ${name}: ${[...new Set(passed)].join(', ')}`);
-}
-
-/**
- * Each control can be reached, has a name, and shows that it has the focus.
- * @param last whether this is the last that the test does there. After the last control Firefox gives the focus to its own, and WebDriver
- * BiDi cannot take it back.
- */
-async function expectReached(page: Page, last = false): Promise<void> {
-  if (isFirefox && !last) return;
-  const found = await stops(page);
-  expect(found.length).toBeGreaterThan(0);
-  for (const stop of found) {
-    expect(stop.name, `the name of a ${stop.tag}`).not.toBe('');
-    expect(stop.outlined, `the focus on ${stop.name}`).toBe(true);
-  }
-  const controls = await page.locator('main').evaluate((main) =>
-    [...main.querySelectorAll<HTMLElement>('button, input, select, textarea, a[href], summary')]
-      .filter((one) => one.checkVisibility() && !one.matches(':disabled')).length);
-  expect(found.length).toBeGreaterThanOrEqual(controls);
-}
 
 /** Gives a file to the control that has the focus, by the dialogue that a key opens. */
 async function choose(page: Page, content: string): Promise<void> {
@@ -119,18 +61,6 @@ describe.skipIf(missing)('without a mouse', () => {
     return page;
   }
 
-  it.each(['/', '/episodes', '/leaderboard', '/submit', '/organise', '/view?split=val_seen&id=1_0', '/try?split=val_seen&id=1_0', '/verify#home0001',
-    '/replay', '/replay?run=oracle', '/replay?run=oracle&episode=1_0#2', '/play', '/play?split=val_seen&episode=1_0&view=marks'])(
-    'every control of %s is reached, named and outlined',
-    async (path) => {
-      const page = await openPage(home, path);
-      await page.locator('h1').waitFor();
-      await page.waitForLoadState('networkidle');
-      await expectReached(page, true);
-      await page.close();
-    },
-  );
-
   it('an episode is found and seen', async () => {
     const page = await openPage(home, '/episodes');
     await tabTo(page, /^Words in the instruction/);
@@ -139,9 +69,9 @@ describe.skipIf(missing)('without a mouse', () => {
     await tabTo(page, /^1_1$/);
     await page.keyboard.press('Enter');
     await page.getByRole('button', { name: 'Play' }).waitFor();
-    await tabTo(page, /^Show/);
+    await tabTo(page, /^Layer/);
     await page.keyboard.press('d'); // selects by the first letter: depth
-    await expect.poll(() => page.getByRole('combobox', { name: 'Show' }).inputValue(), { timeout: patience }).toBe('depth');
+    await expect.poll(() => page.getByRole('combobox', { name: 'Layer' }).inputValue(), { timeout: patience }).toBe('depth');
     await page.close();
   });
 
@@ -200,19 +130,19 @@ describe.skipIf(missing)('without a mouse', () => {
     await worker.keyboard.type('Go on along the wall, then stop where the path ends.');
     await tabTo(worker, /^Submit/);
     await worker.keyboard.press('Enter'); // the goal was looked at: no advice
-    await worker.getByRole('heading', { name: 'Received' }).waitFor();
+    await worker.getByRole('heading', { name: 'Thank you' }).waitFor(); // it was the only one: no press more
     await worker.close();
 
     await page.reload();
     await page.getByText('1 of 3 submitted').waitFor();
     await expectReached(page);
-    await tabTo(page, /^Review$/);
+    await tabTo(page, /^Review 1/);
     await page.keyboard.press('Enter');
     await page.getByText('1 of 1').waitFor();
     await expectReached(page);
     await tabTo(page, /^Accept$/);
     await page.keyboard.press('Enter');
-    await page.getByText('this was the last').waitFor();
+    await page.getByRole('heading', { name: 'All reviewed' }).waitFor();
     await page.close();
   });
 
@@ -247,9 +177,10 @@ describe.skipIf(missing)('without a mouse', () => {
     await tabTo(page, /^Play$/);
     await page.keyboard.press('Enter');
     await page.getByRole('button', { name: 'Pause' }).waitFor();
-    await tabTo(page, /^Accept$/);
+    // Backwards: by way of Firefox's own controls, beyond the page's last, its buttons would no longer hear Enter.
+    await tabTo(page, /^Accept$/, 'Shift+Tab');
     await page.keyboard.press('Enter');
-    await page.getByText('this was the last').waitFor();
+    await page.getByRole('heading', { name: 'All reviewed' }).waitFor();
     await page.close();
   });
 

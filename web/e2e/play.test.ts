@@ -1,10 +1,16 @@
-/** A person walks an episode as a model does: by keys, with pictures, over a reload. */
+/** A person plays an episode as a language model does: by keys, with pictures, over a reload, to its outcome. */
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import type { Episode } from '../src/episodes/episode.ts';
+import { judge, outcomeText } from '../src/episodes/outcome.ts';
+import { viewpointIndex } from '../src/scan/scan.ts';
+import { Api } from '../src/server/api.ts';
 import { download } from './browsers.ts';
-import { complaints, enfilade, type Home, inspect, makeHomes, missing, newFolder, openPage, serve, writeAnnotations } from './harness.ts';
+import {
+  complaints, enfilade, type Home, inspect, missing, newData, openPage, patience, serve, writeHiddenSplit,
+} from './harness.ts';
 
 interface Result { readonly instr_id: string; readonly trajectory: readonly (readonly [string, number, number])[] }
 
@@ -23,17 +29,17 @@ function writeBack(data: string): void {
   }]));
 }
 
-describe.skipIf(missing)('who walks as a model does', () => {
+describe.skipIf(missing)('who plays an episode', () => {
   let home: Home;
   let folder: string;
   let first: readonly Result[];
 
   beforeAll(async () => {
-    folder = newFolder();
-    const data = join(folder, 'homes');
-    makeHomes(data);
-    writeAnnotations(data);
+    const made = newData();
+    folder = made.folder;
+    const { data } = made;
     writeBack(data);
+    writeHiddenSplit(data);
     enfilade('ask', '--data', data, '--split', 'val_seen', '--stand-in', 'first', '--steps', '6', '-o', join(folder, 'first'));
     first = JSON.parse(readFileSync(join(folder, 'first/results.json'), 'utf8')) as Result[];
     home = await serve(folder, data, join(folder, 'service.sqlite'));
@@ -55,9 +61,34 @@ describe.skipIf(missing)('who walks as a model does', () => {
     await page.keyboard.press('Enter');
     await page.getByText('You stopped after 7 steps, no mistake.').waitFor();
     await inspect(page, 'play-over');
-    expect(await page.getByRole('link', { name: 'See the path' }).getAttribute('href')).toBe('/view?split=val_seen&id=1_0');
+    expect(await page.getByRole('link', { name: 'Show the reference path' }).getAttribute('href')).toBe('/view?split=val_seen&id=1_0');
     const [saved] = JSON.parse(readFileSync(await download(page.getByRole('link', { name: 'Save the result' }), join(folder, 'saved')), 'utf8')) as Result[];
     expect(saved).toEqual(first.find(({ instr_id }) => instr_id === '1_0'));
+    // The outcome is the server's, and what /try would say of the same trajectory.
+    const api = new Api(home.server);
+    const [scan, { episodes: [episode] }] = await Promise.all([
+      api.scan('home0001'), api.call<{ episodes: Episode[] }>('splits/val_seen/episodes?id=1_0')]);
+    const walk = saved!.trajectory.map(([id]) => viewpointIndex(scan, id)).filter((v, k, all) => v !== all[k - 1]);
+    const outcome = judge(scan, episode!, walk)!;
+    await page.getByText(outcomeText(outcome)).waitFor();
+    await page.getByRole('heading', { name: outcome.success ? /^Success/ : /^No success/ }).waitFor();
+    const points = async (line: string) => (await page.locator(`.enfilade-map .${line}`).getAttribute('points'))!.split(' ');
+    expect(await points('path')).toHaveLength(3);
+    expect(await points('walk')).toHaveLength(walk.length);
+    await page.reload(); // it is still there
+    await page.getByText(outcomeText(outcome)).waitFor();
+    await page.close();
+  });
+
+  it('is told nothing of a hidden goal', async () => {
+    const page = await openPage(home, '/play?split=test&episode=9_0');
+    await begun(page);
+    await page.getByRole('button', { name: 'Stop here' }).press('Enter');
+    await page.keyboard.press('Enter');
+    await page.getByRole('heading', { name: 'The episode is over' }).waitFor();
+    await page.getByText('You stopped after 1 step, no mistake.').waitFor();
+    expect(await page.locator('.enfilade-map').count()).toBe(0);
+    expect(await page.getByRole('link', { name: 'Show the reference path' }).count()).toBe(0);
     await page.close();
   });
 
@@ -79,8 +110,8 @@ describe.skipIf(missing)('who walks as a model does', () => {
   it('sees the places marked in a picture, and goes on after a reload', async () => {
     const page = await openPage(home, address('2_0', 'marks'));
     await begun(page);
-    const picture = page.getByRole('img', { name: /^Left, ahead, right and behind/ });
-    await picture.waitFor();
+    await page.getByRole('img', { name: /^Left, ahead, right and behind/ }).waitFor();
+    const picture = page.locator('.play-strip img').first();
     await expect.poll(() => picture.evaluate((image) => (image as HTMLImageElement).naturalWidth)).toBe(4 * 384);
     await inspect(page, 'play-marks');
     const before = await picture.getAttribute('src');
@@ -114,8 +145,8 @@ describe.skipIf(missing)('who walks as a model does', () => {
     await stepsAre(page, 3);
     await page.getByRole('button', { name: 'Stop here' }).click();
     await page.getByRole('button', { name: 'Stop for good?' }).click();
-    await page.getByRole('heading', { name: 'The episode is over' }).waitFor();
-    await page.getByRole('button', { name: 'Walk it again' }).click();
+    await page.getByText(/^You stopped after 4 steps/).waitFor();
+    await page.getByRole('button', { name: 'Play it again' }).click();
     await stepsAre(page, 0);
     await page.close();
   });
@@ -124,12 +155,64 @@ describe.skipIf(missing)('who walks as a model does', () => {
     const page = await openPage(home, '/play');
     await page.getByLabel('Split').waitFor();
     await inspect(page, 'play-begin');
-    await page.getByLabel('What you get').selectOption('marks');
+    await page.getByLabel('Observations').selectOption('marks');
     await page.getByRole('button', { name: 'Begin' }).click();
     await page.waitForURL(/split=val_seen&episode=\d_\d&view=marks/);
     await begun(page);
     await page.goto(home.server + address('77_0'));
     expect(await page.getByRole('alert').textContent()).toContain('no episode');
+    await page.getByRole('link', { name: 'Choose another episode' }).click();
+    await page.getByLabel('Observations').waitFor();
+    await page.close();
+  });
+
+  it('gets an episode of the benchmark, split and view that the address names', async () => {
+    const page = await openPage(home, '/play?task=r2r-back&split=val_seen&view=marks');
+    await begun(page);
+    expect(Object.fromEntries(new URL(page.url()).searchParams)).toEqual({ task: 'r2r-back', split: 'val_seen', episode: '1_0', view: 'marks' });
+    await page.getByRole('img', { name: /^Left, ahead, right and behind/ }).waitFor();
+    await page.getByText('Go there and come back.').waitFor();
+    await page.goto(`${home.server}/play?task=r2r-back&view=marks`); // which split it is about is to be chosen
+    await page.getByLabel('Observations').waitFor();
+    expect(await page.getByLabel('Split').inputValue()).toBe('r2r-back/val_seen');
+    expect(await page.getByLabel('Observations').inputValue()).toBe('marks');
+    await page.goto(`${home.server}/play?split=nowhere`);
+    expect(await page.getByRole('alert').textContent()).toContain('no split nowhere');
+    await page.close();
+  });
+
+  it('has all four views on a phone, and no switch for keys', async () => {
+    const page = await openPage(home, address('3_0', 'marks'), true);
+    await begun(page);
+    const halves = page.locator('.play-strip > div');
+    await halves.first().waitFor();
+    const width = () => page.locator('.play-strip img').first().evaluate((image) => (image as HTMLImageElement).naturalWidth);
+    await expect.poll(width, { timeout: patience }).toBe(4 * 384);
+    const [above, below] = [(await halves.nth(0).boundingBox())!, (await halves.nth(1).boundingBox())!];
+    expect(below.y).toBeGreaterThanOrEqual(above.y + above.height);
+    for (const box of [above, below]) {
+      expect(box.x).toBeGreaterThanOrEqual(0);
+      expect(box.x + box.width).toBeLessThanOrEqual(390);
+      expect(box.width / box.height).toBeCloseTo(2, 1);
+    }
+    // Each shows its half of the picture.
+    const lefts = await page.locator('.play-strip img').evaluateAll((images) =>
+      images.map((image) => image.getBoundingClientRect().left - image.parentElement!.getBoundingClientRect().left));
+    expect(lefts.map((left) => Math.round(left / above.width))).toEqual([0, -1]);
+    expect(await page.getByLabel('Keys').isVisible()).toBe(false);
+    await page.close();
+  });
+
+  it('can save the result where the map of the outcome does not come', async () => {
+    const page = await openPage(home, address('4_0'));
+    await begun(page);
+    await page.route('**/api/v1/scans/home0001', (route) =>
+      route.fulfill({ status: 500, json: { error: { code: 'internal', message: 'The building cannot be read' } } }));
+    await page.getByRole('button', { name: 'Stop here' }).click();
+    await page.getByRole('button', { name: 'Stop for good?' }).click();
+    await page.getByText('The building cannot be read').waitFor();
+    await page.getByRole('heading', { name: 'The episode is over' }).waitFor();
+    await page.getByRole('link', { name: 'Save the result' }).waitFor();
     await page.close();
   });
 

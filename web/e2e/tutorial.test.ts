@@ -8,9 +8,9 @@ import { delimiter, join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, describe, expect, it } from 'vitest';
 import { consentGap } from '../src/collecting/default_texts.ts';
-import type { Task, Visit } from '../src/work/visit.ts';
 import { download } from './browsers.ts';
 import { complaints, type Home, missing, newFolder, openPage, program, serve } from './harness.ts';
+import { ask, work } from './work_by_api.ts';
 
 const tutorial = readFileSync(join(import.meta.dirname, '../../docs/tutorials/collect.md'), 'utf8');
 
@@ -19,27 +19,6 @@ function commands(section: number): string[] {
   const [, text = ''] = new RegExp(`^## ${section}\\. (.*?)(?=^## |$(?![^]))`, 'ms').exec(tutorial) ?? [];
   return [...text.matchAll(/^```\n(.*?)^```/gms)].flatMap(([, block = '']) => block.trim().split('\n'))
     .map((line) => line.replace(/\s+#.*/, ''));
-}
-
-async function ask<T>(address: string, method: string, body: object, token = ''): Promise<T> {
-  const headers = { 'Content-Type': 'application/json', ...(token && { Authorization: `Bearer ${token}` }) };
-  const response = await fetch(address, { method, headers, body: JSON.stringify(body) });
-  if (!response.ok) throw new Error(`${method} ${address}: ${await response.text()}`);
-  return (await response.json()) as T;
-}
-
-/** One worker does all that is to be done. Returns how many tasks that were. */
-async function work(link: string, answer: (task: Task) => object): Promise<number> {
-  const { origin, searchParams } = new URL(link);
-  const api = `${origin}/api/v1`;
-  const { token } = await ask<{ token: string }>(`${api}/collections/${searchParams.get('collection')}/join`, 'POST',
-    { parameters: Object.fromEntries(searchParams) });
-  await ask(`${api}/visit/consent`, 'PUT', {}, token);
-  for (let done = 0; ; ++done) {
-    const { task } = await ask<Visit>(`${api}/visit/task`, 'POST', {}, token);
-    if (!task) return done;
-    await ask(`${api}/tasks/${task.task}/submission`, 'PUT', answer(task), token);
-  }
 }
 
 /** Makes a collection on the page. Returns its link. */
@@ -83,7 +62,9 @@ describe.skipIf(missing)('the tutorial', () => {
     await organiser.getByText('No collections yet.').waitFor();
     const save = async (title: string, name: string) => {
       await organiser.reload();
-      await download(organiser.getByRole('listitem').filter({ hasText: title }).getByRole('link', { name, exact: true }), downloads);
+      const card = organiser.getByRole('listitem').filter({ hasText: title });
+      await card.getByText('Files', { exact: true }).click();
+      await download(card.getByRole('link', { name, exact: true }), downloads);
     };
 
     const link = await make(organiser, 'Write here', 'People write directions', join(folder, 'paths.json'));

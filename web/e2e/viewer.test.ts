@@ -5,21 +5,15 @@ import type { AddressInfo } from 'node:net';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { random } from '../src/testing/random.ts';
 import type { Viewer } from '../src/viewer/viewer.ts';
 import { isFirefox } from './browsers.ts';
-import { complaints, type Home, inspect, keepScreenshot, missing, openHome, openPage, patience, program } from './harness.ts';
+import { complaints, type Home, inspect, keepScreenshot, missing, openHome, openPage, patience, program, scan } from './harness.ts';
 
 declare const window: { enfilade?: { viewer: Viewer } };
 
-const scan = 'home0001';
 const ready = (page: Page) => page.waitForFunction(() => window.enfilade !== undefined);
 const pose = (page: Page) => page.evaluate(() => window.enfilade!.viewer.pose);
-
-/** The same numbers in every run (an LCG: Numerical Recipes). */
-function random(): () => number {
-  let state = 1;
-  return () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
-}
 
 /** At the floor of the first place that one can go to, which is in the middle of the view then. */
 const lookAtNeighbour = (page: Page): Promise<void> =>
@@ -45,7 +39,7 @@ describe.skipIf(missing)('the viewer', () => {
   });
 
   it('shows what the CPU renderer draws, at 20 poses', async () => {
-    const next = random();
+    const next = random(1);
     const count = await page.evaluate(() => window.enfilade!.viewer.scan.viewpoints.length);
     const file = join(home.folder, 'view.png');
     const [width, height] = [512, 384];
@@ -109,6 +103,29 @@ describe.skipIf(missing)('the viewer', () => {
     await page.waitForFunction((to) => location.hash === `#home0001/${to}/180/0`, id);
   });
 
+  it('stands where it was sent last, whichever pictures come first', async () => {
+    const one = await openPage(home, `/view#${scan}`);
+    await ready(one);
+    await one.waitForLoadState('networkidle');
+    const { late, id } = await one.evaluate(() => { // its pictures are not there yet
+      const { scan: { viewpoints }, pose: { viewpoint } } = window.enfilade!.viewer;
+      const kept = [viewpoint, ...viewpoints[viewpoint]!.neighbours];
+      const found = viewpoints.findIndex(({ rotation }, v) => rotation && !kept.includes(v));
+      return { late: found, id: viewpoints[found]!.id };
+    });
+    await one.route(`**/viewpoints/${id}/**`, async (route) => {
+      await new Promise((resolve) => setTimeout(resolve, 300));
+      await route.continue();
+    });
+    const { viewpoint: last } = await pose(one);
+    await one.evaluate(async ([first, second]) => {
+      const { viewer } = window.enfilade!;
+      await Promise.all([viewer.jump({ viewpoint: first!, heading: 0 }), viewer.jump({ viewpoint: second!, heading: 0 })]);
+    }, [late, last]);
+    expect((await pose(one)).viewpoint).toBe(last);
+    await one.close();
+  });
+
   it('flies through an episode, and shows its instruction as text', async () => {
     await page.goto(`${home.server}/view?split=val_seen&id=1_1`);
     await ready(page);
@@ -135,15 +152,15 @@ describe.skipIf(missing)('the viewer', () => {
     const sum = () => page.evaluate(() =>
       window.enfilade!.viewer.capture(32, 32).reduce((total, x) => total + x, 0));
     const plain = await sum();
-    await page.getByRole('combobox', { name: 'Show' }).selectOption('depth');
+    await page.getByRole('combobox', { name: 'Layer' }).selectOption('depth');
     await page.waitForFunction((before) =>
       window.enfilade!.viewer.capture(32, 32).reduce((total, x) => total + x, 0) !== before, plain);
     await page.getByText('Distance from the eye').waitFor();
     await inspect(page, 'view-depth');
-    await page.getByRole('combobox', { name: 'Show' }).selectOption('class');
+    await page.getByRole('combobox', { name: 'Layer' }).selectOption('class');
     await page.getByRole('region', { name: 'Legend' }).getByText('wall', { exact: true }).waitFor();
     await inspect(page, 'view-classes');
-    await page.getByRole('combobox', { name: 'Show' }).selectOption('colour');
+    await page.getByRole('combobox', { name: 'Layer' }).selectOption('colour');
     await page.waitForFunction((before) =>
       window.enfilade!.viewer.capture(32, 32).reduce((total, x) => total + x, 0) === before, plain);
   });

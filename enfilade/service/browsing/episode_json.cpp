@@ -1,9 +1,12 @@
 #include "enfilade/service/browsing/site_json.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -12,6 +15,7 @@
 #include "enfilade/core/numbers.h"
 #include "enfilade/draw/outlines.h"
 #include "enfilade/draw/planned_goal.h"
+#include "enfilade/service/detail/goal_kinds.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/benchmark.h"
@@ -110,17 +114,12 @@ void add_trace(const PublicSplit& split, ordered_json& episode) {
   }
 }
 
-const char* name_of_kind(const tasks::Goal& goal) {
-  constexpr const char* kNames[] = {"end", "hidden", "turning_point", "object", "region", "boxes"};
-  return kNames[goal.index()];
-}
-
 ordered_json goal_json(const tasks::EpisodeSet& episodes, const tasks::ObjectBoxes* objects) {
   const tasks::Episode& episode = episodes.episodes.front();
   const tasks::ReferencePath& path = episodes.path_of(episode);
   const graph::NavGraph& graph = episodes.graph_of(episode);
   const std::string name = draw::name_of_goal(episodes, episode, objects);
-  ordered_json goal{{"kind", name_of_kind(path.goal)}};
+  ordered_json goal{{"kind", detail::name_of_kind(path.goal)}};
   if (!name.empty()) goal["name"] = name;
   if (const auto* object = std::get_if<tasks::SeenObject>(&path.goal)) goal["object"] = object->id;
   const auto planned = draw::planned_goal(path, name);
@@ -166,19 +165,48 @@ ordered_json brief_episode_json(const tasks::PathAnnotation& path, std::size_t k
   return one;
 }
 
-// The same with the dialogue's turns, timed words, pieces and named parts, as far as there are
-// any, and with `trace` and `goal`. `trace` has a guide's views in time (RxR), if its file is in
-// the folder pose_traces/ beside the annotations (`trace_problem` if that cannot be read). Trace
-// and goal are absent if goals are hidden.
+// All instructions of a path, in file order. RxR's and HAMT's files have an entry for each. Entries
+// are compared only where goals are open.
+ordered_json instructions_json(const PublicSplit& split, const tasks::PathAnnotation& path) {
+  auto list = ordered_json::array();
+  for (const tasks::PathAnnotation& other : split.annotations.paths) {
+    const bool same = &other == &path || (!path.goal_hidden() && other.scan == path.scan &&
+                                          other.path == path.path && other.goal == path.goal);
+    for (std::size_t k = 0; same && k < other.instructions.size(); ++k) {
+      ordered_json one{{"instruction_id", tasks::instruction_id(other, k)},
+                       {"instruction", other.instructions[k]}};
+      if (k < other.details.size() && !other.details[k].language.empty()) {
+        one["language"] = other.details[k].language;
+      }
+      list.push_back(std::move(one));
+    }
+  }
+  return list;
+}
+
+// Those of fine-grained R2R, where the annotations themselves have none.
+void add_pieces(const Pieces::Found& found, ordered_json& episode) {
+  if (found.broken) {
+    episode["parts_problem"] = "the pieces of this split's instructions cannot be read";
+  } else if (!found.parts.empty() && !episode.contains("parts")) {
+    episode["parts"] = detail::json_list(found.parts, part_json);
+  }
+}
+
+// The same with all instructions of the path, `trace` and `goal`. It also has the dialogue's turns,
+// timed words, pieces and named parts, as far as there are any. `trace` has a guide's views in time
+// (RxR), if its file is in the folder pose_traces/ beside the annotations (`trace_problem` if that
+// cannot be read). Trace, goal and the pieces' places are absent if goals are hidden.
 //
 // A goal is {"kind": "end" | "turning_point" | "object" | "region" | "boxes", "name",
 // "viewpoints", "outlines"}. An outline is {"viewpoint", "label", "rim"}: headings and elevations
 // alternating, radians, of a closed line around the goal's object.
 // \pre path is one of the split's, which is one of the site's
-ordered_json whole_episode_json(const Site& site, const PublicSplit& split,
+ordered_json whole_episode_json(const Site& site, Pieces& pieces, const PublicSplit& split,
                                 const tasks::PathAnnotation& path, std::size_t k) {
   ordered_json one = brief_episode_json(path, k);
   one["task"] = tasks::benchmark(split.annotations.task).name;
+  one["instructions"] = instructions_json(split, path);
   if (k < path.details.size()) {
     const tasks::InstructionDetails& details = path.details[k];
     if (!details.turns.empty()) one["turns"] = detail::json_list(details.turns, turn_json);
@@ -187,6 +215,7 @@ ordered_json whole_episode_json(const Site& site, const PublicSplit& split,
     for (const auto& [name, text] : details.fields) one["fields"][name] = text;
   }
   if (path.goal_hidden()) return one;
+  add_pieces(pieces.of(split, path, k), one);
   const tasks::ObjectBoxes* objects =
       split.annotations.task == tasks::Task::kReverie ? site.objects() : nullptr;
   if (split.annotations.task == tasks::Task::kRxr) add_trace(split, one);
@@ -194,29 +223,86 @@ ordered_json whole_episode_json(const Site& site, const PublicSplit& split,
   return one;
 }
 
-bool contains(std::string_view text, std::string_view wanted) {
-  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
-  return !std::ranges::search(text, wanted, {}, lower, lower).empty() || wanted.empty();
+// Calls `visit` with the path and the number of each instruction of a split, in file order.
+template <class Visit>
+void for_each_instruction(const PublicSplit& split, const Visit& visit) {
+  for (const tasks::PathAnnotation& path : split.annotations.paths) {
+    for (std::size_t k = 0; k < path.instructions.size(); ++k) visit(path, k);
+  }
+}
+
+// An instruction of a split; without a path: none.
+struct Place {
+  const tasks::PathAnnotation* path = nullptr;
+  std::size_t k = 0;
+};
+
+// An instruction, and where it stands in the list of a filter's scan and words.
+struct Listed {
+  Place it, previous, next;
+  std::int64_t number = 0;  // from 1; 0: the filter does not list it
+  std::int64_t of = 0;
+};
+
+Listed find(const PublicSplit& split, const EpisodeFilter& filter) {
+  Listed found;
+  Place last;
+  for_each_instruction(split, [&](const tasks::PathAnnotation& path, std::size_t k) {
+    const bool here = found.it.path == nullptr && tasks::instruction_id(path, k) == filter.id;
+    if (here) found.it = {&path, k};
+    if (!filter.lists(path.scan, path.instructions[k])) return;
+    ++found.of;
+    if (here) {
+      found.number = found.of;
+      found.previous = last;
+    } else if (found.number > 0 && found.of == found.number + 1) {
+      found.next = {&path, k};
+    }
+    last = {&path, k};
+  });
+  return found;
+}
+
+// All that is known of an episode, and its neighbours by id.
+ordered_json listed_episode_json(const Site& site, Pieces& pieces, const PublicSplit& split,
+                                 const Listed& found) {
+  ordered_json one = whole_episode_json(site, pieces, split, *found.it.path, found.it.k);
+  if (found.number == 0) return one;
+  one["number"] = found.number;
+  one["of"] = found.of;
+  for (const auto& [name, place] :
+       {std::pair{"previous", found.previous}, std::pair{"next", found.next}}) {
+    if (place.path != nullptr) one[name] = tasks::instruction_id(*place.path, place.k);
+  }
+  return one;
 }
 
 }  // namespace
 
-ordered_json episodes_json(const Site& site, const PublicSplit& split,
+bool EpisodeFilter::lists(std::string_view of_scan, std::string_view instruction) const {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  return (scan.empty() || scan == of_scan) &&
+         (words.empty() || !std::ranges::search(instruction, words, {}, lower, lower).empty());
+}
+
+ordered_json episodes_json(const Site& site, Pieces& pieces, const PublicSplit& split,
                            const EpisodeFilter& filter) {
   std::int64_t matching = 0;
   auto list = ordered_json::array();
-  for (const tasks::PathAnnotation& path : split.annotations.paths) {
-    if (!filter.scan.empty() && path.scan != filter.scan) continue;
-    for (std::size_t k = 0; k < path.instructions.size(); ++k) {
-      if (!contains(path.instructions[k], filter.words)) continue;
-      if (!filter.id.empty() && tasks::instruction_id(path, k) != filter.id) continue;
-      if (!filter.shows(matching++)) continue;
-      list.push_back(filter.id.empty() ? brief_episode_json(path, k)
-                                       : whole_episode_json(site, split, path, k));
+  if (!filter.id.empty()) {
+    if (const Listed found = find(split, filter); found.it.path != nullptr) {
+      ++matching;
+      list.push_back(listed_episode_json(site, pieces, split, found));
     }
+  } else {
+    for_each_instruction(split, [&](const tasks::PathAnnotation& path, std::size_t k) {
+      if (!filter.lists(path.scan, path.instructions[k])) return;
+      if (filter.shows(matching++)) list.push_back(brief_episode_json(path, k));
+    });
   }
   return {{"split", split.annotations.split},
           {"task", tasks::benchmark(split.annotations.task).name},
+          {"title", tasks::benchmark(split.annotations.task).title},
           {"goals_hidden", split.goals_hidden},
           {"matching", matching},
           {"episodes", list}};

@@ -1,9 +1,13 @@
 // Episodes of every benchmark as the viewer gets them, over real sockets.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "enfilade/tasks/files.h"
 #include "enfilade/tasks/pose_trace.h"
 #include "tests/support/served_data.h"
 
@@ -66,9 +70,110 @@ TEST(EpisodeJson, SplitsSayTheirBenchmark) {
   EXPECT_THAT(found, ::testing::ElementsAre("R2R val_seen", "R2R test", "RxR val_seen",
                                             "REVERIE val_seen", "REVERIE test", "CVDN val_seen"));
   EXPECT_EQ(served.json("/api/v1/splits/val_seen/episodes").at("matching"), 6) << "R2R's";
-  EXPECT_EQ(served.json("/api/v1/splits/val_seen/episodes?task=reverie").at("matching"), 1);
+  const auto reverie = served.json("/api/v1/splits/val_seen/episodes?task=reverie");
+  EXPECT_EQ(reverie.at("matching"), 1);
+  EXPECT_EQ(reverie.at("title"), "REVERIE");
+  EXPECT_EQ(list.at("continuous"), nlohmann::json::array());
   EXPECT_EQ(served.get("/api/v1/splits/val_seen/episodes?task=soon")->status, 404);
   EXPECT_EQ(served.get("/api/v1/splits/val_seen/episodes?task=none")->status, 404);
+}
+
+TEST(EpisodeJson, AnEpisodeHasItsNeighboursInTheList) {
+  Served served;
+  const auto second = episode(served, "val_seen", "id=2_0");
+  EXPECT_EQ(second.at("number"), 3);
+  EXPECT_EQ(second.at("of"), 6);
+  EXPECT_EQ(second.at("previous"), "1_1");
+  EXPECT_EQ(second.at("next"), "2_1");
+  EXPECT_FALSE(episode(served, "val_seen", "id=1_0").contains("previous"));
+  EXPECT_FALSE(episode(served, "val_seen", "id=3_1").contains("next"));
+  // Among those with a word.
+  const auto table = episode(served, "val_seen", "id=2_1&q=TABLE");
+  EXPECT_EQ(table.at("number"), 2);
+  EXPECT_EQ(table.at("of"), 3);
+  EXPECT_EQ(table.at("previous"), "1_1");
+  EXPECT_EQ(table.at("next"), "3_1");
+  const auto aside = episode(served, "val_seen", "id=2_0&q=TABLE");
+  EXPECT_EQ(aside.at("instruction_id"), "2_0") << "an id finds it, whatever the list is";
+  for (const char* field : {"number", "of", "previous", "next"}) {
+    EXPECT_FALSE(aside.contains(field)) << field;
+  }
+  EXPECT_FALSE(episode(served, "val_seen", "id=2_0&scan=wing").contains("number"));
+  EXPECT_EQ(served.json("/api/v1/splits/val_seen/episodes?id=9_9").at("matching"), 0);
+}
+
+std::vector<std::string> instructions_of(const nlohmann::json& episode) {
+  std::vector<std::string> ids;
+  for (const auto& one : episode.at("instructions")) {
+    ids.push_back(one.at("instruction_id").get<std::string>());
+  }
+  return ids;
+}
+
+// A guide's line. \param path ids in JSON
+std::string guide(int path_id, int number, const char* language, const char* path) {
+  return fmt::format(
+      R"({{"path_id": {}, "split": "x", "scan": "row", "heading": 3.25, "path": {}, )"
+      R"("instruction_id": {}, "annotator_id": 1, "language": "{}", "instruction": "Go on", )"
+      R"("timed_instruction": []}})"
+      "\n",
+      path_id, path, number, language);
+}
+
+TEST(EpisodeJson, AnEpisodeHasAllInstructionsOfItsPath) {
+  Served served;
+  write(served, "rxr/rxr_val_unseen_guide.jsonl",
+        guide(11, 1, "en-IN", R"(["v0", "v1"])") + guide(12, 2, "en-IN", R"(["v1", "v2"])") +
+            guide(11, 3, "te-IN", R"(["v0", "v1"])"));
+  add_benchmarks(served);
+  const auto r2r = episode(served, "val_seen", "id=2_1");
+  EXPECT_THAT(instructions_of(r2r), ::testing::ElementsAre("2_0", "2_1"));
+  EXPECT_EQ(r2r["instructions"][1].at("instruction"), "Go past the <b>table</b>.");
+  EXPECT_FALSE(r2r["instructions"][1].contains("language"));
+  const auto rxr = episode(served, "val_unseen", "task=rxr&id=11_3");
+  EXPECT_THAT(instructions_of(rxr), ::testing::ElementsAre("11_1", "11_3"));
+  EXPECT_EQ(rxr["instructions"][1].at("language"), "te-IN");
+  EXPECT_FALSE(
+      served.json("/api/v1/splits/val_seen/episodes").at("episodes")[0].contains("instructions"))
+      << "of one that is asked for only";
+}
+
+// Fine-grained R2R of the row's annotations: each first instruction in two pieces.
+std::string fine_grained(const std::string& split) {
+  tasks::Annotations annotations = testing::row_annotations(split, true);
+  for (tasks::PathAnnotation& path : annotations.paths) {
+    path.details.resize(path.instructions.size());
+    path.details[0].parts = {{{"walk", "on"}, std::pair<std::size_t, std::size_t>{0, 2}},
+                             {{"stop"}, std::pair<std::size_t, std::size_t>{2, 3}}};
+    path.details[1].parts = {{{"go"}, std::pair<std::size_t, std::size_t>{0, 3}}};
+  }
+  return tasks::to_text(annotations);
+}
+
+TEST(EpisodeJson, PiecesOfFineGrainedR2rComeWithR2rsInstructions) {
+  Served served;
+  tasks::Annotations other =
+      tasks::parse_annotations(fine_grained("val_seen"), "", "val_seen", tasks::Task::kR2r);
+  other.paths[1].path.pop_back();  // of another version
+  for (auto& details : other.paths[1].details) details.parts.pop_back();
+  other.paths[2].instructions[0] += " Now.";
+  write(served, "fgr2r/FGR2R_val_seen.json", tasks::to_text(other));
+  const auto parts = episode(served, "val_seen", "id=1_0").at("parts");
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_EQ(parts[0].at("words"), nlohmann::json({"walk", "on"}));
+  EXPECT_EQ(parts[0].at("places"), nlohmann::json({0, 2}));
+  EXPECT_EQ(parts[1].at("places"), nlohmann::json({2, 3}));
+  EXPECT_FALSE(episode(served, "val_seen", "id=2_0").contains("parts")) << "another path";
+  EXPECT_FALSE(episode(served, "val_seen", "id=3_0").contains("parts")) << "another text";
+  EXPECT_EQ(episode(served, "val_seen", "id=3_1").at("parts").size(), 1U);
+  EXPECT_FALSE(episode(served, "val_seen", "id=1_0").contains("parts_problem"));
+  served.stop();
+  write(served, "fgr2r/FGR2R_val_seen.json", "[{");
+  served.start();
+  const auto broken = episode(served, "val_seen", "id=1_0");
+  EXPECT_FALSE(broken.contains("parts"));
+  EXPECT_TRUE(broken.contains("parts_problem"));
+  EXPECT_EQ(broken.at("path").size(), 4U);
 }
 
 TEST(EpisodeJson, AnObjectHasItsOutline) {
@@ -167,6 +272,31 @@ TEST(EpisodeJson, GoalsOfASecretSplitAreHiddenInEveryBenchmark) {
   EXPECT_FALSE(one.contains("path"));
   EXPECT_EQ(body.find("v2"), std::string::npos);
   EXPECT_EQ(body.find("66"), std::string::npos) << "the object";
+}
+
+// What is new about an episode tells nothing of a secret split: fine-grained R2R has whole paths,
+// and RxR has an entry for each instruction of a path.
+TEST(EpisodeJson, PiecesAndOtherEntriesOfASecretSplitAreHidden) {
+  Served served;
+  write(served, "fgr2r/FGR2R_test.json", fine_grained("test"));
+  const std::string guides =
+      guide(5, 1, "en-IN", R"(["v0", "v1", "v2"])") + guide(5, 2, "te-IN", R"(["v0", "v1", "v2"])");
+  write(served, "rxr/rxr_test_guide.jsonl", guides);
+  write_file_atomically(served.root() / "secret-rxr.jsonl", guides);
+  served.restart_with(std::string(kSecretTest) +
+                      R"(, {"name": "rxr", "split": "test", "task": "rxr", )"
+                      R"("annotations": "secret-rxr.jsonl"})");
+  const auto r2r = served.get("/api/v1/splits/test/episodes?id=1_0");
+  EXPECT_THAT(r2r->body, ::testing::Not(::testing::HasSubstr("parts")));
+  for (const char* secret : {"\"v1\"", "\"v2\"", "\"v3\""}) {
+    EXPECT_THAT(r2r->body, ::testing::Not(::testing::HasSubstr(secret)));
+  }
+  const auto one = nlohmann::json::parse(r2r->body).at("episodes").at(0);
+  EXPECT_THAT(instructions_of(one), ::testing::ElementsAre("1_0", "1_1"));
+  EXPECT_EQ(one.at("next"), "1_1") << "the list has the order of the file, too";
+  const auto rxr = episode(served, "test", "task=rxr&id=5_1");
+  EXPECT_FALSE(rxr.contains("path"));
+  EXPECT_THAT(instructions_of(rxr), ::testing::ElementsAre("5_1"));
 }
 
 }  // namespace EN_UNIT

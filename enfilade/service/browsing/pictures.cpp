@@ -27,15 +27,6 @@ std::shared_ptr<const std::string> file_of(const std::vector<std::uint8_t>& byte
                                              bytes.size());
 }
 
-// One scale for the six depth pictures of a panorama, or the edges of faces would show: metres.
-double farthest_of(const image::CubeMap<std::uint16_t>& depth) {
-  double farthest = 0;
-  for (const image::Image16& face : depth) {
-    farthest = std::max(farthest, draw::farthest_depth(face));
-  }
-  return farthest;
-}
-
 FaceFiles make_files(const scan::PanoramaSource& source, ViewpointIndex viewpoint,
                      scan::Layer layer) {
   if (source.face_sizes(viewpoint)[index(layer)] == 0) {
@@ -50,13 +41,13 @@ FaceFiles make_files(const scan::PanoramaSource& source, ViewpointIndex viewpoin
     return files;
   }
   const scan::Panorama panorama = scan::read_panorama(source, viewpoint, scan::mask_of(layer));
-  const double farthest = farthest_of(panorama.depth);
+  // One scale for the six depth pictures of a panorama, or the edges of faces would show.
+  const draw::DepthRange range = draw::depth_range(panorama.depth);
   for (std::size_t k = 0; k < kCubeFaces; ++k) {
-    files[k] =
-        file_of(colour ? image::encode_jpeg(panorama.colour[k], kFaceQuality)
-                       : image::encode_png(layer == scan::Layer::kDepth
-                                               ? draw::colour_depth(panorama.depth[k], farthest)
-                                               : draw::colour_ids(panorama.classes[k])));
+    files[k] = file_of(colour ? image::encode_jpeg(panorama.colour[k], kFaceQuality)
+                              : image::encode_png(layer == scan::Layer::kDepth
+                                                      ? draw::colour_depth(panorama.depth[k], range)
+                                                      : draw::colour_ids(panorama.classes[k])));
   }
   return files;
 }
@@ -77,7 +68,8 @@ ordered_json depth_legend(const image::CubeMap<std::uint16_t>& depth) {
   for (int k = 0; k < kColours; ++k) {
     colours.push_back(hex(draw::depth_colour(static_cast<double>(k) / (kColours - 1))));
   }
-  return {{"farthest", farthest_of(depth)}, {"colours", colours}};
+  const auto [nearest, farthest] = draw::depth_range(depth);
+  return {{"nearest", nearest}, {"farthest", farthest}, {"colours", colours}};
 }
 
 ordered_json class_legend(const image::CubeMap<std::uint16_t>& classes) {
@@ -272,23 +264,35 @@ std::shared_ptr<const scan::PanoramaSet> panoramas_of(const std::shared_ptr<cons
   return {site, &site->panoramas()};  // lives as long as the site
 }
 
+/// The most open direction, and how open it is.
+struct Widest {
+  Radians heading;
+  std::uint64_t sum = 0;  // 0: no depth says so
+};
+
+/// With depth by the distance to surfaces, else towards the farthest neighbour.
+Widest widest(Drawing& drawing, const graph::NavGraph& graph, const scan::PanoramaSource& source,
+              const Place& place) {
+  if (source.face_sizes(place.in_source)[index(scan::Layer::kDepth)] == 0) {
+    return {towards_farthest(graph, place.in_graph)};
+  }
+  const auto sums = drawing.openness(place.in_source, Reach(graph, place.in_graph));
+  const auto most = std::ranges::max_element(sums);
+  return {heading_of(static_cast<std::size_t>(most - sums.begin())), *most};
+}
+
 std::optional<Outlook> choose(const std::shared_ptr<const Site>& site, ScanIndex scan) {
   const scan::PanoramaSource* source = site->panoramas().find_source(scan);
   if (source == nullptr) return std::nullopt;
   const graph::NavGraph& graph = site->graphs().graph(scan);
-  const std::vector<Place> places = candidates(graph, *source);
-  if (places.empty()) return std::nullopt;
-  Outlook best{places[0].in_graph, towards_farthest(graph, places[0].in_graph), kElevation};
+  std::optional<Outlook> best;
   std::uint64_t most = 0;
   Drawing drawing(panoramas_of(site), scan);
-  for (const Place& place : places) {
-    if (source->face_sizes(place.in_source)[index(scan::Layer::kDepth)] == 0) continue;
-    const auto sums = drawing.openness(place.in_source, Reach(graph, place.in_graph));
-    const auto widest = std::ranges::max_element(sums);
-    if (*widest <= most) continue;
-    most = *widest;
-    const auto turn = static_cast<std::size_t>(widest - sums.begin());
-    best = {place.in_graph, heading_of(turn), kElevation};
+  for (const Place& place : candidates(graph, *source)) {
+    const auto [heading, sum] = widest(drawing, graph, *source, place);
+    if (best && sum <= most) continue;
+    most = sum;
+    best = {place.in_graph, heading, kElevation};
   }
   return best;
 }
@@ -296,10 +300,10 @@ std::optional<Outlook> choose(const std::shared_ptr<const Site>& site, ScanIndex
 }  // namespace
 
 Faces::Faces(const scan::PanoramaSet& panoramas, std::size_t most_bytes)
-    : panoramas_(panoramas), kept_(most_bytes, bytes_of) {}
+    : newest_(panoramas), kept_(most_bytes, bytes_of) {}
 
 FaceFiles Faces::get(ScanIndex scan, ViewpointIndex viewpoint, scan::Layer layer) {
-  return find_or_make({scan, viewpoint, to_string(layer)}, [&](const scan::PanoramaSource& source) {
+  return find_or_make(scan, viewpoint, to_string(layer), [&](const scan::PanoramaSource& source) {
     return make_files(source, viewpoint, layer);
   });
 }
@@ -308,37 +312,48 @@ std::shared_ptr<const std::string> Faces::distances(ScanIndex scan, ViewpointInd
   const auto make = [&](const scan::PanoramaSource& source) {
     return FaceFiles{std::make_shared<const std::string>(distance_grid(source, viewpoint))};
   };
-  return find_or_make({scan, viewpoint, "distances"}, make)[0];
+  return find_or_make(scan, viewpoint, "distances", make)[0];
 }
 
 std::shared_ptr<const std::string> Faces::legends(ScanIndex scan, ViewpointIndex viewpoint) {
   const auto make = [&](const scan::PanoramaSource& source) {
     return FaceFiles{std::make_shared<const std::string>(legends_json(source, viewpoint).dump())};
   };
-  return find_or_make({scan, viewpoint, "legends"}, make)[0];
+  return find_or_make(scan, viewpoint, "legends", make)[0];
 }
 
-FaceFiles Faces::find_or_make(const Key& key, const Make& make) {
-  return kept_.get(key, [&] {
-    const scan::PanoramaSource& source = panoramas_.source(std::get<ScanIndex>(key));
-    FaceFiles files = make(source);
+FaceFiles Faces::find_or_make(ScanIndex scan, ViewpointIndex viewpoint, std::string_view what,
+                              const Make& make) {
+  const NewestSource newest = newest_.get(scan);
+  return kept_.get({scan, viewpoint, what, newest.replaced}, [&] {
+    FaceFiles files = make(*newest.source);
     // What was made are copies; visitors walk through whole buildings.
-    source.release(std::get<ViewpointIndex>(key));
+    newest.source->release(viewpoint);
     return files;
   });
 }
 
 std::string Faces::version(ScanIndex scan) {
+  const NewestSource newest = newest_.get(scan);
+  const std::pair key(scan, newest.replaced);
   {
     const std::scoped_lock lock(mutex_);
-    if (const auto found = versions_.find(scan); found != versions_.end()) return found->second;
+    if (const auto found = versions_.find(key); found != versions_.end()) return found->second;
   }
-  const std::string state = panoramas_.source(scan).state();
+  const std::string state = newest.source->state();
   const std::string version =
       state.empty() ? "" : fmt::format("{:016x}", stream_of(state.data(), state.size()));
   const std::scoped_lock lock(mutex_);
-  return versions_.emplace(scan, version).first->second;
+  return versions_.emplace(key, version).first->second;
 }
+
+constexpr std::size_t kMostThumbnails = 8U << 20U;  // bytes
+
+Stills::Stills(std::shared_ptr<const Site> site)
+    : site_(std::move(site)),
+      newest_(site_->panoramas()),
+      thumbnails_(kMostThumbnails,
+                  [](const std::shared_ptr<const std::string>& file) { return file->size(); }) {}
 
 const std::optional<Outlook>& Stills::find_outlook(ScanIndex scan) {
   const auto found = outlooks_.find(scan);
@@ -353,17 +368,35 @@ std::optional<Outlook> Stills::outlook(ScanIndex scan) {
 
 std::shared_ptr<const std::string> Stills::get(ScanIndex scan, std::int64_t width) {
   const std::scoped_lock lock(mutex_);
-  const auto found = files_.find({scan, width});
+  const auto& outlook = find_outlook(scan);
+  if (!outlook) return nullptr;
+  const NewestSource newest = newest_.get(scan);
+  const std::tuple key(scan, width, newest.replaced);
+  const auto found = files_.find(key);
   if (found != files_.end()) return found->second;
-  std::shared_ptr<const std::string> file;
-  if (const auto& outlook = find_outlook(scan)) {
-    const scan::PanoramaSource& source = site_->panoramas().source(scan);
-    const auto viewpoint = source.at(site_->graphs().graph(scan).id(outlook->viewpoint));
-    file = file_of(image::encode_jpeg(
-        Drawing(panoramas_of(site_), scan).colour(viewpoint, outlook->heading, width),
-        kStillQuality));
-  }
-  return files_.emplace(std::pair(scan, width), file).first->second;
+  const auto viewpoint = newest.source->at(site_->graphs().graph(scan).id(outlook->viewpoint));
+  Drawing drawing(scan::PanoramaSet::of({newest.source}), ScanIndex(0));
+  const auto file = file_of(
+      image::encode_jpeg(drawing.colour(viewpoint, outlook->heading, width), kStillQuality));
+  return files_.emplace(key, file).first->second;
+}
+
+std::shared_ptr<const std::string> Stills::thumbnail(ScanIndex scan, ViewpointIndex viewpoint) {
+  const NewestSource newest = newest_.get(scan);
+  return thumbnails_.get({scan, viewpoint, newest.replaced}, [&] {
+    const std::scoped_lock lock(drawing_);
+    const scan::PanoramaSource& source = *newest.source;
+    if (source.face_sizes(viewpoint)[index(scan::Layer::kColour)] == 0) {
+      throw source.lacks(scan::Layer::kColour, viewpoint);
+    }
+    const graph::NavGraph& graph = site_->graphs().graph(scan);
+    const auto in_graph = graph.find(source.poses()[viewpoint.at()].viewpoint);
+    Drawing drawing(scan::PanoramaSet::of({newest.source}), ScanIndex(0));
+    Radians heading(0);
+    if (in_graph) heading = widest(drawing, graph, source, Place{*in_graph, viewpoint}).heading;
+    return file_of(
+        image::encode_jpeg(drawing.colour(viewpoint, heading, kThumbnailWidth), kStillQuality));
+  });
 }
 
 }  // namespace enfilade::service::browsing

@@ -1,23 +1,26 @@
 #include "enfilade/service/browsing/site_json.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
+#include "enfilade/continuous/scene.h"
+#include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
+#include "enfilade/core/names.h"
+#include "enfilade/core/output_folder.h"
 #include "enfilade/core/rng.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/dataset/mesh_files.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
-#include "enfilade/mesh/lighting.h"
+#include "enfilade/homes/lit_home.h"
 #include "enfilade/mesh/read_mesh.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/refusal.h"
@@ -48,13 +51,52 @@ using detail::rounded;
 
 ordered_json point(Vec3d p) { return {rounded(p.x), rounded(p.y), rounded(p.z)}; }
 
-mesh::Mesh lit_mesh(const homes::PlanOptions& plan) {
+constexpr std::size_t kMostGlb = std::size_t{1} << 32U;  // what the format can hold
+
+Roaming::Packed packed(std::string file) {
+  const std::string glb = gunzip(file, kMostGlb);
+  return {std::make_shared<const std::string>(std::move(file)),
+          fmt::format("{:016x}", stream_of(glb.data(), glb.size())), glb.size()};
+}
+
+/// A mesh that was kept; no value without one that can be read, which is then made again.
+std::optional<Roaming::Packed> kept_mesh(const fs::path& file) {
+  try {
+    if (file_exists(file)) return packed(read_file(file));
+  } catch (const Error&) {  // it is damaged, or was removed just now
+  }
+  return std::nullopt;
+}
+
+/// The light that `enfilade continuous --light` has kept; null without a file that can be used.
+std::shared_ptr<const continuous::Scene> kept_light(
+    const fs::path& file, const std::shared_ptr<const mesh::RayTracer>& tracer) {
+  try {
+    if (file_exists(file)) return continuous::Scene::load(tracer, file);
+  } catch (const Error&) {  // of another home, or damaged
+  }
+  return nullptr;
+}
+
+std::string lit_home(const Site& site, const homes::HomeEntry& home) {
   const int threads = std::min(2, available_threads());  // others are to be served meanwhile
-  const homes::BuiltHome built = homes::build_home(plan);
-  mesh::BakeOptions bake = homes::bake_options(homes::HomeLight::kFine, threads);
-  bake.spacing = 0.5;  // corners of triangles do not show more
-  const mesh::LitMesh light(built.tracer, built.home.lights, bake);
-  return mesh::with_vertex_light(light, {.threads = threads});
+  const homes::BuiltHome built = homes::build_home(home.plan);
+  const auto scene = kept_light(site.folder() / homes::home_light_file(home.scan), built.tracer);
+  return scene == nullptr ? homes::packed_lit_home(built, threads)
+                          : homes::packed_lit_home(built, scene->surface_light(), threads);
+}
+
+/// As it was kept, by `enfilade continuous --light` or an earlier server; else it is made, and kept
+/// where the data set may be written.
+Roaming::Packed mesh_of_home(const Site& site, const homes::HomeEntry& home) {
+  const fs::path name = homes::lit_home_file(home);
+  if (auto kept = kept_mesh(site.folder() / name)) return *kept;
+  Roaming::Packed made = packed(lit_home(site, home));
+  try {
+    OutputFolder(site.folder()).write(name.generic_string(), *made.gzip);
+  } catch (const FileError&) {  // not here: the next server makes it again
+  }
+  return made;
 }
 
 mesh::Mesh mesh_of_file(const dataset::MeshFile& found) {
@@ -63,22 +105,6 @@ mesh::Mesh mesh_of_file(const dataset::MeshFile& found) {
   mesh.objects.clear();
   mesh.normals.clear();
   return mesh;
-}
-
-/// Numbers whose last bits say nothing are packed into half the room.
-void drop_last_bits(mesh::Mesh& mesh) {
-  const auto round_to = [](float x, float steps) { return std::round(x * steps) / steps; };
-  // Parts of a metre, of 1. Positions coarser than that open cracks between surfaces that meet.
-  constexpr float kPosition = 65536, kTexture = 4096, kLight = 512;
-  for (Vec3f& p : mesh.positions) {
-    p = {round_to(p.x, kPosition), round_to(p.y, kPosition), round_to(p.z, kPosition)};
-  }
-  for (Vec3f& c : mesh.colours) {
-    c = {round_to(c.x, kLight), round_to(c.y, kLight), round_to(c.z, kLight)};
-  }
-  for (auto& corners : mesh.texture_points) {
-    for (mesh::TexturePoint& t : corners) t = {round_to(t.u, kTexture), round_to(t.v, kTexture)};
-  }
 }
 
 ordered_json polygon_json(const mesh::FloorPolygons& floor, std::size_t p) {
@@ -104,12 +130,12 @@ ordered_json polygon_json(const mesh::FloorPolygons& floor, std::size_t p) {
           {"triangles", std::move(triangles)}};
 }
 
-/// Whether the ends of R2R's paths of that split are shown to everybody: a continuous episode has
-/// the path of one of them.
-bool shows_goals(const Site& site, const std::string& split) {
-  const PublicSplit* r2r = site.find_split(split);
-  return find_secret(site.phases(), split, *setup().benchmark) == nullptr &&
-         (r2r == nullptr || !r2r->goals_hidden);
+/// Whether everybody may see the ends of R2R's or RxR's paths, from which the benchmark's split was
+/// made. A continuous episode has the path of one of them.
+bool shows_goals(const Site& site, const tasks::Benchmark& benchmark, const std::string& split) {
+  const PublicSplit* on_graph = site.find_split(split, benchmark.task);
+  return find_secret(site.phases(), split, benchmark) == nullptr &&
+         (on_graph == nullptr || !on_graph->goals_hidden);
 }
 
 ordered_json episode_json(const tasks::ContinuousEpisode& episode, bool with_goal) {
@@ -136,9 +162,8 @@ ordered_json episode_json(const tasks::ContinuousEpisode& episode, bool with_goa
 }
 
 /// Names of files are made of splits: those that the site knows, or that data sets have.
-bool is_split(const Site& site, const std::string& name) {
-  const auto usual = tasks::benchmark(tasks::Task::kR2r).splits;
-  return std::ranges::find(usual, name) != usual.end() ||
+bool is_split(const Site& site, const tasks::Benchmark& benchmark, const std::string& name) {
+  return std::ranges::find(benchmark.splits, name) != benchmark.splits.end() ||
          std::ranges::any_of(site.phases(), [&name](const Phase& p) { return p.split == name; }) ||
          std::ranges::any_of(site.splits(), [&name](const PublicSplit& split) {
            return split.annotations.split == name;
@@ -180,21 +205,13 @@ Roaming::Packed Roaming::make_mesh(ScanIndex scan) {
   const std::string name(site_->graphs().graph(scan).scan());
   const std::vector<homes::HomeEntry> homes = homes_of(*site_);
   const auto home = std::ranges::find(homes, name, &homes::HomeEntry::scan);
-  mesh::Mesh mesh;
-  if (home != homes.end()) {
-    mesh = lit_mesh(home->plan);
-  } else if (const auto found = dataset::find_mesh_file(site_->folder(), name)) {
-    mesh = mesh_of_file(*found);
-  } else {
-    throw detail::Refusal(
-        detail::Reason::kNotFound,
-        fmt::format("no mesh of scan {0}: put it into the data set as meshes/{0}.glb", name));
+  if (home != homes.end()) return mesh_of_home(*site_, *home);
+  if (const auto found = dataset::find_mesh_file(site_->folder(), name)) {
+    return packed(mesh::to_packed_glb(mesh_of_file(*found)));
   }
-  drop_last_bits(mesh);
-  const std::string glb = mesh::to_glb(mesh);
-  constexpr int kLevel = 6;
-  return {std::make_shared<const std::string>(gzip(glb, kLevel)),
-          fmt::format("{:016x}", stream_of(glb.data(), glb.size())), glb.size()};
+  throw detail::Refusal(
+      detail::Reason::kNotFound,
+      fmt::format("no mesh of scan {0}: put it into the data set as meshes/{0}.glb", name));
 }
 
 std::shared_ptr<const std::string> Roaming::unpacked(const Packed& mesh) {
@@ -242,37 +259,42 @@ ordered_json Roaming::floor_json(ScanIndex scan) const {
   return out;
 }
 
-ordered_json Roaming::episodes_json(const std::string& split, const EpisodeFilter& filter) {
-  if (!is_split(*site_, split)) {
-    throw detail::Refusal(detail::Reason::kNotFound, "no split of this name");
+ordered_json Roaming::episodes_json(const tasks::Benchmark& benchmark, const std::string& split,
+                                    const EpisodeFilter& filter) {
+  if (!is_split(*site_, benchmark, split)) {
+    const std::vector<std::string> known = site_->data().splits(benchmark);
+    throw detail::Refusal(
+        detail::Reason::kNotFound,
+        fmt::format("split: {} has no {}; {}", benchmark.title, quote(split),
+                    known.empty() ? "the data set has none of its splits"
+                                  : fmt::format("it has {}", fmt::join(known, ", "))));
   }
-  const Read read = episodes_.get(split, [&] {
+  const Read read = episodes_.get(fmt::format("{}/{}", benchmark.name, split), [&] {
     try {
-      const auto found = dataset::Dataset(site_->folder())
-                             .split(*setup().benchmark, split, {.experts = false})
-                             .continuous();
+      const auto found = site_->data().split(benchmark, split, {.experts = false}).continuous();
       return Read{found, site_->find_shared(goal_keys(*found, site_->graphs())).keys.tells()};
     } catch (const FileError&) {  // its message names folders of this machine
       throw detail::Refusal(
           detail::Reason::kNotFound,
-          fmt::format("no continuous episodes of {}: `enfilade continuous DATA` makes them",
-                      split));
+          fmt::format("no episodes of {} {}: `enfilade continuous DATA --task {}` makes them",
+                      benchmark.title, split, benchmark.name));
     }
   });
   const Episodes& episodes = read.episodes;
-  const bool with_goals = !read.tells && shows_goals(*site_, split);
+  const bool with_goals = !read.tells && shows_goals(*site_, benchmark, split);
   std::int64_t matching = 0;
   const bool hidden = !with_goals || goals_hidden(*episodes);
   auto list = ordered_json::array();
   for (const tasks::ContinuousEpisode& episode : episodes->episodes) {
-    if (!filter.scan.empty() && episode.scan() != filter.scan) continue;
+    if (!filter.lists(episode.scan(), episode.instruction.text)) continue;
     if (!filter.id.empty() && tasks::text_of(episode.id) != filter.id) continue;
     if (!filter.trajectory.empty() && tasks::text_of(episode.trajectory_id) != filter.trajectory) {
       continue;
     }
     if (filter.shows(matching++)) list.push_back(episode_json(episode, with_goals));
   }
-  return {{"split", split}, {"goals_hidden", hidden}, {"matching", matching}, {"episodes", list}};
+  return {{"split", split},         {"task", benchmark.name}, {"title", benchmark.title},
+          {"goals_hidden", hidden}, {"matching", matching},   {"episodes", list}};
 }
 
 }  // namespace enfilade::service::browsing

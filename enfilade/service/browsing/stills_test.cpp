@@ -105,6 +105,49 @@ TEST(Stills, HaveTwoSizes) {
   EXPECT_EQ(served.get("/api/v1/scans/none/outlook")->status, 404);
 }
 
+TEST(Stills, AViewpointsThumbnailLooksWhereItIsMostOpen) {
+  const TemporaryFolder folder("stills");
+  const auto site = site_with_view(folder.path(), {{CubeFace::kRight, 6}});
+  browsing::Stills stills(site);
+  const auto file = stills.thumbnail(ScanIndex(0), ViewpointIndex(1));
+  ASSERT_TRUE(file);
+  EXPECT_EQ(stills.thumbnail(ScanIndex(0), ViewpointIndex(1)), file) << "it is kept";
+  const auto bytes = std::as_bytes(std::span(*file));
+  const auto picture = image::decode_jpeg(
+      {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "thumbnail");
+  EXPECT_EQ(picture.width, 320U);
+  EXPECT_EQ(picture.height, 200U);
+  // The middle of the picture is the face to the right, but for what JPEG and filters change.
+  const auto faces = scan::read_panorama(site->panoramas().source(ScanIndex(0)), ViewpointIndex(1));
+  const auto mean = [](const image::Image8& of, std::size_t channel) {
+    double sum = 0;
+    for (std::uint32_t y = of.height * 3 / 8; y < of.height * 5 / 8; ++y) {
+      for (std::uint32_t x = of.width * 3 / 8; x < of.width * 5 / 8; ++x)
+        sum += of.at(x, y)[channel];
+    }
+    return sum / (of.height * 5 / 8 - of.height * 3 / 8) / (of.width * 5 / 8 - of.width * 3 / 8);
+  };
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    EXPECT_NEAR(mean(picture, channel),
+                mean(faces.colour[static_cast<std::size_t>(CubeFace::kRight)], channel), 12)
+        << channel;
+  }
+}
+
+TEST(Stills, ThumbnailsAreServed) {
+  Served served;
+  const auto first = served.get("/api/v1/scans/row/viewpoints/v1/picture.jpg");
+  ASSERT_EQ(first->status, 200) << first->body;
+  EXPECT_EQ(first->get_header_value("Content-Type"), "image/jpeg");
+  EXPECT_LT(first->body.size(), 60'000U);
+  const auto again = served.get("/api/v1/scans/row/viewpoints/v1/picture.jpg",
+                                {{"If-None-Match", first->get_header_value("ETag")}});
+  EXPECT_EQ(again->status, 304);
+  EXPECT_NE(served.get("/api/v1/scans/row/viewpoints/v2/picture.jpg")->body, first->body);
+  EXPECT_EQ(served.get("/api/v1/scans/row/viewpoints/v9/picture.jpg")->status, 404);
+  EXPECT_EQ(served.get("/api/v1/scans/none/viewpoints/v1/picture.jpg")->status, 404);
+}
+
 TEST(Stills, TellWhereTheyAreTakenFrom) {
   Served served;
   const auto outlook = served.json("/api/v1/scans/row/outlook");

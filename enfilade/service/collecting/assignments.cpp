@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "enfilade/core/texts.h"
 #include "enfilade/service/collecting/kinds/dialogues.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
@@ -21,6 +25,7 @@ constexpr std::size_t kBlockSize = 20;  // items
 // Seconds by which a page's time may exceed the server's: its clock starts when the building is
 // shown, and two clocks differ a little.
 constexpr double kClockSlack = 5;
+constexpr std::int64_t kSearchedAtOnce = 500;  // tasks, whose content may be long
 constexpr const char* kIsSubmitted = "task.state IN ('submitted', 'accepted', 'rejected')";
 
 std::string tasks_where(std::string_view condition) {
@@ -203,6 +208,83 @@ void correct(store::Database& db, const Assignment& task, const std::string& ins
   add_event(db, task, {db.now(), who, EventKind::kEdited, task.content, ""});
 }
 
+/// \pre within a transaction  \throws Refusal as review()
+void judge(store::Database& db, const Assignment& task, const Verdict& verdict,
+           const std::string& who) {
+  const bool accepted = verdict.state == AssignmentState::kAccepted;
+  if (!verdict.instruction.empty()) correct(db, task, verdict.instruction, who);
+  if (task.state == verdict.state && task.reason == verdict.reason) return;
+  if (accepted && task.state == AssignmentState::kRejected && !has_place(db, task)) {
+    throw Refusal(
+        Reason::kConflict,
+        fmt::format("task {} was rejected, and another worker has its place now", task.id));
+  }
+  db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", verdict.state, verdict.reason,
+         task.id);
+  add_event(
+      db, task,
+      {db.now(), who, accepted ? EventKind::kAccepted : EventKind::kRejected, "", verdict.reason});
+  update_item(db, task);
+}
+
+/// What is searched of a task; `content` is empty where a text was followed.
+struct WorkText {
+  std::int64_t id = 0;
+  WorkKind kind = WorkKind::kWrite;
+  std::string content, instruction, target;
+
+  auto columns() { return std::tie(id, kind, content, instruction, target); }
+
+  /// \param wanted in lower case
+  bool has(const std::string& wanted) const {
+    const auto is_in = [&wanted](const std::string& text) {
+      return lower_case(text).find(wanted) != std::string::npos;
+    };
+    if (is_in(target)) return true;
+    if (is_followed(kind)) return is_in(instruction);
+    if (is_written(kind)) return is_in(content);
+    const auto read = nlohmann::json::parse(content);
+    if (kind == WorkKind::kGuide) return is_in(read.at("instruction").get<std::string>());
+    for (const auto& turn : read.at("turns")) {
+      if (is_in(turn.value("text", std::string()))) return true;
+    }
+    return false;
+  }
+};
+
+/// list_work() with a text. The tasks are read in parts, which bounds the memory; other requests
+/// use the database in between.
+/// \param condition of ?1 to ?4
+WorkPage search_work(store::Database& db, std::int64_t collection, const WorkFilter& filter,
+                     const std::string& condition, std::int64_t after, std::int64_t limit) {
+  const std::string sql = fmt::format(
+      "SELECT task.id, kind, CASE WHEN kind IN ('walk', 'find') THEN '' ELSE content END, "
+      "instruction, target FROM task JOIN item ON item.id = task.item JOIN collection ON "
+      "collection.id = item.collection WHERE {} AND task.id > ?5 ORDER BY task.id LIMIT ?6",
+      condition);
+  const std::string wanted = lower_case(filter.text);
+  std::vector<std::int64_t> found;
+  std::int64_t last = 0;
+  for (bool more = true; more;) {
+    const auto some = db.select<WorkText>(sql, collection, filter.state, filter.worker,
+                                          filter.path_id, last, kSearchedAtOnce);
+    for (const WorkText& one : some) {
+      if (one.has(wanted)) found.push_back(one.id);
+      last = one.id;
+    }
+    more = std::ssize(some) == kSearchedAtOnce;
+  }
+  WorkPage page{std::ssize(found), {}};
+  for (const std::int64_t id : found) {
+    if (std::ssize(page.tasks) == limit) break;
+    if (id <= after) continue;
+    if (auto task = db.find<Assignment>(tasks_where("task.id = ?"), id)) {
+      page.tasks.push_back(std::move(*task));
+    }
+  }
+  return page;
+}
+
 }  // namespace
 
 bool is_finished(const Collection& collection, const Visit& visit) {
@@ -364,6 +446,7 @@ WorkPage list_work(store::Database& db, std::int64_t collection, const WorkFilte
       "item.collection = ?1 AND practice = 0 AND {} AND (?2 IS NULL OR task.state = ?2) AND (?3 IS "
       "NULL OR task.worker = ?3) AND (?4 IS NULL OR path_id = ?4)",
       kIsSubmitted);
+  if (!filter.text.empty()) return search_work(db, collection, filter, condition, after, limit);
   const auto held = db.hold();
   return {
       db.find_number(
@@ -430,20 +513,25 @@ std::vector<Event> events_of(store::Database& db, std::int64_t task) {
 }
 
 void review(store::Database& db, std::int64_t id, const Verdict& verdict, const std::string& who) {
-  const bool accepted = verdict.state == AssignmentState::kAccepted;
+  db.transact([&] { judge(db, find_work(db, id), verdict, who); });
+}
+
+void review_all(store::Database& db, std::int64_t collection,
+                const std::vector<std::int64_t>& tasks, const Verdict& verdict,
+                const std::string& who) {
   db.transact([&] {
-    const Assignment task = find_work(db, id);
-    if (!verdict.instruction.empty()) correct(db, task, verdict.instruction, who);
-    if (task.state == verdict.state && task.reason == verdict.reason) return;
-    if (accepted && task.state == AssignmentState::kRejected && !has_place(db, task)) {
-      throw Refusal(Reason::kConflict,
-                    "the task was rejected, and another worker has its place now");
+    for (const std::int64_t id : tasks) {
+      const auto task =
+          db.find<Assignment>(tasks_where(fmt::format("task.id = ? AND item.collection = ? AND "
+                                                      "practice = 0 AND {}",
+                                                      kIsSubmitted)),
+                              id, collection);
+      if (!task) {
+        throw Refusal(Reason::kNotFound,
+                      fmt::format("task {} is no submitted one of this collection", id));
+      }
+      judge(db, *task, verdict, who);
     }
-    db.run("UPDATE task SET state = ?, reason = ? WHERE id = ?", verdict.state, verdict.reason, id);
-    add_event(db, task,
-              {db.now(), who, accepted ? EventKind::kAccepted : EventKind::kRejected, "",
-               verdict.reason});
-    update_item(db, task);
   });
 }
 

@@ -202,6 +202,9 @@ struct WorkPage {
 struct WorkFilter {
   std::optional<AssignmentState> state;
   std::optional<std::int64_t> worker, path_id;
+  /// Is in the text of the work, or in its object's name, in any case of a-z. Texts are what was
+  /// written or said, or the instruction that was followed. Empty: matches all.
+  std::string text = {};
 };
 /// Submitted work without practice, by rising number.
 WorkPage list_work(store::Database& db, std::int64_t collection, const WorkFilter& filter,
@@ -253,6 +256,14 @@ struct Verdict {
 /// together or not at all.
 /// \throws Refusal kConflict if it was rejected before and its place is taken; as edit()
 void review(store::Database& db, std::int64_t task, const Verdict& verdict, const std::string& who);
+/// As review(), of several tasks of a collection: all verdicts are stored, or none if one of them
+/// is refused.
+/// \pre verdict.instruction is empty
+/// \throws Refusal kNotFound naming a task that is no submitted one of the collection, or is
+/// practice; as review()
+void review_all(store::Database& db, std::int64_t collection,
+                const std::vector<std::int64_t>& tasks, const Verdict& verdict,
+                const std::string& who);
 /// Changes an instruction. \throws Refusal kConflict if the task's content is no text alone
 void edit(store::Database& db, std::int64_t task, const std::string& instruction,
           const std::string& who);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enfilade/core/enum_names.h"
+#include "enfilade/service/collecting/quality.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/texts.h"
 
@@ -60,6 +61,8 @@ ordered_json object_json(const WorkItem& item, const std::vector<std::string>* v
 /// would take a millisecond of each answer.
 constexpr std::int64_t kMostCounted = 100;
 
+constexpr std::size_t kMostDays = 60;  ///< of a study's progress
+
 /// Rules, splits and progress.
 ordered_json progress_json(store::Database& db, const Collection& collection) {
   const auto split_json = [](const SplitSize& split) {
@@ -83,7 +86,8 @@ ordered_json progress_json(store::Database& db, const Collection& collection) {
             {"rejected", progress.rejected},
             {"complete", progress.complete},
             {"workers", progress.workers},
-            {"minutes", progress.minutes}}}};
+            {"minutes", progress.minutes},
+            {"days", detail::json_list(days_of(db, collection.id, kMostDays), day_json)}}}};
 }
 
 /// {"screening", "checks"} with the right answers.

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -93,6 +94,15 @@ void set_state(Collection& collection, std::string_view name, std::int64_t now) 
   collection.open = state == CollectionState::kOpen;
   const bool archived = state == CollectionState::kArchived;
   collection.archived = archived ? std::optional(collection.archived.value_or(now)) : std::nullopt;
+}
+
+/// Null: the data set has none.
+const scan::RegionMap* rooms_of(const Site& site) {
+  try {
+    return &site.data().regions();
+  } catch (const FileError&) {
+    return nullptr;
+  }
 }
 
 class Reader {
@@ -207,7 +217,11 @@ class Reader {
     }
     const bool no_work = std::ranges::all_of(items_, &WorkItem::practice);
     if (no_work && faults_.errors() == 0) {
-      faults_.error(path, "no-paths", "there is nothing to do in it");
+      const bool chosen = kind_ == WorkKind::kDescribe || kind_ == WorkKind::kDialogue;
+      faults_.error(path, "no-paths",
+                    chosen ? "at the end of no path is an object that people would ask for, the "
+                             "only one of its name in the room"
+                           : "there is nothing to do in it");
     }
   }
 
@@ -364,11 +378,17 @@ class Reader {
     }
   }
 
-  /// Paths whose end shows no object are left out where the annotation names none.
+  kinds::KnownObjects& known_objects() {
+    if (!known_objects_) known_objects_.emplace(site_.objects(), site_.graphs(), rooms_of(site_));
+    return *known_objects_;
+  }
+
+  /// Paths whose end shows no object that people would ask for are left out where the annotation
+  /// names none.
   void add_targets(const std::string& split, const tasks::PathAnnotation& one, const Path& path) {
-    const kinds::KnownObjects known{site_.objects(), site_.graphs()};
+    kinds::KnownObjects& known = known_objects();
     const bool region = std::holds_alternative<tasks::NamedRegion>(one.goal);
-    if (known.boxes == nullptr && (!region || kind_ != WorkKind::kDialogue)) {
+    if (!known.has_boxes() && (!region || kind_ != WorkKind::kDialogue)) {
       faults_.error(path, "no-objects", "the data set has no boxes of objects (REVERIE's)");
       return;
     }
@@ -378,8 +398,7 @@ class Reader {
                     "names no object; entries of REVERIE do, and what people described here");
       return;
     }
-    const std::vector<kinds::PathTarget> targets =
-        kinds::targets_of(one, known, practice_ ? 1 : objects_);
+    const std::vector<kinds::PathTarget> targets = known.targets_of(one, practice_ ? 1 : objects_);
     if (targets.empty() && !std::holds_alternative<tasks::NearEnd>(one.goal)) {
       faults_.error(path, "unseen-object", "no viewpoint sees its goal by the data set's boxes");
     }
@@ -412,6 +431,7 @@ class Reader {
   bool practice_ = false;    // of the source that is being read
   std::size_t objects_ = 1;  // of a path whose annotation names none
   std::set<std::pair<std::int64_t, std::int64_t>> path_ids_, practice_ids_;  // with the object
+  std::optional<kinds::KnownObjects> known_objects_;
   std::map<std::int64_t, std::size_t> numbers_;  // kFind: the next text of a path
   std::vector<WorkItem> items_;
 };

@@ -10,8 +10,11 @@
 
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/service/detail/column_json.h"
+#include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/texts.h"
 #include "enfilade/service/evaluation/leakage.h"
+#include "enfilade/tasks/published.h"
 #include "enfilade/tasks/score_table.h"
 
 namespace enfilade::service::evaluation {
@@ -49,12 +52,9 @@ ordered_json exact_json(const tasks::MeanInterval& mean, const tasks::Measure& m
 
 /// The means that the visibility allows. \param view of kBestRows or kAll
 ordered_json means_json(const tasks::ScoreTable& score, const PhaseView& view) {
+  if (view.visibility == Visibility::kAll) return exact_means_json(score);
   ordered_json means = ordered_json::object();
   for (const tasks::Measure& measure : score.scorer->columns) {
-    if (view.visibility == Visibility::kAll) {
-      means[measure.name] = exact_json(score.mean(measure.name), measure);
-      continue;
-    }
     const double mean = mean_of(score, measure);
     means[measure.name]["mean"] =
         measure.tells_goals ? grid_of(*view.phase, measure).round(mean) : mean;
@@ -82,8 +82,8 @@ std::optional<Ranked> ranked(const Submission& submission, const PhaseView& view
     if (!submission.shown) return std::nullopt;
     return Ranked{&submission, *submission.shown, *submission.shown};
   }
-  const auto score = stored_score(submission);
-  if (!fits(score, *view.phase)) return std::nullopt;
+  const auto score = score_of(submission, *view.phase);
+  if (!score) return std::nullopt;
   const tasks::Measure& primary = view.phase->primary_measure();
   const double exact = mean_of(*score, primary);
   if (view.visibility == Visibility::kAll) return Ranked{&submission, exact, exact};
@@ -97,6 +97,20 @@ std::string cell(const ordered_json& means, const char* measure, const char* par
 }
 
 }  // namespace
+
+ordered_json exact_means_json(const tasks::ScoreTable& score) {
+  ordered_json means = ordered_json::object();
+  for (const tasks::Measure& measure : score.scorer->columns) {
+    means[measure.name] = exact_json(score.mean(measure.name), measure);
+  }
+  return means;
+}
+
+std::optional<tasks::ScoreTable> score_of(const Submission& submission, const Phase& phase) {
+  if (submission.score.empty()) return std::nullopt;
+  auto score = stored_score(submission);
+  return fits(score, phase) ? std::move(score) : std::nullopt;
+}
 
 PhaseView view_of(const Phase* phase, std::optional<accounts::ClientRole> role, bool is_final) {
   if (role == accounts::ClientRole::kOrganiser) return {Visibility::kAll, phase};
@@ -143,6 +157,8 @@ ordered_json submission_json(const Submission& submission, const PhaseView& view
                    {"created", detail::iso_time(submission.created)}};
   if (!submission.links.paper.empty()) one["paper"] = submission.links.paper;
   if (!submission.links.code.empty()) one["code"] = submission.links.code;
+  if (submission.weights != Weights::kUnsaid) one["weights"] = enum_name(submission.weights);
+  if (submission.walks_public) one["walks_public"] = true;
   const bool shown = view.visibility == Visibility::kAll ||
                      (view.visibility == Visibility::kBestRows && stands_for_team);
   if (view.visibility == Visibility::kImprovements && submission.shown) {
@@ -166,19 +182,20 @@ ordered_json submission_json(const Submission& submission, const PhaseView& view
 }
 
 ordered_json columns_json(const Phase& phase) {
-  const auto unit = [](const tasks::Measure& one) {
-    return one.unit == tasks::Unit::kMetres ? "m" : "share";
-  };
-  auto columns = ordered_json::array();
-  for (const tasks::Measure& one : phase.measures()) {
-    ordered_json column{
-        {"name", one.name}, {"short", one.column}, {"title", one.title}, {"unit", unit(one)}};
-    if (one.better != tasks::Better::kNeither) {
-      column["better"] = one.better == tasks::Better::kHigher ? "higher" : "lower";
+  return detail::json_list(phase.measures(), detail::column_json);
+}
+
+ordered_json published_json(const Phase& phase, std::size_t episodes, bool synthetic) {
+  auto rows = ordered_json::array();
+  for (const tasks::PublishedResult& one :
+       tasks::published_beside(*phase.benchmark, phase.split, episodes, synthetic)) {
+    ordered_json means = ordered_json::object();
+    for (const tasks::Measure& measure : phase.measures()) {
+      if (const auto value = one.value(measure.column)) means[measure.name]["mean"] = *value;
     }
-    columns.push_back(std::move(column));
+    rows.push_back({{"agent", one.agent}, {"source", one.source}, {"means", std::move(means)}});
   }
-  return columns;
+  return rows;
 }
 
 std::string leaderboard_csv(const ordered_json& rows, const Phase& phase) {

@@ -111,6 +111,19 @@ std::vector<Diagnostic> check_results(const SecretEpisodes& episodes, const std:
   return warnings;
 }
 
+bool is_unknown_episode(const Diagnostic& fault) {
+  return fault.code == "unknown-instr-id" || fault.code == "unknown-episode";
+}
+
+bool names_episodes_of(const tasks::Split& split, const std::string& results) {
+  try {
+    tasks::parse_trajectories(results, kFileName, split, tasks::Coverage::kPart);
+    return true;
+  } catch (const InvalidInput& faults) {
+    return std::ranges::none_of(faults.diagnostics(), is_unknown_episode);
+  }
+}
+
 ScoredSubmission score_results(const Phase& phase, const SecretEpisodes& episodes,
                                const std::string& results) {
   const tasks::Trajectories read = read_results(episodes.split, results);

@@ -34,7 +34,7 @@ std::string submissions_where(std::string_view condition) {
   return fmt::format(
       "SELECT submission.id, submission.team, team.name, phase, method, state, "
       "submission.created, coalesce(score, ''), team.approved IS NOT NULL, shown, "
-      "coalesce(near_copy_of, 0), coalesce(differing, 0), paper, code "
+      "coalesce(near_copy_of, 0), coalesce(differing, 0), paper, code, weights, walks_public "
       "FROM submission JOIN team ON team.id = submission.team WHERE {}",
       condition);
 }
@@ -44,6 +44,12 @@ void check_link(std::string_view name, const std::string& link) {
   throw Refusal(Reason::kInvalidInput,
                 fmt::format("{}: {:?}, not an address that begins with https://", name,
                             link.substr(0, detail::kQuoted)));
+}
+
+void check_text(std::string_view name, const std::string& text) {
+  if (text.empty() || detail::is_prose(text, MethodDescription::kLongest)) return;
+  throw Refusal(Reason::kInvalidInput, fmt::format("{}: not 0 to {} printable characters", name,
+                                                   MethodDescription::kLongest));
 }
 
 /// The message of a phase that has ended.
@@ -175,6 +181,12 @@ std::map<std::string, std::atomic<bool>> flags_of(const Site& site) {
 
 }  // namespace
 
+OtherSplit::OtherSplit(const Phase& sent, const Phase& right)
+    : InvalidInput({{Severity::kError, "submission", "$", "other-split",
+                     fmt::format("this is a file of {}, and phase {} is of {}; phase {} takes it",
+                                 right.split, sent.name, sent.split, right.name)}}),
+      phase_(right.name) {}
+
 Submissions::Submissions(std::shared_ptr<const Site> site, store::Database& db, Report report,
                          Leaks leaks)
     : site_(std::move(site)),
@@ -206,7 +218,14 @@ Receipt Submissions::receive(const Delivery& delivery, const std::string& result
     // at once on the last day.
     const std::scoped_lock lock(checking_);
     attempt = begin_attempt(db_, *phase, sender);
-    receipt.warnings = check_results(site_->secret_episodes(*phase), results);
+    try {
+      receipt.warnings = check_results(site_->secret_episodes(*phase), results);
+    } catch (const InvalidInput& faults) {
+      if (std::ranges::none_of(faults.diagnostics(), is_unknown_episode)) throw;
+      const Phase* right = find_right_phase(*phase, results);
+      if (right == nullptr) throw;
+      throw OtherSplit(*phase, *right);
+    }
   }
   receipt.submission = db_.transact([&] {
     std::int64_t id = find_same(delivery, digest);  // the same file may have come twice at once
@@ -238,6 +257,16 @@ std::int64_t Submissions::find_same(const Delivery& delivery, const std::string&
       delivery.team, delivery.phase, delivery.method, digest);
 }
 
+/// The first open phase of the same benchmark and another split that has the episodes of a file;
+/// null: there is none.
+const Phase* Submissions::find_right_phase(const Phase& sent, const std::string& results) const {
+  for (const Phase& one : site_->phases()) {
+    if (one.benchmark != sent.benchmark || one.split == sent.split || has_ended(one)) continue;
+    if (names_episodes_of(site_->secret_episodes(one).split, results)) return &one;
+  }
+  return nullptr;
+}
+
 void Submissions::check_open(const Phase& phase, std::int64_t team) const {
   if (phase.goals_secret() && !accounts::is_approved(db_, team)) {
     throw Refusal(Reason::kForbidden,
@@ -257,6 +286,34 @@ std::vector<Submission> Submissions::list(std::int64_t team, std::int64_t before
 
 std::optional<Submission> Submissions::find(std::int64_t id) const {
   return db_.find<Submission>(submissions_where("submission.id = ?"), id);
+}
+
+MethodDescription Submissions::description(std::int64_t id) const {
+  return db_.get<MethodDescription>(
+      "SELECT description, bibtex, paper, code, weights, walks_public FROM submission WHERE id = ?",
+      id);
+}
+
+void Submissions::describe(const Submission& submission, const MethodDescription& description) {
+  check_text("description", description.text);
+  check_text("bibtex", description.bibtex);
+  check_link("paper", description.links.paper);
+  check_link("code", description.links.code);
+  const Phase* phase = site_->find_phase(submission.phase);
+  if (description.walks_public && (phase == nullptr || phase->goals_secret())) {
+    throw Refusal(Reason::kConflict,
+                  "walks_public: trajectories are shown where goals are open, and not here");
+  }
+  db_.run(
+      "UPDATE submission SET description = ?, bibtex = ?, paper = ?, code = ?, weights = ?, "
+      "walks_public = ? WHERE id = ?",
+      description.text, description.bibtex, description.links.paper, description.links.code,
+      description.weights, description.walks_public, submission.id);
+}
+
+std::string Submissions::results(std::int64_t id) const {
+  return gunzip(db_.get<std::string>("SELECT content FROM submission WHERE id = ?", id),
+                kMostBytes);
 }
 
 std::vector<Submission> Submissions::scored(const Phase& phase) const {

@@ -25,6 +25,7 @@
 #include "enfilade/service/evaluation/ledger.h"
 #include "enfilade/service/phases.h"
 #include "enfilade/service/site.h"
+#include "enfilade/tasks/score_table.h"
 #include "enfilade/tasks/split.h"
 
 namespace enfilade::service::store {
@@ -45,6 +46,11 @@ struct ScoredSubmission {
 /// that are longer, or more actions, than the benchmark allows. The public scorers check neither,
 /// and would accept a jump to the goal.
 std::vector<Diagnostic> check_results(const SecretEpisodes& episodes, const std::string& results);
+/// Whether a fault is an id that the split does not have.
+bool is_unknown_episode(const Diagnostic& fault);
+/// Whether a results file names no episode but those of `split`, whatever other faults it has. The
+/// answer depends on the ids alone, which the split's public file has too.
+bool names_episodes_of(const tasks::Split& split, const std::string& results);
 /// \throws as check_results()
 ScoredSubmission score_results(const Phase& phase, const SecretEpisodes& episodes,
                                const std::string& results);
@@ -89,6 +95,26 @@ struct MethodLinks {
   auto columns() { return std::tie(paper, code); }
 };
 
+/// Whether others can have a method's weights, as its team says.
+enum class Weights : std::uint8_t { kUnsaid, kOpen, kClosed };
+constexpr std::array<std::string_view, 3> names_of(Weights /*enum*/) {
+  return {"unsaid", "open", "closed"};
+}
+
+/// What a team says of the method of a submission. All of it is optional.
+struct MethodDescription {
+  static constexpr std::size_t kLongest = 5000;  ///< characters of a text
+
+  std::string text;    ///< Markdown
+  std::string bibtex;  ///< entries to cite
+  MethodLinks links;
+  Weights weights = Weights::kUnsaid;
+  /// Whether everybody may see the submission's trajectories, and how each of them is scored.
+  bool walks_public = false;
+
+  auto columns() { return std::tie(text, bibtex, links, weights, walks_public); }
+};
+
 /// A submission without its results file.
 struct Submission {
   std::int64_t id = 0;
@@ -102,10 +128,12 @@ struct Submission {
   std::optional<double> shown;  ///< the score on the ladder; no value without an improvement
   NearCopy near_copy;           ///< of an earlier submission; of 0: no near copy
   MethodLinks links;
+  Weights weights = Weights::kUnsaid;
+  bool walks_public = false;  ///< as MethodDescription::walks_public
 
   auto columns() {
     return std::tie(id, team, team_name, phase, method, state, created, score, approved, shown,
-                    near_copy, links);
+                    near_copy, links, weights, walks_public);
   }
 };
 
@@ -123,6 +151,19 @@ struct Receipt {
   Submission submission;
   std::vector<Diagnostic> warnings;
   bool known = false;  ///< the same file was submitted before: nothing was added
+};
+
+/// A results file of another split than its phase's: one fault "other-split" in place of one for
+/// each entry.
+class OtherSplit : public InvalidInput {
+ public:
+  /// \param sent to which phase  \param right whose split's episodes the file names
+  OtherSplit(const Phase& sent, const Phase& right);
+  /// The name of the phase that the file can be sent to.
+  const std::string& phase() const noexcept { return phase_; }
+
+ private:
+  std::string phase_;
 };
 
 /// All functions may be called from any thread. Acknowledged files are on the disk; queued
@@ -144,6 +185,7 @@ class Submissions {
   /// again, and the receipt has no warnings.
   /// \throws InvalidInput with the faults of the file (up to 1000), which then counts as a refused
   /// one
+  /// \throws OtherSplit if all its ids are of another phase of the benchmark that is open
   /// \throws Refusal
   /// - kNotFound for an unknown phase
   /// - kInvalidInput for a bad name or link of the method
@@ -159,6 +201,14 @@ class Submissions {
   /// \throws Refusal kConflict if it was withdrawn before, or if its goals are secret and the phase
   /// has ended: the team's next best would be shown instead
   void withdraw(std::int64_t team, std::int64_t id);
+  /// What its team says of its method. \pre there is such a submission
+  MethodDescription description(std::int64_t id) const;
+  /// Replaces it. \pre there is such a submission
+  /// \throws Refusal kInvalidInput for a bad text or link; kConflict for trajectories of secret
+  /// goals, which are never shown
+  void describe(const Submission& submission, const MethodDescription& description);
+  /// Its results file. \pre there is such a submission
+  std::string results(std::int64_t id) const;
   /// Scored submissions of a phase, oldest first.
   std::vector<Submission> scored(const Phase& phase) const;
   std::int64_t queued() const;
@@ -181,6 +231,7 @@ class Submissions {
   bool score_next();
   void store_score(std::int64_t id, const Phase& phase, const ScoredSubmission& judged);
   std::int64_t find_same(const Delivery& delivery, const std::string& digest) const;
+  const Phase* find_right_phase(const Phase& sent, const std::string& results) const;
   void check_open(const Phase& phase, std::int64_t team) const;
 
   std::shared_ptr<const Site> site_;
@@ -222,6 +273,14 @@ PhaseView view_of(const Phase* phase, std::optional<accounts::ClientRole> role, 
 std::vector<Submission> best_submissions(const std::vector<Submission>& scored,
                                          const PhaseView& view, bool all = false);
 
+/// All means of a score with their intervals, as a client sees them who may see everything: shares
+/// from 0 to 1, metres.
+nlohmann::ordered_json exact_means_json(const tasks::ScoreTable& score);
+
+/// The stored score of a submission; no value without one, and if the phase had another benchmark
+/// or scorer then.
+std::optional<tasks::ScoreTable> score_of(const Submission& submission, const Phase& phase);
+
 /// With "means" as far as the client may see them, shares from 0 to 1 in any scorer's units.
 /// Otherwise "withheld" gives the reason: "until-end", "no-improvement", "not-best", "hidden", or
 /// "other-scorer" if the phase had another task or scorer when it was scored.
@@ -232,6 +291,10 @@ nlohmann::ordered_json submission_json(const Submission& submission, const Phase
 /// The columns that the rows' means have, in their order: [{"name", "short", "title", "unit": "m"
 /// or "share", "better"?: "higher" or "lower"}].
 nlohmann::ordered_json columns_json(const Phase& phase);
+/// Rows that others have published of the phase's benchmark and split: [{"agent", "source",
+/// "means"}], with "means" as submission_json(), without intervals. None for synthetic buildings.
+/// \param episodes of the split
+nlohmann::ordered_json published_json(const Phase& phase, std::size_t episodes, bool synthetic);
 /// Submissions, as submission_json(), as a sheet, with the ends of the intervals where they are
 /// seen.
 std::string leaderboard_csv(const nlohmann::ordered_json& rows, const Phase& phase);

@@ -8,10 +8,14 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
-#include "enfilade/core/errors.h"
-#include "enfilade/core/rng.h"
+#include "enfilade/core/names.h"
+#include "enfilade/core/nearest_name.h"
 #include "enfilade/draw/floor_plan.h"
 #include "enfilade/service/browsing/pictures.h"
 #include "enfilade/service/browsing/site_json.h"
@@ -23,17 +27,23 @@
 namespace enfilade::service::http {
 namespace {
 
-ScanIndex scan_of(const RouteContext& context, const Request& request) {
-  const auto found = context.site->graphs().find(request.parameter("scan"));
-  if (!found) throw HttpError(404, "no scan of this name");
-  return *found;
+/// 404 for a name that nothing has. \param what "scan"  \param names those that there are
+HttpError nothing_named(std::string_view what, const std::string& name,
+                        std::span<const std::string_view> names) {
+  constexpr std::size_t kMostListed = 20;
+  std::string advice =
+      names.empty() ? "the data set has none" : fmt::format("there are {}", names.size());
+  const bool few = !names.empty() && names.size() <= kMostListed;
+  if (few || !nearest_names(name, names).empty()) advice = advice_on_name(name, names);
+  return {404, fmt::format("{}: there is no {}; {}", what, quote(name), advice)};
 }
 
-/// Browsers ask each time, and mostly get a 304.
-void add_digest(Response& response) {
-  const std::string& body = *response.body;
-  response.add_header("ETag", fmt::format("\"{:016x}\"", stream_of(body.data(), body.size())));
-  response.add_header("Cache-Control", "no-cache");
+ScanIndex scan_of(const RouteContext& context, const Request& request) {
+  const std::string& name = request.parameter("scan");
+  const graph::GraphSet& graphs = context.site->graphs();
+  if (const auto found = graphs.find(name)) return *found;
+  throw nothing_named("scan", name,
+                      std::vector<std::string_view>(graphs.scans().begin(), graphs.scans().end()));
 }
 
 using Handler = std::function<Response(RouteContext&, const Request&)>;
@@ -71,7 +81,11 @@ std::string plan(RouteContext& context, const Request& request) {
 }
 
 std::string floor_plan(RouteContext& context, const Request& request) {
-  return draw::floor_plan_svg(context.site->graphs().graph(scan_of(context, request)));
+  const ScanIndex scan = scan_of(context, request);
+  const homes::BuildingPlan plan = browsing::plan_of(*context.site, scan);
+  draw::FloorPlanOptions options;
+  options.underlay = plan.drawn();
+  return draw::floor_plan_svg(context.site->graphs().graph(scan), {}, options);
 }
 
 /// "2.jpg" or "2.png".
@@ -83,16 +97,21 @@ std::size_t face_of(const std::string& name, std::string_view suffix) {
   return static_cast<std::size_t>(name[0] - '0');
 }
 
-/// Lets browsers keep a picture of the scan for a day. Nothing if the source does not say which
-/// version it is.
-void add_version(RouteContext& context, ScanIndex scan, std::string_view name, Response& response) {
+/// A picture of the scan, which browsers may keep for a day; while the server's pictures are being
+/// replaced, they ask each time. Both are asked before the picture: nothing gets the version of a
+/// later picture, and none is kept that was replaced just then. No headers if the source does not
+/// say which version it is.
+template <class Make>
+Response versioned(RouteContext& context, ScanIndex scan, std::string_view name, const Make& make) {
+  const auto& change = context.config.pictures_change;
+  const bool changes = change && change();
   const std::string version = context.faces.version(scan);
-  if (version.empty()) return;
+  Response response = make();
+  if (version.empty()) return response;
   response.add_header("ETag", fmt::format("\"{}-{}\"", version, name));
-  response.add_header("Cache-Control", "public, max-age=86400");
+  response.add_header("Cache-Control", changes ? "no-cache" : "public, max-age=86400");
+  return response;
 }
-
-constexpr const char* kNoPicture = "no such picture of this viewpoint";
 
 /// A viewpoint that has pictures.
 struct Pictured {
@@ -104,16 +123,25 @@ struct Pictured {
 Pictured pictured(const RouteContext& context, const Request& request) {
   const ScanIndex scan = scan_of(context, request);
   const scan::PanoramaSource* source = context.site->panoramas().find_source(scan);
-  const auto viewpoint =
-      source == nullptr ? std::nullopt : source->find(request.parameter("viewpoint"));
-  if (!viewpoint) throw HttpError(404, kNoPicture);
-  return {scan, *viewpoint, source};
+  const std::string& id = request.parameter("viewpoint");
+  const auto viewpoint = source == nullptr ? std::nullopt : source->find(id);
+  if (viewpoint) return {scan, *viewpoint, source};
+  throw HttpError(404, fmt::format("viewpoint {} of scan {} has no pictures", quote(id),
+                                   context.site->graphs().graph(scan).scan()));
+}
+
+/// \throws HttpError 404 where the viewpoint lacks the layer
+void require(const Pictured& at, scan::Layer layer, const Request& request) {
+  if (at.source->face_sizes(at.viewpoint)[index(layer)] != 0) return;
+  throw HttpError(404, fmt::format("viewpoint {} has no {}", quote(request.parameter("viewpoint")),
+                                   to_string(layer)));
 }
 
 /// The same for what is made of one viewpoint's pictures.
-void let_keep(RouteContext& context, const Pictured& at, const std::string& what,
-              Response& response) {
-  add_version(context, at.scan, fmt::format("{}-{}", at.viewpoint.value, what), response);
+template <class Make>
+Response versioned(RouteContext& context, const Pictured& at, std::string_view what,
+                   const Make& make) {
+  return versioned(context, at.scan, fmt::format("{}-{}", at.viewpoint.value, what), make);
 }
 
 template <scan::Layer kLayer>
@@ -121,30 +149,27 @@ Response face(RouteContext& context, const Request& request) {
   constexpr bool kColour = kLayer == scan::Layer::kColour;
   const std::size_t face = face_of(request.parameter("face"), kColour ? ".jpg" : ".png");
   const Pictured at = pictured(context, request);
-  if (at.source->face_sizes(at.viewpoint)[index(kLayer)] == 0) throw HttpError(404, kNoPicture);
-  Response response = shared_response(kColour ? "image/jpeg" : "image/png",
-                                      context.faces.get(at.scan, at.viewpoint, kLayer)[face]);
-  let_keep(context, at, fmt::format("{}-{}", index(kLayer), face), response);
-  return response;
+  require(at, kLayer, request);
+  return versioned(context, at, fmt::format("{}-{}", index(kLayer), face), [&] {
+    return shared_response(kColour ? "image/jpeg" : "image/png",
+                           context.faces.get(at.scan, at.viewpoint, kLayer)[face]);
+  });
 }
 
 Response distances(RouteContext& context, const Request& request) {
   const Pictured at = pictured(context, request);
-  if (at.source->face_sizes(at.viewpoint)[index(scan::Layer::kDepth)] == 0) {
-    throw HttpError(404, "this viewpoint has no depth");
-  }
-  Response response =
-      shared_response("application/octet-stream", context.faces.distances(at.scan, at.viewpoint));
-  let_keep(context, at, "distances", response);
-  return response;
+  require(at, scan::Layer::kDepth, request);
+  return versioned(context, at, "distances", [&] {
+    return shared_response("application/octet-stream",
+                           context.faces.distances(at.scan, at.viewpoint));
+  });
 }
 
 Response legends(RouteContext& context, const Request& request) {
   const Pictured at = pictured(context, request);
-  Response response =
-      shared_response("application/json", context.faces.legends(at.scan, at.viewpoint));
-  let_keep(context, at, "legends", response);
-  return response;
+  return versioned(context, at, "legends", [&] {
+    return shared_response("application/json", context.faces.legends(at.scan, at.viewpoint));
+  });
 }
 
 Response outlook(RouteContext& context, const Request& request) {
@@ -164,10 +189,17 @@ Response still(RouteContext& context, const Request& request) {
   if (std::ranges::find(widths, width) == widths.end()) {
     throw HttpError(400, fmt::format("width: {}; it can be {}", width, fmt::join(widths, " or ")));
   }
-  Response response = shared_response("image/jpeg", context.stills.get(scan, width));
-  if (response.body == nullptr) throw HttpError(404, "this scan has no pictures");
-  add_version(context, scan, fmt::format("still-{}", width), response);
-  return response;
+  if (!context.stills.outlook(scan)) throw HttpError(404, "this scan has no pictures");
+  return versioned(context, scan, fmt::format("still-{}", width),
+                   [&] { return shared_response("image/jpeg", context.stills.get(scan, width)); });
+}
+
+Response thumbnail(RouteContext& context, const Request& request) {
+  const Pictured at = pictured(context, request);
+  require(at, scan::Layer::kColour, request);
+  return versioned(context, at, "thumbnail", [&] {
+    return shared_response("image/jpeg", context.stills.thumbnail(at.scan, at.viewpoint));
+  });
 }
 
 browsing::EpisodeFilter filter_of(const Request& request) {
@@ -179,14 +211,20 @@ browsing::EpisodeFilter filter_of(const Request& request) {
           request.number("limit", 50, 1, 500)};
 }
 
+/// The benchmark of a world that a query names; the first of that world where it names none.
+const tasks::Benchmark& benchmark_of(const std::string& name, tasks::WorldKind world) {
+  std::vector<std::string_view> names;
+  for (const tasks::Benchmark& one : tasks::benchmarks()) {
+    if (one.world != world) continue;
+    if (name.empty() || one.name == name) return one;
+    names.push_back(one.name);
+  }
+  throw nothing_named("task", name, names);
+}
+
 /// Of a query; R2R where it names none.
 tasks::Task task_of(const std::string& name) {
-  if (name.empty()) return tasks::Task::kR2r;
-  try {
-    return tasks::benchmark(name, tasks::WorldKind::kGraph).task;
-  } catch (const LookupError&) {
-    throw HttpError(404, "no benchmark of this name");
-  }
+  return benchmark_of(name, tasks::WorldKind::kGraph).task;
 }
 
 Response splits(RouteContext& context, const Request& request) {
@@ -196,10 +234,17 @@ Response splits(RouteContext& context, const Request& request) {
 }
 
 Response episodes(RouteContext& context, const Request& request) {
-  const PublicSplit* split =
-      context.site->find_split(request.parameter("split"), task_of(request.text("task")));
-  if (split == nullptr) throw HttpError(404, "no split of this name");
-  return json_response(browsing::episodes_json(*context.site, *split, filter_of(request)));
+  const std::string& name = request.parameter("split");
+  const tasks::Task task = task_of(request.text("task"));
+  if (const PublicSplit* split = context.site->find_split(name, task)) {
+    return json_response(
+        browsing::episodes_json(*context.site, context.pieces, *split, filter_of(request)));
+  }
+  std::vector<std::string_view> names;
+  for (const PublicSplit& one : context.site->splits()) {
+    if (one.annotations.task == task) names.emplace_back(one.annotations.split);
+  }
+  throw nothing_named("split", name, names);
 }
 
 Response mesh(RouteContext& context, const Request& request) {
@@ -230,8 +275,9 @@ Response floor(RouteContext& context, const Request& request) {
 }
 
 Response continuous_episodes(RouteContext& context, const Request& request) {
+  const auto& benchmark = benchmark_of(request.text("task"), tasks::WorldKind::kContinuous);
   return json_response(
-      context.roaming.episodes_json(request.parameter("split"), filter_of(request)));
+      context.roaming.episodes_json(benchmark, request.parameter("split"), filter_of(request)));
 }
 
 }  // namespace
@@ -256,6 +302,7 @@ void add_browsing_routes(Router& router) {
   router.add({"GET", one + "/picture.jpg", Access::kPublic, still});
   router.add({"GET", one + "/mesh.glb", Access::kPublic, mesh});
   router.add({"GET", one + "/floor", Access::kPublic, floor});
+  router.add({"GET", viewpoint + "picture.jpg", Access::kPublic, thumbnail});
   router.add({"GET", viewpoint + "distances", Access::kPublic, distances});
   router.add({"GET", viewpoint + "legends", Access::kPublic, legends});
   router.add({"GET", viewpoint + "faces/{face}", Access::kPublic, face<scan::Layer::kColour>});

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "enfilade/core/enum_names.h"
 #include "enfilade/service/collecting/assignments.h"
@@ -11,6 +13,7 @@
 #include "enfilade/service/collecting/collections.h"
 #include "enfilade/service/collecting/export.h"
 #include "enfilade/service/collecting/kinds/dialogues.h"
+#include "enfilade/service/collecting/quality.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/texts.h"
@@ -39,6 +42,38 @@ Response create(RouteContext& context, const Request& request) {
   return json_response(view_of(context, request, collection), 201);
 }
 
+ordered_json example_json(const collecting::WorkItem& item, collecting::WorkKind kind) {
+  ordered_json out = collecting::item_json(item, kind);
+  if (item.practice) out["practice"] = true;
+  return out;
+}
+
+/// What a new collection would have; nothing is made.
+Response preview(RouteContext& context, const Request& request) {
+  const auto added = collecting::read_new_collection(*context.site, context.db, request.body);
+  const auto work = [](const collecting::WorkItem& item) { return !item.practice; };
+  std::map<std::string, std::int64_t> objects;
+  std::set<std::int64_t> paths;
+  std::int64_t items = 0;
+  for (const collecting::WorkItem& item : added.items) {
+    if (!work(item)) continue;
+    ++items;
+    paths.insert(item.path_id);
+    if (collecting::has_target(added.about.kind)) ++objects[item.target];
+  }
+  const auto shown = std::ranges::find_if(added.items, work);  // there is one, or it is refused
+  ordered_json out{{"items", items}, {"paths", paths.size()}};
+  if (!objects.empty()) {
+    out["objects"] = detail::json_list(objects, [](const auto& one) {
+      return ordered_json{{"name", one.first}, {"items", one.second}};
+    });
+  }
+  out["collection"] =
+      collecting::collection_json(context.db, added.about, context.site->synthetic());
+  out["example"] = example_json(*shown, added.about.kind);
+  return json_response(out);
+}
+
 /// The collection that {collection} of the path names.
 /// \throws Refusal kNotFound for an unknown collection
 Collection collection_of(RouteContext& context, const Request& request) {
@@ -57,6 +92,14 @@ Response list(RouteContext& context, const Request& request) {
       {{"collections",
         detail::json_list(
             collecting::list_collections(context.db, request.text("q"), !state.empty()), view)}});
+}
+
+Response show_example(RouteContext& context, const Request& request) {
+  const Collection collection = collection_of(context, request);
+  return json_response({{"collection", collecting::collection_json(context.db, collection,
+                                                                   context.site->synthetic())},
+                        {"example", example_json(collecting::first_item(context.db, collection.id),
+                                                 collection.kind)}});
 }
 
 Response change(RouteContext& context, const Request& request) {
@@ -186,7 +229,8 @@ Response list_work(RouteContext& context, const Request& request) {
   const Collection collection = collection_of(context, request);
   const collecting::WorkPage page = collecting::list_work(
       context.db, collection.id,
-      {state_of(request), number_of(request, "worker"), number_of(request, "path_id")},
+      {state_of(request), number_of(request, "worker"), number_of(request, "path_id"),
+       request.text("q")},
       request.number("after", 0, 0, kMostNumber), request.number("limit", 50, 1, 200));
   const auto view = [&request](const Assignment& task) {
     return collecting::work_json(task, may_know_secrets(request));
@@ -220,11 +264,10 @@ Response work_response(RouteContext& context, const Request& request, std::int64
   return json_response(out);
 }
 
-Response review(RouteContext& context, const Request& request) {
-  Form form(request.body);
+/// The fields "verdict" and "reason". \throws HttpError 400
+collecting::Verdict verdict_of(Form& form) {
   const auto verdict = find_enum<AssignmentState>(form.text("verdict"));
   const std::string reason = form.text("reason", Presence::kOptional);
-  const std::string instruction = form.text("instruction", Presence::kOptional);
   form.check();  // the rest is asked of texts only: each fault is told once
   const bool needs_reason = verdict == AssignmentState::kRejected;
   if (!needs_reason && verdict != AssignmentState::kAccepted) {
@@ -233,10 +276,50 @@ Response review(RouteContext& context, const Request& request) {
   if (needs_reason ? !detail::is_prose(reason, kLongestReason) : !reason.empty()) {
     throw HttpError(400, "reason: of a rejection, 1 to 500 printable characters; else none");
   }
+  return {*verdict, reason, ""};
+}
+
+Response review(RouteContext& context, const Request& request) {
+  Form form(request.body);
+  const std::string instruction = form.text("instruction", Presence::kOptional);
+  collecting::Verdict verdict = verdict_of(form);
   if (!instruction.empty()) collecting::check_instruction(instruction, "$.instruction");
+  verdict.instruction = instruction;
   const std::int64_t task = task_of(request);
-  collecting::review(context.db, task, {*verdict, reason, instruction}, request.principal->name);
+  collecting::review(context.db, task, verdict, request.principal->name);
   return work_response(context, request, task);
+}
+
+constexpr std::size_t kMostAtOnce = 500;  ///< tasks that are reviewed together
+
+/// One verdict on several tasks: {"tasks": [3, 4], "verdict", "reason"}.
+Response review_all(RouteContext& context, const Request& request) {
+  const Collection collection = collection_of(context, request);
+  const ordered_json body = parse_object(request.body);
+  const ordered_json& list = form_field(body, "tasks", &ordered_json::is_array, "a list");
+  if (list.empty() || list.size() > kMostAtOnce ||
+      !std::all_of(list.begin(), list.end(),
+                   [](const ordered_json& one) { return one.is_number_unsigned(); })) {
+    throw HttpError(400, fmt::format("tasks: not a list of 1 to {} tasks' numbers", kMostAtOnce));
+  }
+  Form form(request.body);
+  const collecting::Verdict verdict = verdict_of(form);
+  const auto tasks = list.get<std::vector<std::int64_t>>();
+  collecting::review_all(context.db, collection.id, tasks, verdict, request.principal->name);
+  return json_response(
+      {{"reviewed", tasks.size()}, {"collection", view_of(context, request, collection)}});
+}
+
+Response show_quality(RouteContext& context, const Request& request) {
+  const Collection collection = collection_of(context, request);
+  const bool organiser = may_know_secrets(request);
+  return json_response(
+      {{"agreement",
+        collecting::agreement_json(collecting::agreement_of(context.db, collection, organiser))},
+       {"questions", detail::json_list(collecting::question_results(context.db, collection.id),
+                                       [organiser](const collecting::QuestionResult& one) {
+                                         return collecting::question_result_json(one, organiser);
+                                       })}});
 }
 
 Response edit(RouteContext& context, const Request& request) {
@@ -405,8 +488,10 @@ void add_collection_routes(Router& router, std::size_t most_bytes) {
   const std::string one = all + "/{collection}";
   router.add({"POST", all, Access::kOrganiser, create, most_bytes});
   router.add({"GET", all, Access::kReviewer, list});
+  router.add({"POST", all + "/preview", Access::kOrganiser, preview, most_bytes});
   router.add({"GET", one, Access::kPublic, show});
   router.add({"PATCH", one, Access::kOrganiser, change, kMostChangeBytes});
+  router.add({"GET", one + "/example", Access::kReviewer, show_example});
   router.add({"POST", one + "/copy", Access::kOrganiser, copy});
   router.add({"GET", one + "/workers", Access::kOrganiser, list_visits});
   router.add({"GET", one + "/export", Access::kOrganiser, export_file});
@@ -416,6 +501,8 @@ void add_collection_routes(Router& router, std::size_t most_bytes) {
   router.add(
       {"GET", work + "/workers", Access::kReviewer, summarise<collecting::SummaryBy::kWorker>});
   router.add({"GET", work + "/paths", Access::kReviewer, summarise<collecting::SummaryBy::kPath>});
+  router.add({"GET", one + "/quality", Access::kReviewer, show_quality});
+  router.add({"PUT", one + "/reviews", Access::kReviewer, review_all});
   router.add({"PUT", task + "/review", Access::kReviewer, review});
   router.add({"PUT", task + "/instruction", Access::kReviewer, edit});
   const std::string visit = "/api/v1/visit";

@@ -1,14 +1,19 @@
 // Teams, and logging in to the pages. Phases, submissions, leaderboards.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "enfilade/core/enum_names.h"
+#include "enfilade/core/names.h"
 #include "enfilade/service/detail/json_list.h"
 #include "enfilade/service/detail/texts.h"
+#include "enfilade/service/evaluation/breakdown.h"
 #include "enfilade/service/evaluation/submissions.h"
 #include "enfilade/service/http/messages.h"
 #include "enfilade/service/http/routes.h"
@@ -21,6 +26,10 @@ using evaluation::PhaseView;
 using evaluation::Submission;
 using evaluation::Visibility;
 using nlohmann::ordered_json;
+
+constexpr const char* kNoSubmission = "no such submission";
+constexpr std::size_t kMostOfMethod = 64U
+                                      << 10U;  // bytes: two texts of 5,000 characters, and links
 
 ordered_json principal_json(const accounts::Principal& principal) {
   return {{"role", enum_name(principal.role)}, {"name", principal.name}};
@@ -201,14 +210,28 @@ Response phases(RouteContext& context, const Request& request) {
                         {"phases", detail::json_list(context.site->phases(), view)}});
 }
 
+/// 422, with the phase that the file can be sent to.
+Response other_split(const evaluation::OtherSplit& fault) {
+  Response response =
+      error_response(422, "the file is of another split than the phase", fault.diagnostics());
+  ordered_json body = ordered_json::parse(*response.body);
+  body["error"]["phase"] = fault.phase();
+  response.body = std::make_shared<const std::string>(body.dump());
+  return response;
+}
+
 Response receive(RouteContext& context, const Request& request) {
-  const evaluation::Receipt receipt =
-      context.submissions.receive({request.principal->team,
-                                   request.address,
-                                   request.text("phase"),
-                                   request.text("method"),
-                                   {request.text("paper"), request.text("code")}},
-                                  request.body);
+  evaluation::Receipt receipt;
+  try {
+    receipt = context.submissions.receive({request.principal->team,
+                                           request.address,
+                                           request.text("phase"),
+                                           request.text("method"),
+                                           {request.text("paper"), request.text("code")}},
+                                          request.body);
+  } catch (const evaluation::OtherSplit& fault) {
+    return other_split(fault);
+  }
   ordered_json out = viewer(context, request)(receipt.submission);
   out["warnings"] = detail::json_list(receipt.warnings,
                                       [](const Diagnostic& warning) { return to_string(warning); });
@@ -248,6 +271,145 @@ Response withdraw(RouteContext& context, const Request& request) {
   return json_response(ordered_json::object());
 }
 
+/// A submission, as the client may see it.
+struct SeenSubmission {
+  Submission submission;
+  PhaseView view = {};
+  bool ranked = false;  ///< it is among the rows that the client can see of the leaderboard
+  bool own = false;     ///< the client is its team, or an organiser
+};
+
+/// Whether a submission is one of the leaderboard's rows, of all rows where all scores are seen.
+bool is_ranked(RouteContext& context, const Submission& submission, const PhaseView& view) {
+  if (view.phase == nullptr || view.visibility == Visibility::kNothing) return false;
+  const auto rows =
+      evaluation::best_submissions(context.submissions.scored(*view.phase), view, true);
+  return std::ranges::find(rows, submission.id, &Submission::id) != rows.end();
+}
+
+/// The submission of that number. Others see those that the leaderboard shows, and nothing of the
+/// rest, not even that they are there. \throws HttpError 404
+SeenSubmission seen_submission(RouteContext& context, const Request& request, std::int64_t id) {
+  const auto found = context.submissions.find(id);
+  if (!found) throw HttpError(404, kNoSubmission);
+  SeenSubmission seen{*found};
+  seen.view = view_of(context, request, context.site->find_phase(found->phase));
+  seen.ranked = is_ranked(context, *found, seen.view);
+  seen.own = request.is_from(ClientRole::kOrganiser) ||
+             (request.is_from(ClientRole::kTeam) && request.principal->team == found->team);
+  if (!seen.own && !seen.ranked) throw HttpError(404, kNoSubmission);
+  return seen;
+}
+SeenSubmission seen_submission(RouteContext& context, const Request& request) {
+  return seen_submission(context, request, request.id("id", kNoSubmission));
+}
+
+/// Whether its scores are shown in parts: it has a place, and all scores of the phase are seen.
+bool is_broken_down(RouteContext& context, const SeenSubmission& seen) {
+  return seen.ranked && seen.view.visibility == Visibility::kAll &&
+         evaluation::has_open_goals(*context.site, *seen.view.phase);
+}
+void require_broken_down(RouteContext& context, const SeenSubmission& seen) {
+  if (is_broken_down(context, seen)) return;
+  throw HttpError(403, "only means over the whole split are shown of this submission");
+}
+
+bool shows_walks(const SeenSubmission& seen) { return seen.own || seen.submission.walks_public; }
+
+Response show_method(RouteContext& context, const Request& request) {
+  const SeenSubmission seen = seen_submission(context, request);
+  const auto said = context.submissions.description(seen.submission.id);
+  ordered_json out = evaluation::submission_json(seen.submission, seen.view, seen.ranked);
+  out["description"] = said.text;
+  out["bibtex"] = said.bibtex;
+  out["own"] = seen.own;
+  out["broken_down"] = is_broken_down(context, seen);
+  return json_response(out);
+}
+
+/// true or false of an object; false if absent
+bool flag_field(const ordered_json& object, const char* name) {
+  if (!object.contains(name)) return false;
+  return form_field(object, name, &ordered_json::is_boolean, "true or false").get<bool>();
+}
+
+Response describe_method(RouteContext& context, const Request& request) {
+  request.known_principal();
+  const SeenSubmission seen = seen_submission(context, request);
+  if (!seen.own) throw HttpError(403, "its team and organisers describe a method");
+  const ordered_json body = parse_object(request.body);
+  const auto text = [&body](const char* name) {
+    return text_field(body, name, Presence::kOptional);
+  };
+  const std::string weights = text("weights");
+  const auto said = find_enum<evaluation::Weights>(weights.empty() ? "unsaid" : weights);
+  if (!said) {
+    throw HttpError(400, fmt::format("weights: {}, not one of {}", quote(weights),
+                                     fmt::join(enum_names<evaluation::Weights>(), ", ")));
+  }
+  context.submissions.describe(seen.submission, {text("description"),
+                                                 text("bibtex"),
+                                                 {text("paper"), text("code")},
+                                                 *said,
+                                                 flag_field(body, "walks_public")});
+  return show_method(context, request);
+}
+
+Response breakdown(RouteContext& context, const Request& request) {
+  const SeenSubmission seen = seen_submission(context, request);
+  require_broken_down(context, seen);
+  const Phase& phase = *seen.view.phase;
+  ordered_json out = context.breakdowns.parts(seen.submission, phase);
+  if (shows_walks(seen)) out["worst"] = context.breakdowns.worst(seen.submission, phase);
+  return json_response(out);
+}
+
+Response submitted_episode(RouteContext& context, const Request& request) {
+  const SeenSubmission seen = seen_submission(context, request);
+  require_broken_down(context, seen);
+  if (!shows_walks(seen)) throw HttpError(403, "its team does not show its trajectories");
+  return json_response(
+      context.breakdowns.episode(seen.submission, *seen.view.phase, request.parameter("episode")));
+}
+
+/// Differences of the means that the client sees: of secret goals nothing else is told.
+ordered_json compare_shown(const SeenSubmission& first, const SeenSubmission& second) {
+  ordered_json out{{"first", first.submission.id},
+                   {"second", second.submission.id},
+                   {"means", ordered_json::object()}};
+  const auto means = [](const SeenSubmission& one) {
+    const ordered_json json = evaluation::submission_json(one.submission, one.view, one.ranked);
+    return json.value("means", ordered_json::object());
+  };
+  const ordered_json of_first = means(first), of_second = means(second);
+  for (const auto& [name, mean] : of_first.items()) {
+    if (!of_second.contains(name)) continue;
+    const ordered_json &x = mean["mean"], &y = of_second[name]["mean"];
+    if (!x.is_number() || !y.is_number()) continue;
+    out["means"][name] = {{"first", x},
+                          {"second", y},
+                          {"difference", detail::rounded(y.get<double>() - x.get<double>())}};
+  }
+  return out;
+}
+
+Response compare_submissions(RouteContext& context, const Request& request) {
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  const auto seen = [&](const char* name) {
+    const std::int64_t id = request.number(name, 0, 1, kMost);
+    if (id == 0) throw HttpError(400, fmt::format("{}: must be there, a submission's id", name));
+    const SeenSubmission one = seen_submission(context, request, id);
+    if (one.submission.phase != request.parameter("phase") || !one.ranked) {
+      throw HttpError(404, fmt::format("{}: no such row of this phase", name));
+    }
+    return one;
+  };
+  const SeenSubmission first = seen("first"), second = seen("second");
+  if (!is_broken_down(context, first)) return json_response(compare_shown(first, second));
+  return json_response(
+      context.breakdowns.compare(first.submission, second.submission, *first.view.phase));
+}
+
 /// Why a phase's scores are not to be seen, for people.
 std::string withheld_text(const Phase& phase) {
   if (phase.scores == Scores::kHidden) return "the scores of this phase are not public";
@@ -268,15 +430,19 @@ Response leaderboard(RouteContext& context, const Request& request) {
   if (request.text("format") == "csv") {
     return csv_response(evaluation::leaderboard_csv(rows, *phase));
   }
-  return json_response({{"phase", phase->name},
-                        {"title", phase->title},
-                        {"split", phase->split},
-                        {"task", phase->benchmark->name},
-                        {"scorer", phase->scorer->name},
-                        {"primary", phase->primary},
-                        {"columns", evaluation::columns_json(*phase)},
-                        {"synthetic", context.site->synthetic()},
-                        {"rows", rows}});
+  return json_response(
+      {{"phase", phase->name},
+       {"title", phase->title},
+       {"split", phase->split},
+       {"task", phase->benchmark->name},
+       {"scorer", phase->scorer->name},
+       {"primary", phase->primary},
+       {"columns", evaluation::columns_json(*phase)},
+       {"synthetic", context.site->synthetic()},
+       {"rows", rows},
+       {"published",
+        evaluation::published_json(*phase, context.site->secret_episodes(*phase).split.size(),
+                                   context.site->synthetic())}});
 }
 
 }  // namespace
@@ -294,7 +460,13 @@ void add_evaluation_routes(Router& router, std::size_t most_bytes) {
   router.add({"GET", "/api/v1/submissions", Access::kPublic, list_submissions});
   router.add({"GET", one, Access::kPublic, show_submission});
   router.add({"DELETE", one, Access::kTeam, withdraw});
-  router.add({"GET", "/api/v1/leaderboards/{phase}", Access::kPublic, leaderboard});
+  router.add({"GET", one + "/method", Access::kPublic, show_method});
+  router.add({"PUT", one + "/method", Access::kPublic, describe_method, kMostOfMethod});
+  router.add({"GET", one + "/breakdown", Access::kPublic, breakdown});
+  router.add({"GET", one + "/episodes/{episode}", Access::kPublic, submitted_episode});
+  const std::string board = "/api/v1/leaderboards/{phase}";
+  router.add({"GET", board, Access::kPublic, leaderboard});
+  router.add({"GET", board + "/comparison", Access::kPublic, compare_submissions});
 }
 
 }  // namespace enfilade::service::http

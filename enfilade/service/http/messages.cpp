@@ -9,6 +9,7 @@
 #include "enfilade/core/check.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/core/numbers.h"
+#include "enfilade/core/rng.h"
 #include "enfilade/net/hosts.h"
 #include "enfilade/service/detail/fields.h"
 #include "enfilade/service/detail/refusal.h"
@@ -292,6 +293,12 @@ void compress(const Request& request, Response& response) {
   if (!accepts_gzip(request)) return;
   response.body = std::make_shared<const std::string>(gzip(*response.body, 5));
   response.add_header("Content-Encoding", "gzip");
+}
+
+void add_digest(Response& response) {
+  const std::string& body = *response.body;
+  response.add_header("ETag", fmt::format("\"{:016x}\"", stream_of(body.data(), body.size())));
+  response.add_header("Cache-Control", "no-cache");
 }
 
 void compare_with_cached(const Request& request, Response& response) {

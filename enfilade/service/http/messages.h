@@ -113,6 +113,8 @@ class Form {
 bool accepts_gzip(const Request& request);
 /// Compresses a text that is long enough, for a client that accepts it.
 void compress(const Request& request, Response& response);
+/// Adds an ETag of its body. Browsers ask each time, and mostly get a 304.
+void add_digest(Response& response);
 /// Makes it a 304 if the client's cached copy has the same ETag.
 void compare_with_cached(const Request& request, Response& response);
 

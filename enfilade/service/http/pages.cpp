@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/gzip.h"
@@ -83,11 +86,33 @@ Response description(RouteContext& /*context*/, const Request& /*request*/) {
   return text_response("application/json", std::string(kOpenApi));
 }
 
+/// The header that pages have (elements/page.ts), for those that no script draws.
+std::string site_header(const HeaderFacts& served) {
+  using Link = std::pair<std::string_view, std::string_view>;
+  constexpr Link kRuns{"/replay", "Runs"};
+  constexpr std::array<Link, 5> kPages{{{"/", "Buildings"},
+                                        {"/episodes", "Episodes"},
+                                        {"/leaderboard", "Leaderboard"},
+                                        {"/submit", "Submit"},
+                                        {"/organise", "Collections"}}};
+  std::string links;
+  const auto add = [&links](const Link& link) {
+    links += fmt::format("<a href=\"{}\">{}</a>", link.first, link.second);
+  };
+  std::ranges::for_each(kPages, add);
+  if (served.runs) add(kRuns);
+  return fmt::format(
+      "<header class=\"site\"><a href=\"/\" class=\"name\">Enfilade</a>"
+      "<nav aria-label=\"Pages\" class=\"site-links\">{}</nav>{}</header>",
+      links,
+      served.synthetic ? "<span class=\"badge synthetic\">Model homes: SYNTHETIC</span>" : "");
+}
+
 }  // namespace
 
 bool is_page(std::string_view path) { return path == "/" || find_file(path) != nullptr; }
 
-void show_to_people(const Request& request, Response& error) {
+void show_to_people(const Request& request, const HeaderFacts& served, Response& error) {
   const bool by_browser = request.header("accept").find("text/html") != std::string_view::npos;
   if (!by_browser || request.path.starts_with("/api/")) return;
   const bool nothing = error.status == 404;
@@ -100,10 +125,10 @@ void show_to_people(const Request& request, Response& error) {
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\" />"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />"
       "<title>{0} · Enfilade</title>{1}</head>\n"
-      "<body><header class=\"site\"><a href=\"/\" class=\"name\">Enfilade</a></header>\n"
+      "<body>{3}\n"
       "<main id=\"main\" class=\"lost\"><h1>{0}</h1><p class=\"note\">{2}</p>"
       "<p><a href=\"/\" class=\"button main\">To the first page</a></p></main></body></html>\n",
-      heading, style_links(), text));
+      heading, style_links(), text, site_header(served)));
 }
 
 // "/leaderboard" is the file /leaderboard.html. Names of assets change with their content.

@@ -289,7 +289,9 @@ Response App::handle(Request request, const BodyReader& read_body) {
     response = error_response(std::current_exception(), fault);
   }
   if (response.status == 401) response.add_header("WWW-Authenticate", "Bearer");
-  if (!response.problem.empty()) show_to_people(request, response);
+  if (!response.problem.empty()) {
+    show_to_people(request, {context_.site->synthetic(), !context_.config.runs.empty()}, response);
+  }
   compare_with_cached(request, response);
   compress(request, response);
   if (is_encrypted(request, context_.config)) {

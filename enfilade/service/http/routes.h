@@ -18,9 +18,12 @@
 #include "enfilade/net/hosts.h"
 #include "enfilade/service/browsing/pictures.h"
 #include "enfilade/service/browsing/site_json.h"
+#include "enfilade/service/evaluation/breakdown.h"
 #include "enfilade/service/evaluation/submissions.h"
 #include "enfilade/service/http/messages.h"
 #include "enfilade/service/server.h"
+#include "enfilade/service/sessions/painters.h"
+#include "enfilade/service/sessions/replays.h"
 #include "enfilade/service/sessions/sessions.h"
 #include "enfilade/service/site.h"
 #include "enfilade/service/store/database.h"
@@ -89,13 +92,16 @@ struct RouteContext {
   store::Database db{config.database, config.clock};
   browsing::Faces faces{site->panoramas()};
   browsing::Stills stills{site};
+  browsing::Pieces pieces{site};
   store::Health health{db, config.least_free_bytes, fault_log(config, "HEALTH", 503)};
   evaluation::Submissions submissions{
       site, db, fault_log(config, "SCORE", 500),
       config.accept_leak ? evaluation::Leaks::kAccepted : evaluation::Leaks::kRefused};
+  evaluation::Breakdowns breakdowns{site, submissions};
   browsing::Roaming roaming{site};
-  sessions::Sessions arena_sessions{site, db};
-  sessions::Replays replays{site, config.runs};
+  std::shared_ptr<sessions::Painters> painters = std::make_shared<sessions::Painters>(site);
+  sessions::Sessions arena_sessions{site, db, painters};
+  sessions::Replays replays{site, config.runs, painters};
   Metrics metrics{};
   RateLimit failures{config.most_attempts};       ///< unknown tokens and keys
   RateLimit registrations{config.most_attempts};  ///< new teams
@@ -155,9 +161,14 @@ void add_operation_routes(Router& router);
 /// A built page or asset of the web client. \throws HttpError 404
 Response page(RouteContext& context, const Request& request);
 bool is_page(std::string_view path);  ///< whether page() has that page
+/// What the header of every page says of its server.
+struct HeaderFacts {
+  bool synthetic = false;
+  bool runs = false;  ///< there are runs to look at: /replay
+};
 /// Gives an error the form of a page, for people, if a browser sent the request. Scripts and the
 /// API's clients get JSON.
-void show_to_people(const Request& request, Response& error);
+void show_to_people(const Request& request, const HeaderFacts& served, Response& error);
 
 using net::BodyReader;
 

@@ -1,11 +1,16 @@
 // Sessions of the arena (episodes stepped call by call), and its runs, shown step by step.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <tuple>
+#include <utility>
 
+#include "enfilade/core/enum_names.h"
 #include "enfilade/service/http/routes.h"
+#include "enfilade/service/sessions/replays.h"
 #include "enfilade/service/sessions/sessions.h"
 
 namespace enfilade::service::http {
@@ -35,7 +40,7 @@ Response begin(RouteContext& context, const Request& request) {
   const std::string task = form.text("task", Presence::kOptional);
   if (!task.empty()) wanted.task = task;
   wanted.split = form.text("split");
-  wanted.episode = form.text("episode");
+  wanted.episode = form.text("episode", Presence::kOptional);
   const auto limit = [&form](const char* name) -> std::optional<std::uint32_t> {
     constexpr std::int64_t kMost = 1000;
     const std::int64_t given = form.whole(name, 0, 1, kMost);
@@ -109,21 +114,64 @@ Response result(RouteContext& context, const Request& request) {
   return text_response("application/json", context.arena_sessions.result(ticket_of(request)));
 }
 
+Response outcome(RouteContext& context, const Request& request) {
+  return json_response(context.arena_sessions.outcome(ticket_of(request)));
+}
+
 Response list_runs(RouteContext& context, const Request& request) {
   return json_response(context.replays.runs(request.text("episode")));
 }
 
-Response run(RouteContext& context, const Request& request) {
+/// One of an enumeration's names in the query; the first value where there is none.
+template <class Enum>
+Enum choice(const Request& request, const char* name) {
+  const std::string text = request.text(name);
+  if (text.empty()) return Enum{};
+  if (const auto found = find_enum<Enum>(text)) return *found;
+  throw HttpError(
+      400, fmt::format("{}: {:.40?}; it can be {}", name, text, fmt::join(names_of(Enum{}), ", ")));
+}
+
+/// A page of a list.
+std::pair<std::size_t, std::size_t> page_of(const Request& request) {
   constexpr std::int64_t kMostOffset = 1'000'000'000, kMostListed = 500;  // episodes
-  const auto offset = request.number("offset", 0, 0, kMostOffset);
-  const auto limit = request.number("limit", kMostListed, 1, kMostListed);
-  return json_response(context.replays.run(
-      request.parameter("run"), static_cast<std::size_t>(offset), static_cast<std::size_t>(limit)));
+  return {static_cast<std::size_t>(request.number("offset", 0, 0, kMostOffset)),
+          static_cast<std::size_t>(request.number("limit", kMostListed, 1, kMostListed))};
+}
+
+Response run(RouteContext& context, const Request& request) {
+  sessions::EpisodeQuery query;
+  std::tie(query.offset, query.limit) = page_of(request);
+  query.sort = choice<sessions::EpisodeSort>(request, "sort");
+  query.show = choice<sessions::EpisodeShow>(request, "show");
+  query.descending = request.number("descending", 0, 0, 1) == 1;
+  return json_response(context.replays.run(request.parameter("run"), query));
+}
+
+Response run_measures(RouteContext& context, const Request& request) {
+  return json_response(context.replays.measures(request.parameter("run")));
+}
+
+Response compare_runs(RouteContext& context, const Request& request) {
+  const auto [offset, limit] = page_of(request);
+  return json_response(
+      context.replays.compare(request.parameter("run"), request.parameter("other"), offset, limit));
 }
 
 Response run_episode(RouteContext& context, const Request& request) {
   return json_response(
       context.replays.episode(request.parameter("run"), request.parameter("episode")));
+}
+
+Response run_picture(RouteContext& context, const Request& request) {
+  const auto number = [&request](const char* name) {
+    return static_cast<std::size_t>(std::max<std::int64_t>(0, request.id(name, "no such picture")));
+  };
+  Response response = shared_response(
+      "image/jpeg", context.replays.picture(request.parameter("run"), request.parameter("episode"),
+                                            number("step"), number("number")));
+  add_digest(response);
+  return response;
 }
 
 }  // namespace
@@ -135,9 +183,15 @@ void add_session_routes(Router& router) {
   router.add({"POST", one + "/calls", Access::kPublic, call, kMostCallBytes});
   router.add({"GET", one + "/pictures/{kind}/{number}", Access::kPublic, picture});
   router.add({"GET", one + "/result", Access::kPublic, result});
+  router.add({"GET", one + "/outcome", Access::kPublic, outcome});
   router.add({"GET", "/api/v1/runs", Access::kPublic, list_runs});
-  router.add({"GET", "/api/v1/runs/{run}", Access::kPublic, run});
-  router.add({"GET", "/api/v1/runs/{run}/episodes/{episode}", Access::kPublic, run_episode});
+  const std::string one_run = "/api/v1/runs/{run}";
+  router.add({"GET", one_run, Access::kPublic, run});
+  router.add({"GET", one_run + "/measures", Access::kPublic, run_measures});
+  router.add({"GET", one_run + "/compare/{other}", Access::kPublic, compare_runs});
+  router.add({"GET", one_run + "/episodes/{episode}", Access::kPublic, run_episode});
+  router.add({"GET", one_run + "/episodes/{episode}/steps/{step}/pictures/{number}",
+              Access::kPublic, run_picture});
 }
 
 }  // namespace enfilade::service::http

@@ -2,17 +2,19 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <condition_variable>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/continuous/buildings.h"
-#include "enfilade/core/threads.h"
+#include "enfilade/core/rng.h"
 #include "enfilade/service/detail/refusal.h"
 #include "enfilade/service/detail/texts.h"
+#include "enfilade/service/sessions/outcome.h"
 #include "enfilade/service/store/database.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/continuous_results.h"
@@ -49,6 +51,12 @@ tasks::Task task_of(const std::string& name) {
   } catch (const LookupError& error) {
     throw Refusal(Reason::kInvalidInput, fmt::format("task: {}", error.what()));
   }
+}
+
+/// The id of any episode; each is as likely as another.
+std::string any_episode(const arena::World& world) {
+  Rng rng(std::random_device{}());
+  return world.episodes().id(rng.below(world.size()));
 }
 
 void carry_out(arena::Session& session, const CallRow& call) {
@@ -92,48 +100,11 @@ struct Sessions::Live {
   std::int64_t calls = 0;
 };
 
-// As many pictures at once as there are processors: a painter belongs to one thread at a time, and
-// keeps decoded panoramas. It is made when it is first needed; until then it is null.
-struct Sessions::Painters {
-  explicit Painters(std::shared_ptr<const Site> served)
-      : site(std::move(served)), idle(static_cast<std::size_t>(std::max(1, available_threads()))) {}
-
-  std::string draw(const arena::PictureOrder& order) {
-    std::unique_ptr<arena::PictureMaker> painter;
-    {
-      std::unique_lock lock(mutex);
-      returned.wait(lock, [this] { return !idle.empty(); });
-      painter = std::move(idle.back());
-      idle.pop_back();
-    }
-    struct Return {
-      Painters& all;
-      std::unique_ptr<arena::PictureMaker>& painter;
-      ~Return() {
-        const std::scoped_lock lock(all.mutex);
-        // Those that are made stay last, so that they are taken first.
-        all.idle.insert(painter ? all.idle.end() : all.idle.begin(), std::move(painter));
-        all.returned.notify_one();
-      }
-    } const back{*this, painter};
-    if (painter == nullptr) {
-      // The site has the data set for as long as it lives.
-      painter = std::make_unique<arena::PictureMaker>(
-          arena::ViewSources{.data = {site, &site->data()}, .scene_of = {}});
-    }
-    return painter->draw(order);
-  }
-
-  std::shared_ptr<const Site> site;
-  std::mutex mutex;
-  std::condition_variable returned;
-  std::vector<std::unique_ptr<arena::PictureMaker>> idle;  // made ones last
-};
-
-Sessions::Sessions(std::shared_ptr<const Site> site, store::Database& db)
+Sessions::Sessions(std::shared_ptr<const Site> site, store::Database& db,
+                   std::shared_ptr<Painters> painters)
     : site_(std::move(site)),
       db_(db),
-      painters_(std::make_unique<Painters>(site_)),
+      painters_(std::move(painters)),
       worlds_(kMostWorlds, [](const std::shared_ptr<Shared>&) { return std::size_t{1}; }) {}
 Sessions::~Sessions() = default;
 
@@ -155,6 +126,9 @@ std::unique_ptr<arena::World> Sessions::open_world(const WorldKey& key) const {
   const tasks::Task known = task_of(task);
   const PublicSplit* split = site_->find_split(name, known);
   if (split == nullptr) throw unknown;
+  if (split->annotations.paths.empty()) {  // a file of annotations may be an empty list
+    throw Refusal(Reason::kNotFound, fmt::format("split {} of {} has no episode", name, task));
+  }
   return graph_world(site_, split->annotations, tasks::Instructions::kScored);
 }
 
@@ -169,13 +143,13 @@ Ticket Sessions::begin(const NewSession& wanted) {
   live->row = {detail::sha256(ticket.key),
                wanted.task,
                wanted.split,
-               wanted.episode,
+               wanted.episode.empty() ? any_episode(*shared->world) : wanted.episode,
                limits.steps,
                limits.mistakes};
   live->shared = shared;
   try {
     const std::scoped_lock lock(shared->mutex);
-    if (const auto episode = shared->world->find(wanted.episode)) {
+    if (const auto episode = shared->world->find(live->row.episode)) {
       live->session = shared->world->start(*episode, limits);
     }
   } catch (const ArgumentError& error) {  // limits, or a start off the floor
@@ -338,6 +312,23 @@ std::string Sessions::result(const Ticket& ticket) {
     }
     const arena::World& world = *live.shared->world;
     return world.results(std::vector{world.result(live.session->walked())});
+  });
+}
+
+ordered_json Sessions::outcome(const Ticket& ticket) {
+  return with(ticket, [](const Live& live) {
+    const tasks::Split& split = live.shared->world->episodes();
+    if (split.on_graph() == nullptr) {
+      throw Refusal(Reason::kNotFound, "sessions in continuous environments have no outcome");
+    }
+    if (split.goals_hidden()) {
+      throw Refusal(Reason::kNotFound, fmt::format("split {} of {} has hidden goals: no outcome",
+                                                   live.row.split, live.row.task));
+    }
+    if (!live.session->ending()) {
+      throw Refusal(Reason::kConflict, "the session goes on: it has no outcome yet");
+    }
+    return outcome_json(*split.on_graph(), std::get<tasks::Trajectory>(live.session->walked()));
   });
 }
 

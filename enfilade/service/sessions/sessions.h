@@ -1,10 +1,7 @@
-/// \file  Episodes stepped over requests: the sessions of the arena, stored in the database. Runs
-/// of the arena shown step by step: folders that `enfilade ask`, `enfilade mcp` and Python's arena
-/// have written.
+/// \file  Episodes stepped over requests: the sessions of the arena, stored in the database.
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -19,6 +16,7 @@
 #include "enfilade/arena/wire.h"
 #include "enfilade/arena/world.h"
 #include "enfilade/service/detail/once_cache.h"
+#include "enfilade/service/sessions/painters.h"
 #include "enfilade/service/site.h"
 
 namespace enfilade::service::store {
@@ -31,7 +29,8 @@ namespace enfilade::service::sessions {
 struct NewSession {
   std::string task = "r2r";  ///< a benchmark's name, also of continuous space: "r2r-ce"
   std::string split;
-  std::string episode;  ///< an instruction's id: "12_0"; of continuous space an episode's: "12"
+  /// An instruction's id: "12_0"; of continuous space an episode's: "12". Empty: any of the split.
+  std::string episode = {};
   std::optional<std::uint32_t> steps = {}, mistakes = {};  ///< none: arena::usual_limits()
 };
 
@@ -59,13 +58,15 @@ std::unique_ptr<arena::GraphWorld> graph_world(const std::shared_ptr<const Site>
 /// replayed from its calls, which gives the same observations, to the bit. So a killed server loses
 /// nothing. All functions may be called from any thread; those of one session wait for each other.
 ///
-/// No function gives away anything that a split hides: a session has no goal.
+/// No function gives away anything that a split hides: a session has no goal, and outcome() refuses
+/// splits with hidden ones.
 class Sessions {
  public:
   static constexpr std::int64_t kKeptSeconds = 30L * 24 * 3600;  ///< after the last call
 
-  /// \param db outlives *this
-  Sessions(std::shared_ptr<const Site> site, store::Database& db);
+  /// \param db outlives *this \param painters not null
+  Sessions(std::shared_ptr<const Site> site, store::Database& db,
+           std::shared_ptr<Painters> painters);
   ~Sessions();
   Sessions(const Sessions&) = delete;
   Sessions& operator=(const Sessions&) = delete;
@@ -89,11 +90,14 @@ class Sessions {
   /// The trajectory, in the benchmark's form of results: a list of one.
   /// \throws Refusal as state(), kConflict while it goes on
   std::string result(const Ticket& ticket);
+  /// outcome_json() of the trajectory (outcome.h).
+  /// \throws Refusal as state(), kConflict while it goes on; kNotFound if the split has a hidden
+  /// goal, and in continuous environments
+  nlohmann::ordered_json outcome(const Ticket& ticket);
 
  private:
   struct Shared;
   struct Live;
-  struct Painters;
   using WorldKey = std::pair<std::string, std::string>;  // task, split
 
   std::shared_ptr<Shared> world_of(const WorldKey& key);
@@ -106,52 +110,10 @@ class Sessions {
 
   std::shared_ptr<const Site> site_;
   store::Database& db_;
-  std::unique_ptr<Painters> painters_;
+  std::shared_ptr<Painters> painters_;
   detail::OnceCache<WorldKey, std::shared_ptr<Shared>> worlds_;
   std::mutex mutex_;  // of live_
   std::map<std::int64_t, std::shared_ptr<Live>> live_;
-};
-
-/// The runs in a folder, read anew at each request, as they may still be written. All functions may
-/// be called from any thread.
-///
-/// Only the model's input and output in a transcript are served, no other fields of a line. If
-/// goals are hidden, an episode is served only if its id and its instruction are those of the
-/// site's split. If a phase keeps goals secret, runs of splits that the site does not have are not
-/// served. Names in requests are compared with those in folders, and never made into paths; links
-/// inside a run are not followed.
-class Replays {
- public:
-  static constexpr std::size_t kMostRuns = 1000;                ///< that are listed
-  static constexpr std::uintmax_t kMostBytes = 16ULL << 20ULL;  ///< of a transcript
-  static constexpr std::size_t kMostLines = 10'000;             ///< of a transcript
-
-  /// \param folder holds the folders of runs, or is one; empty: there are no runs
-  /// \throws FileError if it is no folder
-  Replays(std::shared_ptr<const Site> site, const std::filesystem::path& folder);
-
-  /// {"runs": [{"run", "task", "split", "model", "prompt", "episodes", "problem"?}]}, by name;
-  /// unknown values of a run are null.
-  /// \param episode only runs that have it; empty: all
-  nlohmann::ordered_json runs(std::string_view episode) const;
-  /// As an entry of runs(), with "list": [{"episode", "ending", "steps", "mistakes"}, or
-  /// {"episode", "problem"}].
-  /// \throws Refusal kNotFound for an unknown run
-  nlohmann::ordered_json run(std::string_view name, std::size_t offset, std::size_t limit) const;
-  /// {"run", "task", "split", "model", "prompt", "episode", "instruction", "scan", "steps", "end",
-  /// "place_problem"?}. A step has "observation", "call", "told", and optionally "text",
-  /// "prompt_tokens", "answer_tokens" and "at". `at` is found by replaying the calls. It is left
-  /// out from the first step on at which the replay differs; place_problem reports that.
-  /// \throws Refusal kNotFound for an unknown run or episode; kInvalidInput for a transcript that
-  /// cannot be read, naming file and line
-  nlohmann::ordered_json episode(std::string_view run, std::string_view episode) const;
-
- private:
-  struct Run;
-  Run find(std::string_view name) const;
-
-  std::shared_ptr<const Site> site_;
-  std::filesystem::path folder_;
 };
 
 }  // namespace enfilade::service::sessions

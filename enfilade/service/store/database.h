@@ -236,7 +236,7 @@ class Row {
 /// Migration k takes a database of version k to version k + 1. A released migration never
 /// changes: a change of the schema is a new one at the end. Times are seconds since 1970. Written
 /// as SQLite reads it; postgres.cpp replaces the few words that PostgreSQL has otherwise.
-extern const std::array<const char*, 7> kMigrations;
+extern const std::array<const char*, 8> kMigrations;
 /// Names of the tables of a version of the schema, as SQLite makes them.
 std::vector<std::string> schema_tables(std::size_t version = kMigrations.size());
 

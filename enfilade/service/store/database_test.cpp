@@ -191,6 +191,9 @@ TEST(Database, AnOlderOneIsBroughtUpToDateWithAllThatIsInIt) {
                                  "NULL AND near_copy_of IS NULL"),
             1);
   EXPECT_EQ(database.find_number("SELECT count(*) FROM submission WHERE rule IS NULL"), 1);
+  EXPECT_EQ(database.find_number("SELECT count(*) FROM submission WHERE walks_public = 0 AND "
+                                 "weights = 'unsaid' AND description = '' AND bibtex = ''"),
+            1);
   for (const char* table : {"attempt", "phase_end", "phase_rule", "secret"}) {
     EXPECT_EQ(database.find_number(std::string("SELECT count(*) FROM ") + table), 0);
   }

@@ -4,7 +4,7 @@
 
 namespace enfilade::service::store {
 
-const std::array<const char*, 7> kMigrations{
+const std::array<const char*, 8> kMigrations{
     // 1: evaluation
     R"sql(
 CREATE TABLE team (
@@ -316,6 +316,14 @@ CREATE TABLE phase_rule (  -- how a phase with secret goals showed scores
 ) STRICT;
 ALTER TABLE submission ADD COLUMN rule INTEGER REFERENCES phase_rule (id);  -- it was scored by
 CREATE INDEX submission_rule ON submission (rule);
+)sql",
+    // 8: what a team tells of its method
+    R"sql(
+ALTER TABLE submission ADD COLUMN description TEXT NOT NULL DEFAULT '';  -- Markdown
+ALTER TABLE submission ADD COLUMN bibtex TEXT NOT NULL DEFAULT '';
+ALTER TABLE submission ADD COLUMN weights TEXT NOT NULL DEFAULT 'unsaid'
+  CHECK (weights IN ('unsaid', 'open', 'closed'));
+ALTER TABLE submission ADD COLUMN walks_public INTEGER NOT NULL DEFAULT 0;  -- everybody sees its trajectories
 )sql"};
 
 }  // namespace enfilade::service::store

@@ -42,6 +42,25 @@ export interface Turn extends Direction {
   readonly viewpoint: string;
 }
 
+/** A task that a preview shows: without a number, without a lease. */
+export interface Example {
+  readonly kind: Kind;
+  readonly scan: string;
+  /** At the start, radians. */
+  readonly heading: number;
+  /** To be described. */
+  readonly path?: readonly string[];
+  /** To be followed, from `start`. */
+  readonly instruction?: string;
+  readonly start?: string;
+  /** To be described; of an oracle, what the navigator looks for. */
+  readonly object?: Target;
+  /** In a dialogue: what the navigator looks for. */
+  readonly target?: string;
+  /** It is not kept for the collection. */
+  readonly practice?: boolean;
+}
+
 export interface Collection {
   /** Its name, a part of addresses. */
   readonly collection: string;
@@ -81,6 +100,44 @@ export interface Progress {
   readonly workers: number;
   /** Median of a task, by the server's clock; 0: none is submitted. */
   readonly minutes: number;
+  /** On which something was done, the last 60, by rising date. */
+  readonly days: readonly Day[];
+}
+
+/** What was done on a day of UTC. */
+export interface Day {
+  /** "2026-11-30" */
+  readonly day: string;
+  readonly submitted: number;
+  /** Verdicts of reviewers. */
+  readonly reviewed: number;
+}
+
+/** How far workers of the same item agree. */
+export interface Agreement {
+  /** F1 of the tokens of two texts; or 1 if both workers or neither reached the goal, else 0. */
+  readonly measure: 'token-f1' | 'same-outcome';
+  /** That two workers or more have done, and the pairs of workers. */
+  readonly items: number;
+  readonly pairs: number;
+  readonly mean: number | null;
+  /** The mean for texts of two different paths, to compare with. */
+  readonly others?: number | null;
+  readonly success?: number | null;
+  /** Mean difference between two workers' distances from the goal. */
+  readonly metres?: number | null;
+  readonly least: readonly { readonly path_id: number; readonly number: number; readonly tasks: number; readonly value: number }[];
+}
+
+/** A screening or an attention check, whose right answers are known. */
+export interface QuestionResult {
+  readonly question: number;
+  readonly stage: 'screening' | 'check';
+  readonly text: string;
+  readonly answered: number;
+  readonly right: number;
+  /** For organisers. */
+  readonly choices?: readonly { readonly choice: string; readonly chosen: number; readonly right: boolean }[];
 }
 
 /** What a file has, and what it leaves out. */

@@ -29,7 +29,8 @@ the **red pole** from there.
 1. Play the path, or go along it by the blue discs, and look around as you go.
 2. Write what one should do, in the order of doing it, as you would tell a friend: *Leave the bedroom, turn left past the
    stairs and stop beside the sofa.*
-3. Say what can be seen. The robot sees neither the poles nor the discs, and knows no compass, no metres and no seconds.
+3. Say what can be seen. The robot sees neither the poles nor the discs, and has no compass, no measure and no clock.
+   At first it may look in any direction: begin with what stands there, not with left or right.
 4. Where it should stop has to be clear from your words alone.
 
 Full sentences or not, both are good. Do not copy from other paths.
@@ -76,7 +77,7 @@ A person who has never been here will walk this path by your words alone, and he
 2. Say on the way what one should do, and what one sees just then. Type it, or speak, if your browser can write down speech.
 3. Say nothing of poles and discs: no one else sees them. Where it ends has to be clear from your words.
 
-Your look and the moment of each word are kept.
+The page records where you look, and when you say each word.
 `;
 
 const dialogueText = `# Find it together

@@ -1,5 +1,5 @@
 /** What all pages have: making elements, the header, telling what went wrong. */
-import { api, ServerError } from '../server/api.ts';
+import { api, reachability, ServerError, Silence } from '../server/api.ts';
 
 type Child = Node | string;
 
@@ -37,9 +37,13 @@ const siteLinks: readonly Link[] = [
   ['/submit', 'Submit'],
   ['/organise', 'Collections'],
 ];
+/** Where the server has runs to look at. */
+const runsLink: Link = ['/replay', 'Runs'];
 
-const syntheticBadge = (): HTMLElement => make('span',
-  { class: 'badge synthetic', title: 'The buildings here are made by a program; they are not real ones' }, 'Model homes: SYNTHETIC');
+/** Pages that the navigation does not have, and the one of it that they belong to. */
+const belongsTo: Readonly<Record<string, string>> = {
+  '/view': '/', '/roam': '/', '/verify': '/', '/try': '/episodes', '/play': '/episodes', '/submission': '/leaderboard', '/review': '/organise',
+};
 
 /** What the header says of a server, as answers about its scans have it. */
 export interface Served {
@@ -48,29 +52,63 @@ export interface Served {
   readonly runs?: boolean;
 }
 
-const runsLink: Link = ['/replay', 'Runs'];
+const headerShown = (): HTMLElement | null => document.querySelector<HTMLElement>('body > .site');
 
-const linkTo = ([href, text]: Link): HTMLElement =>
-  make('a', { href, ...(location.pathname === href && { 'aria-current': 'page' }) }, text);
+/** The focus goes to the main part. The address stays: on many pages what follows its # names a building, a viewpoint or a step. */
+function skipLink(): HTMLElement {
+  const link = make('a', { href: '#main', class: 'skip' }, 'Skip to the content');
+  link.addEventListener('click', (event) => {
+    event.preventDefault();
+    const main = byId('main');
+    main.tabIndex = -1;
+    main.addEventListener('blur', () => main.removeAttribute('tabindex'), { once: true });
+    main.focus();
+  });
+  return link;
+}
 
-/** The header, before the page's main part. Workers get no links: one page is all they came for. */
-export function addHeader({ synthetic, runs = false }: Served, links: readonly Link[] = runs ? [...siteLinks, runsLink] : siteLinks): HTMLElement {
+/**
+ * The header before the page's main part. What it does not yet say of the server has its room: nothing moves when it does.
+ * @param current the address of the link that is marked
+ */
+function putHeader(links: readonly Link[], current: string): HTMLElement {
   const header = make('header', { class: 'site' },
     links.length > 0 ? make('a', { href: '/', class: 'name' }, 'Enfilade') : make('span', { class: 'name' }, 'Enfilade'));
-  const nav = make('nav', { 'aria-label': 'Pages', class: 'site-links' });
-  nav.append(...links.map(linkTo));
+  const nav = make('nav', { 'aria-label': 'Pages', class: 'site-links' }, ...links.map(([href, text]) =>
+    make('a', { href, ...(href === current && { 'aria-current': location.pathname === href ? 'page' : 'true' }) }, text)));
+  for (const runs of nav.querySelectorAll<HTMLElement>(`[href='${runsLink[0]}']:not([aria-current])`)) runs.hidden = true;
   if (links.length > 0) header.append(nav);
-  if (synthetic) header.append(syntheticBadge());
-  document.body.prepend(make('a', { href: '#main', class: 'skip' }, 'Skip to the content'), header);
+  const badge = make('span', { class: 'badge synthetic', title: 'The buildings here are made by a program; they are not real ones' },
+    'Model homes: SYNTHETIC');
+  badge.hidden = true;
+  header.append(badge);
+  document.body.prepend(skipLink(), header);
+  const marked = nav.querySelector<HTMLElement>('[aria-current]');
+  if (marked) nav.scrollLeft = marked.offsetLeft + marked.offsetWidth - nav.offsetLeft - nav.clientWidth; // on phones
+  tellSilence();
   return header;
 }
 
-/** The header of a page that shows no building by itself. It is there at once; the server then says whether the data is synthetic. */
+/** What the header says of the server. Puts the header there first if there is none: of workers, who get no links. */
+export function addHeader({ synthetic, runs = false }: Served, links: readonly Link[] = [...siteLinks, runsLink]): HTMLElement {
+  const header = headerShown() ?? putHeader(links, location.pathname);
+  header.dataset['told'] = '';
+  header.querySelector<HTMLElement>('.synthetic')!.hidden = !synthetic;
+  for (const link of header.querySelectorAll<HTMLElement>(`[href='${runsLink[0]}']:not([aria-current])`)) link.hidden = !runs;
+  return header;
+}
+
+/** As addHeader(), of a page that shows no building by itself: the server is asked. No page waits for it. */
 export async function addSiteHeader(): Promise<void> {
-  const header = addHeader({ synthetic: false });
-  const { synthetic, runs } = await api.call<Served>('scans');
-  if (runs) header.querySelector('nav')!.append(linkTo(runsLink));
-  if (synthetic) header.append(syntheticBadge());
+  addHeader({ synthetic: false });
+  api.call<Served>('scans').then(addHeader, () => {}); // another line says that the server does not answer
+}
+
+/** One line while the server does not answer. */
+function tellSilence(): void {
+  const line = make('p', { class: 'silence', role: 'alert' }, 'The server does not answer. Trying again…');
+  reachability.addEventListener('lost', () => document.body.append(line));
+  reachability.addEventListener('back', () => line.remove());
 }
 
 /** Where a page is: the pages above it, and its own name. */
@@ -137,11 +175,12 @@ export function table(
   );
 }
 
-/** A message, with the problems of a file in a list. */
+/** A message, with the problems of a file in a list. That the server does not answer is true only until it does. */
 export function problems(error: unknown): HTMLElement {
   // The server's sentences begin small, as a program's do; a field's name stays as it is.
   const message = (error instanceof Error ? error.message : String(error)).replace(/^[a-z](?=[a-z]* )/, (letter) => letter.toUpperCase());
   const box = make('div', { role: 'alert' }, make('p', { class: 'problem' }, message));
+  if (error instanceof Silence) reachability.addEventListener('back', () => box.remove(), { once: true });
   if (error instanceof ServerError && error.problems.length > 0) {
     box.append(
       table(
@@ -154,17 +193,28 @@ export function problems(error: unknown): HTMLElement {
 }
 
 /**
- * Runs a page; what goes wrong is shown on it.
+ * Runs a page: its header is there at once, and what goes wrong is shown on it, with a way back.
  * @param failure the heading then, where there is none yet
+ * @param current the page of the navigation that this one belongs to
  */
-export function run(page: () => Promise<void>, failure = 'This page cannot be shown', links = siteLinks): void {
+export function run(
+  page: () => Promise<void>, failure = 'This page cannot be shown', current = belongsTo[location.pathname] ?? location.pathname,
+): void {
+  const links = [...siteLinks, runsLink];
+  const header = putHeader(links, current);
   page().catch((error: unknown) => {
     const main = byId('main');
     if (main.classList.contains('wide')) main.replaceChildren(); // an empty view
     main.classList.remove('wide');
-    if (!document.querySelector('header')) addHeader({ synthetic: false }, links);
     if (!main.querySelector('h1')) main.append(make('h1', {}, failure));
     main.append(problems(error));
+    const [href, name] = links.find(([address]) => address === current) ?? links[0]!;
+    if (location.pathname + location.search + location.hash !== href) {
+      main.append(make('p', { class: 'buttons' }, make('a', { href, class: 'button' }, `Go to ${name}`)));
+    }
+    if (error instanceof Silence) reachability.addEventListener('back', () => location.reload(), { once: true });
+  }).finally(() => {
+    if (header.dataset['told'] === undefined) void addSiteHeader();
   });
 }
 

@@ -43,6 +43,14 @@ export interface Trace {
   readonly elevations: readonly number[];
 }
 
+/** One of several instructions of a path. */
+export interface PathInstruction {
+  readonly instruction_id: string;
+  readonly instruction: string;
+  /** BCP 47 */
+  readonly language?: string;
+}
+
 export interface Episode {
   readonly instruction_id: string;
   readonly path_id: number;
@@ -61,8 +69,40 @@ export interface Episode {
   readonly words?: readonly TimedWord[];
   readonly parts?: readonly Part[];
   readonly fields?: Readonly<Record<string, string>>;
+  /** All of its path, its own among them, in the order of the file. */
+  readonly instructions?: readonly PathInstruction[];
+  /** Its place among those that the list's words and building leave, from 1, and how many those are. */
+  readonly number?: number;
+  readonly of?: number;
+  /** Ids of its neighbours there. */
+  readonly previous?: string;
+  readonly next?: string;
   readonly goal?: Goal;
   readonly trace?: Trace;
   /** Why there is none, where its file is broken. */
   readonly trace_problem?: string;
+  readonly parts_problem?: string;
+}
+
+/** "Hindi (India)", or the code where the browser has no name for it. */
+export function languageName(code: string): string {
+  try {
+    return new Intl.DisplayNames('en', { type: 'language' }).of(code) ?? code;
+  } catch {
+    return code; // no well-formed code
+  }
+}
+
+const turnNames: Readonly<Record<string, string>> = { NAV: 'Navigator', ORA: 'Oracle', TAR: 'Looking for' };
+
+/**
+ * An instruction as people read it, with line breaks: CVDN's tags become words, and R4R's texts, which are joined without a blank, stand apart.
+ * @param task "cvdn"
+ */
+export function shownText(text: string, task: string | null | undefined): string {
+  switch (task) {
+    case 'cvdn': return text.replace(/\s*<(NAV|ORA|TAR)>/g, (_, tag: string) => `\n${turnNames[tag]}:`).trim();
+    case 'r4r': return text.replace(/([\p{L}\d)][.!?]+["')]*|[\p{Ll}\d,;)])(?=\p{Lu}(?:\p{Ll}|\s))/gu, '$1\n');
+    default: return text;
+  }
 }

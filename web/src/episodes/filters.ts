@@ -22,7 +22,7 @@ export interface Filters {
 const one = <T extends string>(list: readonly (readonly [T, string])[], text: string | null): T =>
   list.find(([name]) => name === text)?.[0] ?? list[0]![0];
 
-/** @param splits those that there are; the first is shown if the address names none of them */
+/** @param splits keys of those that there are; the first is shown if the address names none of them */
 export function parseFilters(search: string, splits: readonly string[]): Filters {
   const query = new URLSearchParams(search);
   const offset = Number(query.get('offset') ?? 0);
@@ -36,13 +36,21 @@ export function parseFilters(search: string, splits: readonly string[]): Filters
   };
 }
 
-/** Its inverse: only what is not as it would be anyway. */
-export function formatFilters({ split, scan, words, order, outcome, offset }: Filters): string {
-  const query = new URLSearchParams({ split });
-  if (scan) query.set('scan', scan);
-  if (words) query.set('q', words);
-  if (order !== 'file') query.set('sort', order);
-  if (outcome !== 'all') query.set('outcome', outcome);
-  if (offset > 0) query.set('offset', String(offset));
-  return `?${query}`;
+/** How many episodes the page shows at once. */
+export const perPage = 50;
+
+/** Names and values in the address, but of the split and the offset: only what is not as it would be anyway. */
+export function narrowing({ scan, words, order, outcome }: Omit<Filters, 'split' | 'offset'>): Record<string, string> {
+  return {
+    ...(scan && { scan }), ...(words && { q: words }), ...(order !== 'file' && { sort: order }), ...(outcome !== 'all' && { outcome }),
+  };
+}
+
+/** Whether the server makes that list by itself, so that nothing need be known of the whole split. */
+export const isServersList = ({ order, outcome }: Pick<Filters, 'order' | 'outcome'>): boolean => order === 'file' && outcome === 'all';
+
+/** The inverse of parseFilters(). */
+export function formatFilters(filters: Filters): string {
+  const { split, offset } = filters;
+  return `?${new URLSearchParams({ split, ...narrowing(filters), ...(offset > 0 && { offset: String(offset) }) })}`;
 }

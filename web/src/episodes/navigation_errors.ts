@@ -4,21 +4,9 @@ import { type Scan, viewpointIndex } from '../scan/scan.ts';
 import type { Api } from '../server/api.ts';
 import type { Episode } from './episode.ts';
 import type { Results } from './results.ts';
-import { episodesOf } from './splits.ts';
 
 /** Metres; a walk that stops nearer to its goal is a success. The paper's. */
 export const successDistance = 3;
-
-/** Of the whole split (splitKey()), page by page. */
-export async function allEpisodes(api: Api, split: string): Promise<Episode[]> {
-  const all: Episode[] = [];
-  for (;;) {
-    const { matching, episodes } = await api.call<{ matching: number; episodes: Episode[] }>(
-      episodesOf(split, { offset: String(all.length), limit: '500' }));
-    all.push(...episodes);
-    if (all.length >= matching || episodes.length === 0) return all;
-  }
-}
 
 /** Errors within one building, which is looked through once a goal. Infinite out of reach. */
 export class ErrorMeter {

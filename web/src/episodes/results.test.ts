@@ -1,11 +1,15 @@
 import { describe, expect, it } from 'vitest';
 import { distancesFrom, lengthOf } from '../scan/distances.ts';
-import { parseResults } from './results.ts';
+import { parseResults, withoutTurns } from './results.ts';
 import { readScan, vectorsFolder } from '../testing/vectors.ts';
 
 describe('results files', () => {
   const walk = (trajectory: unknown) =>
     parseResults(JSON.stringify([{ instr_id: '1_0', trajectory }])).get('1_0')!.viewpoints;
+
+  it('have a viewpoint once where one stays, and again where one comes back', () => {
+    expect(withoutTurns(['a', 'a', 'b', 'a', 'a'])).toEqual(['a', 'b', 'a']);
+  });
 
   it('are read in every form, turns left out', () => {
     for (const trajectory of [

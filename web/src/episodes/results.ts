@@ -19,6 +19,9 @@ function viewpointsOf(value: unknown, path: string): string[] {
   return list.flatMap((one, k) => viewpointsOf(one, `${path}[${k}]`));
 }
 
+/** Viewpoints in order; where one stays, that one once. */
+export const withoutTurns = (ids: readonly string[]): string[] => ids.filter((id, n) => id !== ids[n - 1]);
+
 /** Throws Error for what is no results file. Whether it fits a split is the server's to check. */
 export function parseResults(text: string): Results {
   const file: unknown = JSON.parse(text);
@@ -29,7 +32,7 @@ export function parseResults(text: string): Results {
     if (typeof instr_id !== 'string') throw new Error(`$[${k}].instr_id: not a text`);
     const all = viewpointsOf(trajectory, `$[${k}].trajectory`);
     if (all.length === 0) throw new Error(`$[${k}].trajectory: empty`);
-    results.set(instr_id, { viewpoints: all.filter((id, n) => id !== all[n - 1]) });
+    results.set(instr_id, { viewpoints: withoutTurns(all) });
   });
   return results;
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { benchmarkOf, endOf, givesAll, leakageOf, limitsOf, type Phase, primaryName, showingOf } from './phases.ts';
+import { benchmarkOf, commandsOf, endOf, givesAll, inOrder, leakageOf, limitsOf, type Phase, primaryName, showingOf } from './phases.ts';
 
 const secret: Phase = {
   phase: 'test', title: 'Test', split: 'test', task: 'r2r', task_title: 'R2R', scorer: 'enfilade', episodes: 4173, goals_secret: true,
@@ -8,6 +8,22 @@ const secret: Phase = {
   ends: '2027-03-31T23:59:59Z', ended: false, per_day: 5, per_team: 20, step: 0.01, teams: 3,
   leakage: { most_bits: 180, goal_bits: 6600, gives_all: false, phases: ['test'] },
 };
+
+describe('phases', () => {
+  it('begin with val unseen, and else stay as their organisers order them', () => {
+    const named = (phase: string, split: string): Phase => ({ ...secret, phase, split });
+    const list = [named('test', 'test'), named('seen', 'val_seen'), named('unseen', 'val_unseen'), named('house', 'val_unseen_house')];
+    expect(inOrder(list).map(({ phase }) => phase)).toEqual(['unseen', 'house', 'test', 'seen']);
+    expect(list[0]!.phase).toBe('test'); // the list itself stays
+  });
+
+  it('have the commands that make a submission', () => {
+    expect(commandsOf({ ...secret, split: 'val_unseen', phase: 'ours' }, 'https://vln.example.org')).toBe(
+      'enfilade run --data DATA --split val_unseen --agent random -o results.json\n'
+      + 'ENFILADE_TOKEN=TOKEN enfilade submit results.json --server https://vln.example.org --phase ours --method "My method"');
+    expect(commandsOf({ ...secret, task: 'r2r-ce' }, '')).toContain('run --data DATA --task r2r-ce --split test');
+  });
+});
 
 describe('a phase in words', () => {
   it('says what it gives away', () => {

@@ -41,8 +41,21 @@ export interface PhaseList {
   readonly phases: readonly Phase[];
 }
 
+/** Those of val_unseen first, by which methods are compared; the others stay in the organisers' order. */
+export const inOrder = (phases: readonly Phase[]): Phase[] => {
+  const later = ({ split }: Phase): number => Number(!split.startsWith('val_unseen'));
+  return [...phases].sort((a, b) => later(a) - later(b));
+};
+
 export const primaryOf = ({ primary, columns }: Phase): Column => columns.find(({ name }) => name === primary)!;
 export const primaryName = (phase: Phase): string => primaryOf(phase).short;
+
+/** What would make a submission, as people type it. @param server its address */
+export function commandsOf({ task, split, phase }: Phase, server: string): string {
+  const benchmark = task === 'r2r' ? '' : ` --task ${task}`;
+  return `enfilade run --data DATA${benchmark} --split ${split} --agent random -o results.json\n`
+    + `ENFILADE_TOKEN=TOKEN enfilade submit results.json --server ${server} --phase ${phase} --method "My method"`;
+}
 
 /** "REVERIE, scored as duet" */
 export const benchmarkOf = ({ task_title, scorer }: Phase): string => (scorer === 'enfilade' ? task_title : `${task_title}, scored as ${scorer}`);

@@ -1,5 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import { bestText, type Column, firstDirection, format, places, type Row, sorted, unitOf, valueOf } from './ranking.ts';
+import {
+  bestText, type Column, firstDirection, format, intervalOf, places, type Published, rangeText, type Row, sorted, unitOf, valueOf,
+} from './ranking.ts';
 
 const columns: readonly Column[] = [
   { name: 'spl', short: 'SPL', title: 'Success weighted by path length', unit: 'share', better: 'higher' },
@@ -43,6 +45,23 @@ describe('a leaderboard', () => {
     expect(ids(sorted(rows, column('gp'), firstDirection(column('gp'))))).toEqual([2, 3, 1]);
     expect(format(valueOf(rows[0]!, column('gp')), column('gp'))).toBe('-1.25');
     expect([unitOf(column('gp')), unitOf(column('spl'))]).toEqual(['m', '%']);
+  });
+
+  it('writes intervals as they are read, and none without a length', () => {
+    const between = (low: number | null, high: number | null) => ({ means: { spl: { mean: 0.97, low, high } } });
+    expect(rangeText(between(0.951, 0.9932), column('spl'))).toBe('95.1–99.3');
+    expect(intervalOf(between(0.951, 0.9932), column('spl'))!.low).toBeCloseTo(95.1);
+    expect(rangeText(between(0.97, 0.97), column('spl'))).toBe('');
+    expect(rangeText(between(0.97001, 0.97002), column('spl'))).toBe(''); // both look like 97.0
+    expect(rangeText(between(null, 1), column('spl'))).toBe('');
+    expect(rangeText(row(1, 0.97), column('spl'))).toBe('');
+  });
+
+  it('sorts what others have published among its rows, and what they have no figure of below', () => {
+    const human: Published = { agent: 'Human', source: 'a paper', means: { nav_error: { mean: 1.61 } } };
+    const all = sorted<Row | Published>([row(1, 0.5, 3), row(2, 0.4, 1), human], column('nav_error'), 'ascending');
+    expect(all.map((one) => ('id' in one ? one.id : one.agent))).toEqual([2, 'Human', 1]);
+    expect(sorted<Row | Published>([human, row(1, 0.5)], column('spl'), 'ascending')[1]).toBe(human);
   });
 
   it('marks the best as it is shown, and nothing where there is nothing to compare', () => {

@@ -8,6 +8,18 @@ export interface Row {
   readonly created: string;
   readonly paper?: string;
   readonly code?: string;
+  /** Whether others can have the method's weights; absent where its team does not say. */
+  readonly weights?: 'open' | 'closed';
+  /** Whether everybody may see its trajectories. */
+  readonly walks_public?: boolean;
+  readonly means: Readonly<Record<string, Mean>>;
+}
+
+/** What others have published of the benchmark and split. It has no place. */
+export interface Published {
+  readonly agent: string;
+  /** Where it was read. */
+  readonly source: string;
   readonly means: Readonly<Record<string, Mean>>;
 }
 
@@ -34,6 +46,22 @@ export const valueOf = (row: Pick<Row, 'means'>, column: Column): number | undef
 export const format = (value: number | undefined, { unit }: Column): string =>
   (value === undefined ? '–' : value.toFixed(unit === 'share' ? 1 : 2));
 
+/** Mean and interval in the column's unit; nothing where there is no interval. */
+export function intervalOf(row: Pick<Row, 'means'>, column: Column): { low: number; mean: number; high: number } | undefined {
+  const { low, mean, high } = row.means[column.name] ?? { mean: null };
+  if (typeof low !== 'number' || typeof high !== 'number' || mean === null) return undefined;
+  const factor = factorOf(column);
+  return { low: low * factor, mean: mean * factor, high: high * factor };
+}
+
+/** "95.1–99.3"; empty without an interval, and where both ends look equal. */
+export function rangeText(row: Pick<Row, 'means'>, column: Column): string {
+  const interval = intervalOf(row, column);
+  if (!interval) return '';
+  const [low, high] = [format(interval.low, column), format(interval.high, column)];
+  return low === high ? '' : `${low}–${high}`;
+}
+
 /** 1 for the best; rows that show the same have the same place. */
 export function places(rows: readonly Row[], by: Column): readonly number[] {
   const all = rows.map((row) => valueOf(row, by) ?? -Infinity);
@@ -41,7 +69,7 @@ export function places(rows: readonly Row[], by: Column): readonly number[] {
 }
 
 /** What stands in bold: as it is shown, so that equal texts look equal. Nothing for a single row. */
-export function bestText(rows: readonly Row[], column: Column): string | undefined {
+export function bestText(rows: readonly Pick<Row, 'means'>[], column: Column): string | undefined {
   const values = rows.flatMap((row) => valueOf(row, column) ?? []);
   if (rows.length < 2 || values.length === 0 || !column.better) return undefined;
   return format(column.better === 'higher' ? Math.max(...values) : Math.min(...values), column);
@@ -52,7 +80,7 @@ export type Direction = 'ascending' | 'descending';
 export const firstDirection = ({ better }: Column): Direction => (better === 'higher' ? 'descending' : 'ascending');
 
 /** What has no value comes last either way. */
-export function sorted<T extends Row>(rows: readonly T[], by: Column, direction: Direction): T[] {
+export function sorted<T extends Pick<Row, 'means'>>(rows: readonly T[], by: Column, direction: Direction): T[] {
   const sign = direction === 'ascending' ? 1 : -1;
   return [...rows].sort((a, b) => {
     const [x, y] = [valueOf(a, by), valueOf(b, by)];

@@ -1,9 +1,9 @@
-/** The first page: what this is, a look into a building, four doors, and all buildings. */
+/** The first page: what this is, a look into a building, what one can do here, and all buildings. */
 import { icon, type IconName } from '../elements/icons.ts';
 import { addHeader, byId, counted, empty, make, run, type Served } from '../elements/page.ts';
 import { api } from '../server/api.ts';
-import { formatLink } from '../viewer/deep_link.ts';
-import { loadFaces, type Look, TurningPanorama } from '../viewer/turning_panorama.ts';
+import { formatLink, type Place } from '../viewer/deep_link.ts';
+import { loadFaces, loadSweep, type Look, TurningPanorama } from '../viewer/turning_panorama.ts';
 
 interface Building {
   readonly scan: string;
@@ -24,16 +24,19 @@ interface Outlook extends Look {
 }
 
 const pathOf = (scan: string): string => `scans/${encodeURIComponent(scan)}`;
+const houseOf = (scan: string): string => `/roam?view=house${formatLink({ scan })}`;
 const pictureOf = (scan: string, width: 640 | 1280): string => `/api/v1/${pathOf(scan)}/picture.jpg?width=${width}`;
 
-function doors(first: string | undefined): HTMLElement {
-  const door = (name: IconName, title: string, href: string, text: string) => make('li', {}, icon(name),
-    make('h2', {}, make('a', { href }, title)), make('p', {}, text));
+function doors({ runs = false }: Served, explore: HTMLAnchorElement): HTMLElement {
+  const door = (name: IconName, link: HTMLElement, text: string) => make('li', {}, icon(name), make('h2', {}, link), make('p', {}, text));
+  const to = (href: string, title: string) => make('a', { href }, title);
   return make('ul', { class: 'doors', 'aria-label': 'What you can do here' },
-    door('explore', 'Explore', first === undefined ? '#buildings' : `/view${formatLink({ scan: first })}`, 'Walk through a building from viewpoint to viewpoint, with its map.'),
-    door('write', 'Write', '/organise', 'Have people describe paths: a study with consent, review and export.'),
-    door('walk', 'Walk', '/try', 'Follow an instruction as an agent does, and see how far from the goal you stop.'),
-    door('compete', 'Compete', '/leaderboard', 'Submit the results of an agent, and see how it ranks.'));
+    door('explore', explore, 'Go through a building from viewpoint to viewpoint, with its map.'),
+    door('walk', to('/try', 'Follow an instruction'), 'With an agent’s view and actions. At the end you see how far from the goal you stopped.'),
+    door('play', to('/play', 'Play as a model'), 'The observations and actions of a language model, as text or as marked pictures.'),
+    ...(runs ? [door('runs', to('/replay', 'Runs of models'), 'Observation, response and action of each step, and how it ended.')] : []),
+    door('write', to('/organise', 'Collect instructions'), 'Have people write or follow them: a study with consent, review and export.'),
+    door('compete', to('/leaderboard', 'Leaderboard'), 'Submit the results of an agent, and see how it ranks.'));
 }
 
 function cardOf({ scan, viewpoints, storeys, rooms, instructions, pictures, roam }: Building): HTMLElement {
@@ -44,8 +47,10 @@ function cardOf({ scan, viewpoints, storeys, rooms, instructions, pictures, roam
   });
   const size = [...(rooms === undefined ? [] : [counted(rooms, 'room')]), counted(storeys, 'storey'), counted(viewpoints, 'viewpoint')];
   const links = make('p', { class: 'card-links' },
-    ...(roam ? [make('a', { href: `/roam${formatLink({ scan })}`, 'aria-label': `Walk anywhere in ${scan}` }, 'Walk anywhere')] : []), ...(pictures ? [make('a', { href: plan, 'aria-label': `Plan of ${scan}` }, 'Plan'),
-    make('a', { href: `/verify${formatLink({ scan })}`, 'aria-label': `Verify graph of ${scan}` }, 'Verify graph')] : []));
+    ...(roam ? [make('a', { href: `/roam${formatLink({ scan })}`, 'aria-label': `Walk anywhere in ${scan}` }, 'Walk anywhere'),
+      make('a', { href: houseOf(scan), 'aria-label': `Doll’s house of ${scan}` }, 'Doll’s house')] : []),
+    ...(pictures ? [make('a', { href: plan, 'aria-label': `Plan of ${scan}` }, 'Plan'),
+      make('a', { href: `/verify${formatLink({ scan })}`, 'aria-label': `Verify graph of ${scan}` }, 'Verify graph')] : []));
   return make('li', { class: 'card' }, picture, make('div', { class: 'card-body' },
     make('h3', {}, make('a', { href: pictures ? `/view${formatLink({ scan })}` : plan }, scan)),
     make('p', {}, size.join(', ')),
@@ -53,13 +58,14 @@ function cardOf({ scan, viewpoints, storeys, rooms, instructions, pictures, roam
     links));
 }
 
-/** Turns the picture into a panorama, once the page stands. */
-async function turn(hero: HTMLElement, scan: string): Promise<void> {
-  if (matchMedia('(prefers-reduced-motion: reduce)').matches) return;
-  const [outlook, { viewpoints }] = await Promise.all([api.call<Outlook>(`${pathOf(scan)}/outlook`), api.scan(scan)]);
+/** Turns the picture into a panorama, once the page stands. Returns it, where people want to see things move. */
+async function turn(hero: HTMLElement, scan: string, outlook: Outlook): Promise<TurningPanorama | undefined> {
+  if (matchMedia('(prefers-reduced-motion: reduce)').matches) return undefined;
+  const { viewpoints } = await api.scan(scan);
   const rotation = viewpoints.find(({ id }) => id === outlook.viewpoint)?.rotation;
-  if (!rotation) return;
-  const panorama = new TurningPanorama(outlook, rotation, await loadFaces(api, scan, outlook.viewpoint));
+  if (!rotation) return undefined;
+  const [faces, sweep] = await Promise.all([loadFaces(api, scan, outlook.viewpoint), loadSweep(api, scan, outlook.viewpoint, rotation, outlook)]);
+  const panorama = new TurningPanorama(outlook, rotation, faces, sweep);
   hero.querySelector('.scene')!.append(panorama.element);
   // WCAG 2.2.2: what moves by itself can be stopped.
   const button = make('button', { type: 'button' }, 'Pause');
@@ -69,18 +75,20 @@ async function turn(hero: HTMLElement, scan: string): Promise<void> {
     button.textContent = panorama.playing ? 'Pause' : 'Turn';
   });
   hero.querySelector('.turning')!.prepend(button);
+  return panorama;
 }
 
-function heroOf(building: Building | undefined): HTMLElement {
-  const scene = make('div', { class: 'scene' });
-  const plate = make('div', {}, make('h1', {}, 'Find the way by words'),
+function heroOf(building: Building | undefined, explore: HTMLAnchorElement, walk: HTMLAnchorElement): HTMLElement {
+  const plate = make('div', { class: 'plate' }, make('h1', {}, 'Find the way by words'),
     make('p', { class: 'lead' }, 'Enfilade is a platform for vision-and-language navigation: buildings to walk through, instructions to follow, and a leaderboard for the agents that try.'));
-  const hero = make('section', { class: 'hero', 'aria-label': 'About Enfilade' }, scene, make('div', { class: 'plate' }, plate));
+  const hero = make('section', { class: 'hero', 'aria-label': 'About Enfilade' }, plate);
   if (!building) return hero;
-  const view = `/view${formatLink({ scan: building.scan })}`;
-  plate.append(make('p', { class: 'buttons' }, make('a', { href: view, class: 'button main' }, 'Walk in'), make('a', { href: '#buildings', class: 'button' }, 'All buildings')));
-  scene.append(make('img', { src: pictureOf(building.scan, 1280), alt: '', fetchpriority: 'high' }));
-  hero.append(make('div', { class: 'turning' }, make('span', {}, building.scan)));
+  const { scan, roam } = building;
+  plate.append(make('p', { class: 'buttons' }, explore, ...(roam ? [walk, make('a', { href: houseOf(scan), class: 'button' }, 'Doll’s house')] : [])),
+    make('p', { class: 'note' }, 'Explore goes from viewpoint to viewpoint, as agents do.',
+      ...(roam ? [' Walk anywhere is a continuous walk on the floor, and begins in the same place.'] : [])));
+  hero.append(make('div', { class: 'scene' }, make('img', { src: pictureOf(scan, 1280), alt: '', fetchpriority: 'high' })),
+    make('div', { class: 'turning' }, make('span', {}, scan)));
   return hero;
 }
 
@@ -90,12 +98,29 @@ run(async () => {
   const { scans } = served;
   const main = byId('main');
   const first = scans.find(({ pictures }) => pictures);
-  const hero = heroOf(first);
-  main.classList.add('first');
-  main.append(hero, doors(first?.scan), make('h2', { id: 'buildings' }, 'Buildings'),
+  // All three begin where the picture above them is, looking the same way.
+  const begin = (text: string, attributes: Record<string, string> = {}) => make('a', { href: '#buildings', ...attributes }, text);
+  const [explore, walk, door] = [
+    begin('Explore from here', { class: 'button main' }), begin('Walk anywhere', { class: 'button' }), begin('Explore a building')];
+  const aim = (place: Place) => {
+    explore.href = door.href = `/view${formatLink(place)}`;
+    walk.href = `/roam${formatLink(place)}`;
+  };
+  if (first) aim({ scan: first.scan });
+  const hero = heroOf(first, explore, walk);
+  main.append(hero, doors(served, door), make('h2', { id: 'buildings' }, 'Buildings'),
     scans.length === 0 ? empty('No buildings', 'This data set has no buildings.') : make('ul', { class: 'cards' }, ...scans.map(cardOf)));
   if (!first) return;
+  const outlook = await api.call<Outlook>(`${pathOf(first.scan)}/outlook`).catch(() => undefined);
+  if (!outlook) return; // the picture stays
+  const { viewpoint, heading, elevation } = outlook;
+  const place = { scan: first.scan, viewpoint, elevation };
+  aim({ ...place, heading });
   // After the first view: the panorama's six pictures would come before those of the cards otherwise.
   if (document.readyState !== 'complete') await new Promise((loaded) => { addEventListener('load', loaded, { once: true }); });
-  await turn(hero, first.scan).catch(() => {}); // the picture stays
+  const panorama = await turn(hero, first.scan, outlook).catch(() => undefined);
+  if (!panorama) return;
+  for (const link of [explore, walk, door]) {
+    for (const kind of ['pointerdown', 'click', 'focus']) link.addEventListener(kind, () => aim({ ...place, heading: panorama.heading }));
+  }
 });

@@ -1,8 +1,10 @@
 /** Every part of style.css with its name, in all its states. In development builds only. */
 import { intervalBar, progressChart } from '../elements/charts.ts';
+import { dayChart } from '../elements/day_chart.ts';
 import { field, form, labelled } from '../elements/forms.ts';
 import { icon } from '../elements/icons.ts';
 import { markdown } from '../elements/markdown.ts';
+import { menu } from '../elements/menu.ts';
 import { addHeader, byId, crumbs, empty, facts, loading, make, table, toast } from '../elements/page.ts';
 
 addHeader({ synthetic: true });
@@ -55,6 +57,9 @@ main.append(
   section('Field', form('Send', [good, wrong, choice, prose, make('label', { class: 'row' }, make('input', { type: 'checkbox' }), 'label.row')], async () => toast('A .toast, for five seconds'))),
   section('Card', make('ul', { class: 'cards' }, ...['One', 'Two', 'Three'].map((name) => make('li', { class: 'card' },
     make('div', { class: 'card-picture' }), make('div', { class: 'card-body' }, make('h3', {}, make('a', { href: '#main' }, name)), make('p', {}, '9 rooms, 2 storeys'), make('p', { class: 'note' }, '.card-picture, .card-body')))))),
+  section('People',
+    make('p', { class: 'buttons' }, button('Review 4', 'main'), menu('More', 'More: a study', [button('Make a copy'), button('Close')])),
+    ...dayChart([{ day: '2027-01-01', submitted: 4, reviewed: 1 }, { day: '2027-01-04', submitted: 2, reviewed: 6 }])),
   section('Doors', make('ul', { class: 'doors' }, ...(['explore', 'write', 'walk', 'compete'] as const).map((name) =>
     make('li', {}, icon(name), make('h2', {}, make('a', { href: '#main' }, name)), make('p', {}, 'A line on what is behind it.'))))),
   section('Table', table([make('th', { scope: 'col', 'aria-label': 'Rank' }, '#'), 'Team and method', make('th', { scope: 'col', class: 'number', 'aria-sort': 'descending' }, make('button', { type: 'button' }, 'SPL'), make('span', { class: 'unit' }, '%'))],

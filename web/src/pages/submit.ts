@@ -1,36 +1,19 @@
 /** Making a team, logging in, submitting, and a team's history. */
 import { jsonFiles } from '../elements/files.ts';
-import { field, form, labelled, loggedIn, loginForm, twice, type Who } from '../elements/forms.ts';
+import { action, field, form, labelled, loggedIn, loginForm, twice, type Who } from '../elements/forms.ts';
+import { linkCopier } from '../elements/link_copier.ts';
 import { addSiteHeader, byId, counted, dateTime, empty, make, problems, run, table } from '../elements/page.ts';
+import { methodLink, type Submission, withheldTexts } from '../evaluation/method.ts';
+import { rememberTeam } from '../evaluation/own_team.ts';
 import {
-  benchmarkOf, endOf, leakageNote, limitsOf, type Phase, type PhaseList, showingOf,
+  benchmarkOf, endOf, inOrder, leakageNote, limitsOf, type Phase, type PhaseList, primaryOf, showingOf,
 } from '../evaluation/phases.ts';
-import { type Column, format, type Mean, unitOf, valueOf } from '../evaluation/ranking.ts';
-import { api, json } from '../server/api.ts';
-
-interface Submission {
-  readonly id: number;
-  readonly team: string;
-  readonly phase: string;
-  readonly method: string;
-  readonly state: string;
-  readonly created: string;
-  readonly means?: Readonly<Record<string, Mean>>;
-  readonly withheld?: 'until-end' | 'no-improvement' | 'not-best' | 'hidden' | 'other-scorer';
-  readonly near_copy?: { readonly of: number; readonly differing: number };
-  readonly warnings?: readonly string[];
-}
+import { type Column, format, places, type Row, unitOf, valueOf } from '../evaluation/ranking.ts';
+import { columnHead } from '../evaluation/scores.ts';
+import { api, json, ServerError } from '../server/api.ts';
+import '../evaluation/evaluation.css';
 
 const main = byId('main');
-
-/** Why a submission has no scores. */
-const withheldTexts: Record<NonNullable<Submission['withheld']>, string> = {
-  'until-end': 'Scores appear when the phase has ended',
-  'no-improvement': "Not a step better than your team's best",
-  'not-best': 'Another submission stands for your team',
-  hidden: 'Only the organisers see its scores',
-  'other-scorer': 'Scored before the phase was changed, by another scorer',
-};
 
 function stateOf({ state, withheld, near_copy }: Submission): HTMLElement {
   const badge = { scored: ' good', failed: ' bad', queued: ' wait' }[state] ?? '';
@@ -59,9 +42,10 @@ async function showStranger(): Promise<void> {
     make('h2', {}, 'Or create a team'),
     form('Create team', [nameField], async () => {
       const team = await api.call<{ token: string }>('teams', json({ name: name.value.trim() }));
+      const { button, said } = linkCopier('Copy', 'Token', () => team.token, 'Token copied');
       made.replaceChildren(
         make('p', { class: 'done', role: 'status' }, 'The team is created. This is its token; it is shown only once, so keep it:'),
-        make('p', { class: 'token' }, team.token));
+        make('div', { class: 'token-row' }, make('p', { class: 'token' }, team.token), button, said));
       login.querySelector('input')!.value = team.token;
     }),
     made);
@@ -74,16 +58,16 @@ const shownColumns = 3;
 function historyTable(list: readonly Submission[], columns: readonly Column[], label: string, role: Who['role'], said: HTMLElement, changed: () => Promise<void>): HTMLElement {
   const show = ({ means }: Submission, column: Column) => make('td', { class: 'number', 'data-label': `${column.short}, ${unitOf(column)}` },
     format(means && valueOf({ means }, column), column));
-  const head = (column: Column) => make('th', { scope: 'col', class: 'number', title: column.title }, column.short, make('span', { class: 'unit' }, unitOf(column)));
   return table(
-    ['No.', ...(role === 'organiser' ? ['Team'] : []), 'Method', 'State', ...columns.map(head), 'Phase', 'Submitted', ''],
+    ['No.', ...(role === 'organiser' ? ['Team'] : []), 'Method', 'State', ...columns.map(columnHead), 'Phase', 'Submitted', ''],
     list.map((s) => {
       const withdraw = twice(`Withdraw ${s.id}`, `Withdraw ${s.id} for good?`, said, async () => {
         await api.call(`submissions/${s.id}`, { method: 'DELETE' });
         await changed();
       });
       withdraw.disabled = s.state === 'withdrawn';
-      return [make('td', { class: 'rank' }, String(s.id)), ...(role === 'organiser' ? [make('td', { class: 'rest' }, s.team)] : []), make('td', { class: 'rest' }, s.method),
+      return [make('td', { class: 'rank' }, String(s.id)), ...(role === 'organiser' ? [make('td', { class: 'rest' }, s.team)] : []),
+        make('td', { class: 'rest' }, make('a', { href: methodLink(s.id) }, s.method)),
         stateOf(s), ...columns.map((column) => show(s, column)),
         make('td', { class: 'half', 'data-label': 'Phase' }, s.phase), make('td', { class: 'date half', 'data-label': 'Submitted, UTC' }, dateTime(s.created)),
         make('td', { class: 'wide' }, withdraw)];
@@ -107,8 +91,44 @@ function histories(list: readonly Submission[], phases: readonly Phase[], role: 
     historyTable(group.list, group.columns, groups.size > 1 ? `Submissions to ${name}` : 'Submissions', role, said, changed)]);
 }
 
+/** A file that was sent to the wrong phase, and the button that sends it to the right one. @param said what goes wrong is shown there */
+function otherSplit(sent: Phase, right: Phase, said: HTMLElement, send: () => Promise<void>): HTMLElement {
+  return make('div', { class: 'notice', role: 'alert' },
+    make('p', {}, `This is a file of ${right.split}, not of ${sent.split}. Nothing was submitted.`),
+    make('p', { class: 'buttons' }, action(`Submit it to ${right.title}`, said, send)));
+}
+
+const scoringMs = 500;
+
+/** Asks until the submission is scored, or nothing more of it will be told. */
+async function whenScored(id: number): Promise<Submission> {
+  for (;;) {
+    const one = await api.call<Submission>(`submissions/${id}`);
+    if (one.state !== 'queued') return one;
+    await new Promise((resolve) => setTimeout(resolve, scoringMs));
+  }
+}
+
+/** Where a submission stands on the leaderboard, and what its team can do next. */
+async function standingOf(taken: Submission, phase: Phase): Promise<HTMLElement> {
+  const { id, means, withheld, state } = await whenScored(taken.id);
+  const board = (hash: string) => `/leaderboard?${new URLSearchParams({ phase: phase.phase })}${hash}`;
+  const describe = make('a', { href: methodLink(id), class: 'button' }, 'Describe the method');
+  const row = (href: string, text: string) => make('p', { class: 'buttons' }, make('a', { href, class: 'button' }, text), describe);
+  if (!means) {
+    const why = withheld ? `${withheldTexts[withheld]}.` : `Submission ${id} is ${state}.`;
+    return make('div', {}, make('p', {}, why), row(board(''), `See ${phase.title}`));
+  }
+  const { rows } = await api.call<{ rows: Row[] }>(`leaderboards/${encodeURIComponent(phase.phase)}`);
+  const at = rows.findIndex((one) => one.id === id);
+  if (at >= 0) return row(board(`#submission-${id}`), `Rank ${places(rows, primaryOf(phase))[at]!} of ${rows.length}: see the row`);
+  const best = rows.find(({ team }) => team === taken.team);
+  return make('div', {}, make('p', {}, `Your team's best stays ${best ? `submission ${best.id}` : 'another one'}.`),
+    row(board(best ? `#submission-${best.id}` : ''), `See the row of ${best ? `submission ${best.id}` : 'your team'}`));
+}
+
 async function showTeam(who: Who): Promise<void> {
-  const { phases } = await api.call<PhaseList>('phases');
+  const phases = inOrder((await api.call<PhaseList>('phases')).phases);
   const [phaseField, phase] = labelled('phase', 'Phase', make('select', {}, ...phases.map((p) => new Option(`${p.title} (${limitsOf(p)})`, p.phase))));
   const rules = make('div', { 'aria-live': 'polite' });
   const showRules = () => {
@@ -142,19 +162,37 @@ async function showTeam(who: Who): Promise<void> {
       setTimeout(() => { refresh().catch((error: unknown) => said.replaceChildren(problems(error))); }, 1000);
     }
   };
-  main.append(loggedIn(who));
-  if (who.role === 'team') {
-    main.append(form('Check and submit', [phaseField, rules, methodField, paperField, codeField, fileField], async () => {
-      said.replaceChildren();
-      const query = new URLSearchParams({ phase: phase.value, method: method.value.trim() });
-      for (const link of [paper, code]) if (link.value) query.set(link.id, link.value.trim());
+  const standing = make('div', { 'aria-live': 'polite' });
+  /** Hands the chosen file in; one of another split can be sent there by a button. */
+  const send = async (): Promise<void> => {
+    said.replaceChildren();
+    standing.replaceChildren();
+    const chosen = phases.find((p) => p.phase === phase.value)!;
+    const query = new URLSearchParams({ phase: chosen.phase, method: method.value.trim() });
+    for (const link of [paper, code]) if (link.value) query.set(link.id, link.value.trim());
+    try {
       const taken = await api.call<Submission>(`submissions?${query}`, { method: 'POST', body: file.files![0]! });
+      rememberTeam(taken.team);
       said.replaceChildren(make('p', { class: 'done' }, `The file is valid: submission ${taken.id}.`),
         ...(taken.warnings ?? []).map((text) => make('p', { class: 'note' }, text)));
-      await refresh();
-    }));
+      standingOf(taken, chosen).then((found) => standing.replaceChildren(found), (error: unknown) => standing.replaceChildren(problems(error)));
+    } catch (error) {
+      const right = error instanceof ServerError ? phases.find((p) => p.phase === error.phase) : undefined;
+      if (!right) throw error;
+      said.replaceChildren(otherSplit(chosen, right, said, () => {
+        phase.value = right.phase;
+        showRules();
+        return send();
+      }));
+      return;
+    }
+    await refresh();
+  };
+  main.append(loggedIn(who));
+  if (who.role === 'team') {
+    main.append(form('Check and submit', [phaseField, rules, methodField, paperField, codeField, fileField], send));
   }
-  main.append(said, heading, history);
+  main.append(said, standing, heading, history);
   await refresh();
 }
 

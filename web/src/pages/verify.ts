@@ -2,16 +2,20 @@
  * Checking a graph by hand, the paper's manual verification: plan and view side by side, edges added
  * and taken away with a reason, written as a corrections file: `/verify#scan/viewpoint`.
  */
+import { lacksGraphics } from '../elements/graphics.ts';
+import { noBuilding, showInstead } from '../elements/instead.ts';
 import { addHeader, byId, crumbs, make, run, table } from '../elements/page.ts';
 import { directionTo, norm, subtract } from '../geometry/geometry.ts';
 import {
   type Action, applyCorrections, type Correction, correctionsFile, keepCorrections, keptCorrections,
 } from '../scan/corrections.ts';
-import { type Scan, viewpointIndex } from '../scan/scan.ts';
+import { namesByViewpoint, type Scan, viewpointIndex } from '../scan/scan.ts';
 import { api } from '../server/api.ts';
+import { usualElevation } from '../viewer/arrival.ts';
 import { formatLink, parseLink } from '../viewer/deep_link.ts';
 import type { Mark } from '../viewer/discs.ts';
-import { MiniMap, Viewer } from '../viewer/enfilade-viewer.ts';
+import { MiniMap, type Viewer } from '../viewer/enfilade-viewer.ts';
+import { openNamed } from '../viewer/open_named.ts';
 
 /** The paper's limit between viewpoints, metres. */
 const longestEdge = 5;
@@ -90,16 +94,31 @@ class Verifier {
     const candidates = this.candidates();
     const marks = candidates.filter(({ there }) => !there).map(({ viewpoint }) => [viewpoint, 'candidate'] as const);
     this.viewer.setMarks(new Map<number, Mark>(marks));
-    this.edges.replaceChildren(table(['To', 'Metres', ''], candidates.map((c) => this.row(c))), this.exclusion());
+    this.point(undefined);
+    const edges = table(['To', 'Metres', ''], candidates.map((c) => this.row(c)), { label: 'Edges from here' });
+    edges.querySelectorAll('tbody tr').forEach((row, k) => this.pointFrom(row as HTMLElement, candidates[k]!.viewpoint));
+    this.edges.replaceChildren(edges, this.exclusion());
     this.list.replaceChildren(this.corrections.length === 0 ? make('p', {}, 'None yet.') : this.history());
+  }
+
+  /** A row shows which disc and which dot are its viewpoint's, while it is pointed at or has the focus. */
+  private pointFrom(row: HTMLElement, viewpoint: number): void {
+    for (const begin of ['pointerenter', 'focusin']) row.addEventListener(begin, () => this.point(viewpoint));
+    for (const end of ['pointerleave', 'focusout']) row.addEventListener(end, () => this.point(undefined));
+  }
+
+  private point(viewpoint: number | undefined): void {
+    this.viewer.highlight(viewpoint);
+    this.map.setMarked(viewpoint === undefined ? [] : [viewpoint]);
   }
 
   private row({ viewpoint, distance, there }: Candidate): (Node | string)[] {
     const { position } = this.viewer.scan.viewpoints[viewpoint]!;
-    const look = make('button', { type: 'button' }, `Viewpoint ${viewpoint}`);
+    const name = this.viewer.name(viewpoint);
+    const look = make('button', { type: 'button', class: 'wraps' }, `Viewpoint ${viewpoint}${name ? `, ${name}` : ''}`);
     look.addEventListener('click', () => {
       const from = this.viewer.scan.viewpoints[this.viewer.pose.viewpoint]!.position;
-      this.viewer.look(directionTo(from, position).heading, -0.25);
+      this.viewer.look(directionTo(from, position).heading, usualElevation);
     });
     const change = make('button', { type: 'button', 'aria-label': `${there ? 'Remove' : 'Add'} the edge to viewpoint ${viewpoint}` }, there ? 'Remove' : 'Add');
     change.addEventListener('click', () => this.add(there ? 'remove-edge' : 'add-edge', viewpoint));
@@ -153,17 +172,25 @@ class Verifier {
 }
 
 run(async () => {
-  const [view, side] = [make('div', { class: 'view' }), make('aside', { class: 'side' })];
-  byId('main').append(view, side);
+  if (lacksGraphics()) return;
   const place = parseLink(location.hash);
-  if (!place) throw new Error('The address names no building: /verify#scan');
-  const viewer = await Viewer.open(view, { vfov: 1.3, elevation: -0.25, ...place });
+  if (!place) return showInstead('Verify a graph', noBuilding(undefined));
+  const [view, side, mapBox] = [make('div', { class: 'view' }), make('aside', { class: 'side' }), make('div', { class: 'map' })];
+  side.append(mapBox);
+  byId('main').append(view, side);
+  const viewer = await openNamed(view, place, { name: 'Verify a graph', path: '/verify' });
+  if (!viewer) return;
   addHeader(viewer.scan);
-  const map = new MiniMap(viewer);
-  void map.loadPlan(api, true);
+  const map = new MiniMap(viewer, { numbers: true });
+  const plan = await api.plan(place.scan).catch(() => undefined); // a map without walls
+  if (plan) {
+    map.setPlan(plan);
+    viewer.setNames(namesByViewpoint(plan));
+  }
   const panel = make('div', { class: 'panel' }, crumbs([['/', 'Buildings'], [`/view${formatLink({ scan: place.scan })}`, place.scan]], 'Verify'),
     make('h1', {}, `Verify ${place.scan}`),
     make('p', { class: 'note' }, 'White discs are edges. Orange ones are viewpoints near by without an edge. Apply the saved file with enfilade homes --corrections.'));
-  side.append(make('div', { class: 'map' }, map.element), panel);
+  mapBox.append(map.element);
+  side.append(panel);
   window.verifier = new Verifier(viewer, map, panel);
 });

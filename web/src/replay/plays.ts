@@ -1,5 +1,6 @@
-/** A session of the arena, walked by a person: asking the server, and keeping the key for a reload. */
-import { type Api, ServerError } from '../server/api.ts';
+/** A session of the arena, stepped through by a person: asking the server, and keeping the key for a reload. */
+import type { Outcome } from '../episodes/outcome.ts';
+import { type Api, reach, ServerError } from '../server/api.ts';
 import type { Ending, Observation } from './runs.ts';
 
 interface PlayState {
@@ -19,6 +20,8 @@ export interface Wanted {
   readonly split: string;
   readonly episode: string;
 }
+/** A session's, with the scan that it is in. */
+export type SessionOutcome = Outcome & { readonly scan: string };
 interface Ticket {
   readonly session: number;
   readonly key: string;
@@ -58,9 +61,9 @@ export class PlayedSession {
     this.state = state;
   }
 
-  /** The one that this tab has begun, or a new one. Throws ServerError. */
-  static async open(api: Api, wanted: Wanted): Promise<PlayedSession> {
-    const kept = keptTicket(wanted);
+  /** The one that this tab has begun, or a new one: without an episode the server chooses one. Throws ServerError. */
+  static async open(api: Api, wanted: Omit<Wanted, 'episode'> & Partial<Wanted>): Promise<PlayedSession> {
+    const kept = wanted.episode === undefined ? undefined : keptTicket({ ...wanted, episode: wanted.episode });
     if (kept) {
       try {
         const session = new PlayedSession(api, kept, {} as PlayState);
@@ -71,7 +74,7 @@ export class PlayedSession {
       }
     }
     const { key, ...state } = await api.call<PlayState & { key: string }>('sessions', post(wanted));
-    keep(wanted, { session: state.session, key });
+    keep(state, { session: state.session, key });
     return new PlayedSession(api, { session: state.session, key }, state);
   }
 
@@ -97,13 +100,23 @@ export class PlayedSession {
 
   /** What is seen all around, with the places' names in it; nothing where there are no pictures. */
   async strip(size: number): Promise<Blob | undefined> {
-    const response = await fetch(`${this.api.base}/api/v1/sessions/${this.ticket.session}/pictures/strip/0?size=${size}`, { headers: this.header() });
+    const response = await reach(`${this.api.base}/api/v1/sessions/${this.ticket.session}/pictures/strip/0?size=${size}`, { headers: this.header() });
     return response.ok ? response.blob() : undefined;
   }
 
   /** What was walked, as results files have it. */
   async result(): Promise<string> {
     return JSON.stringify(await this.ask<unknown>('/result'), null, 1);
+  }
+
+  /** Nothing where the goal is hidden, and in continuous environments. */
+  async outcome(): Promise<SessionOutcome | undefined> {
+    try {
+      return await this.ask<SessionOutcome>('/outcome');
+    } catch (error) {
+      if (error instanceof ServerError && error.status === 404) return undefined;
+      throw error;
+    }
   }
 
   private header(): Record<string, string> {

@@ -1,4 +1,5 @@
 import { describe, expect, it } from 'vitest';
+import { random } from '../testing/random.ts';
 import { Floor, type FloorData } from './floor.ts';
 import { Walker } from './walker.ts';
 
@@ -32,12 +33,6 @@ function floorOf(quads: readonly Quad[], height: (x: number, y: number) => numbe
 const angle = floorOf([[0, 0, 2, 2], [2, 0, 4, 2], [2, 2, 4, 5]]);
 const at = (floor: Floor, x: number, y: number, z = 0) => floor.nearest([x, y, z])!;
 
-/** The same numbers in every run (an LCG: Numerical Recipes). */
-function random(): () => number {
-  let state = 1;
-  return () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
-}
-
 describe.each([['counter-clockwise', false], ['clockwise', true]])('a floor with corners %s', (_, clockwise) => {
   const floor = new Floor(floorOf([[0, 0, 2, 2], [2, 0, 4, 2], [2, 2, 4, 5]], undefined, clockwise));
 
@@ -70,6 +65,22 @@ describe.each([['counter-clockwise', false], ['clockwise', true]])('a floor with
     expect(atWall).toBe(true);
   });
 
+  it('is seen straight ahead as far as the first wall', () => {
+    const { end, metres } = floor.ahead(at(floor, 0.5, 1), 1, 0, 10);
+    expect(metres).toBeCloseTo(3.5, 12);
+    expect(end).toEqual({ position: [4, 1, 0], polygon: 1 });
+    expect(floor.ahead(at(floor, 0.5, 1), 1, 0, 2).end).toEqual({ position: [2.5, 1, 0], polygon: 1 });
+    expect(floor.ahead(at(floor, 1, 1), 0, 1, 10).metres).toBeCloseTo(1, 12); // no sliding
+    expect(floor.ahead(at(floor, 3, 0.5), 0, 1, 10)).toMatchObject({ metres: 4.5, end: { polygon: 2 } });
+    expect(floor.ahead(at(floor, 4, 1), 1, 0, 10).metres).toBeCloseTo(0, 12); // it stands at the wall
+    expect(floor.ahead(at(floor, 4, 1), -1, 0, 10).metres).toBeCloseTo(4, 12);
+  });
+
+  it('has a heading in which there is most of it', () => {
+    expect(Math.abs(floor.openHeading(at(floor, 0.5, 1)) - Math.PI / 2)).toBeLessThan(0.2);
+    expect(Math.abs(floor.openHeading(at(floor, 3, 4.5)) - Math.PI)).toBeLessThan(0.2);
+  });
+
   it('has the nearest point to one that is beside it', () => {
     expect(at(floor, 1, 3)).toMatchObject({ position: [1, 2, 0], polygon: 0 });
     expect(at(floor, 5, 6).position).toEqual([4, 5, 0]);
@@ -85,7 +96,7 @@ describe.each([['counter-clockwise', false], ['clockwise', true]])('a floor with
 describe('a walk', () => {
   it('never leaves the floor, and never ends farther from where it should than it began', () => {
     const floor = new Floor(angle);
-    const next = random();
+    const next = random(1);
     let here = at(floor, 1, 1);
     let walls = 0;
     for (let k = 0; k < 20_000; ++k) {
@@ -101,6 +112,32 @@ describe('a walk', () => {
       here = end;
     }
     expect(walls).toBeGreaterThan(100);
+  });
+
+  it('comes as far straight ahead as by small steps, from anywhere', () => {
+    const floor = new Floor(angle);
+    const next = random(1);
+    for (let k = 0; k < 300; ++k) {
+      const heading = 2 * Math.PI * next();
+      const start = at(floor, 4 * next(), 5 * next());
+      const [dx, dy] = [Math.sin(heading), Math.cos(heading)];
+      const { metres, end } = floor.ahead(start, dx, dy, 6);
+      let [here, walked] = [start, 0];
+      for (;;) {
+        const { end: there, atWall } = floor.walk(here, 0.01 * dx, 0.01 * dy);
+        if (atWall) break;
+        [here, walked] = [there, walked + 0.01];
+      }
+      expect(Math.abs(metres - walked)).toBeLessThan(0.011);
+      expect(floor.nearest(end.position)!.position[0]).toBeCloseTo(end.position[0], 6);
+    }
+  });
+
+  it('is as open in all directions from the middle of a room: then people look where they looked', () => {
+    const room = new Floor(floorOf([[0, 0, 4, 4]]));
+    for (const heading of [0, Math.PI / 2, Math.PI]) {
+      expect(Math.cos(room.openHeading(at(room, 2, 2), heading) - heading)).toBeGreaterThan(0.6);
+    }
   });
 
   it('goes up and down with the floor', () => {

@@ -178,6 +178,50 @@ export class Floor {
     };
   }
 
+  /**
+   * How far one comes straight ahead before a wall, without sliding along it.
+   * @param dx, dy the direction, of length 1 @param most metres
+   */
+  ahead(from: FloorPoint, dx: number, dy: number, most: number): { readonly end: FloorPoint; readonly metres: number } {
+    const [x0, y0] = from.position;
+    let [polygon, metres] = [from.polygon, 0];
+    for (let left = this.size; left > 0; --left) { // a straight line comes to each polygon once
+      const { corners, beyond } = this.polygons[polygon]!;
+      const n = beyond.length;
+      let [out, side] = [Infinity, 0];
+      for (let k = 0; k < n; ++k) {
+        const [ax, ay] = [corners[2 * k]!, corners[2 * k + 1]!];
+        const [nx, ny] = [corners[2 * ((k + 1) % n) + 1]! - ay, ax - corners[2 * ((k + 1) % n)]!]; // outwards
+        const towards = nx * dx + ny * dy;
+        if (towards <= 0) continue;
+        const at = (nx * (ax - x0) + ny * (ay - y0)) / towards;
+        if (at < out) [out, side] = [at, k];
+      }
+      metres = Math.min(Math.max(out, metres), most);
+      const next = beyond[side]!;
+      if (metres >= most || next < 0) break;
+      polygon = next;
+    }
+    const [x, y] = [x0 + dx * metres, y0 + dy * metres];
+    return { end: { position: [x, y, this.height(polygon, x, y)], polygon }, metres };
+  }
+
+  /**
+   * The heading in which there is most floor ahead, as far as 7 m.
+   * @param preferred of headings that are about as good the one nearest to it
+   */
+  openHeading(from: FloorPoint, preferred?: number): number {
+    const [rays, far, window] = [72, 7, 8]; // 5 degrees, metres, 40 degrees to either side
+    const turn = (2 * Math.PI) / rays;
+    const open = Array.from({ length: rays }, (_, k) => this.ahead(from, Math.sin(k * turn), Math.cos(k * turn), far).metres / far);
+    const score = (k: number): number => {
+      let sum = preferred === undefined ? 0 : 0.1 * Math.cos(k * turn - preferred);
+      for (let d = -window; d <= window; ++d) sum += (open[(k + d + rays) % rays]! * (window + 1 - Math.abs(d))) / (window + 1) ** 2;
+      return sum + open[k]!; // what is in the middle counts most
+    };
+    return turn * open.reduce((best, _, k) => (score(k) > score(best) ? k : best), 0);
+  }
+
   /** Where a ray first meets the floor below a height; nothing if it does not. */
   hit([ox, oy, oz]: Vec3, [dx, dy, dz]: Vec3, below: number): FloorPoint | undefined {
     let best: FloorPoint | undefined;

@@ -30,12 +30,32 @@ export interface GlbMesh {
   readonly materials: readonly Material[];
 }
 
+interface Primitive {
+  readonly attributes: Readonly<Record<string, number>>;
+  readonly indices: number;
+  readonly material: number;
+}
+
+interface Accessor {
+  readonly bufferView: number;
+  readonly byteOffset?: number;
+  readonly count: number;
+  readonly componentType: number;
+  readonly type: string;
+}
+
+interface GltfMaterial {
+  readonly pbrMetallicRoughness?: { readonly baseColorFactor?: readonly number[]; readonly baseColorTexture?: { readonly index: number } };
+  readonly alphaMode?: string;
+  readonly alphaCutoff?: number;
+}
+
 interface Gltf {
   readonly nodes?: readonly { readonly name?: string; readonly mesh?: number }[];
-  readonly meshes?: readonly { readonly primitives: readonly { readonly attributes: Readonly<Record<string, number>>; readonly indices: number; readonly material: number }[] }[];
-  readonly accessors?: readonly { readonly bufferView: number; readonly byteOffset?: number; readonly count: number; readonly componentType: number; readonly type: string }[];
+  readonly meshes?: readonly { readonly primitives: readonly Primitive[] }[];
+  readonly accessors?: readonly Accessor[];
   readonly bufferViews?: readonly { readonly byteOffset?: number; readonly byteLength: number; readonly byteStride?: number }[];
-  readonly materials?: readonly { readonly pbrMetallicRoughness?: { readonly baseColorFactor?: readonly number[]; readonly baseColorTexture?: { readonly index: number } }; readonly alphaMode?: string; readonly alphaCutoff?: number }[];
+  readonly materials?: readonly GltfMaterial[];
   readonly textures?: readonly { readonly source: number }[];
   readonly images?: readonly { readonly bufferView: number; readonly mimeType: string }[];
 }
@@ -48,7 +68,9 @@ const [float, unsignedInt] = [5126, 5125];
 /** Throws Error for what is no such file. */
 export function parseGlb(file: ArrayBuffer): GlbMesh {
   const view = new DataView(file);
-  if (file.byteLength < 28 || view.getUint32(0, true) !== magic || view.getUint32(4, true) !== 2) throw new Error('The mesh is no binary glTF 2.0 file');
+  if (file.byteLength < 28 || view.getUint32(0, true) !== magic || view.getUint32(4, true) !== 2) {
+    throw new Error('The mesh is no binary glTF 2.0 file');
+  }
   const length = view.getUint32(12, true);
   if (view.getUint32(16, true) !== jsonChunk || 28 + length > file.byteLength) throw new Error('The mesh is cut off');
   const gltf = JSON.parse(new TextDecoder().decode(new Uint8Array(file, 20, length))) as Gltf;
@@ -59,7 +81,9 @@ export function parseGlb(file: ArrayBuffer): GlbMesh {
     if (begin + byteOffset + byteLength > file.byteLength) throw new Error('The mesh is cut off');
     return { offset: begin + byteOffset, length: byteLength };
   };
-  const numbers = <T extends Float32Array | Uint32Array>(index: number, component: number, make: (buffer: ArrayBuffer, offset: number, length: number) => T): T => {
+  const numbers = <T extends Float32Array | Uint32Array>(
+    index: number, component: number, make: (buffer: ArrayBuffer, offset: number, length: number) => T,
+  ): T => {
     const { bufferView, byteOffset = 0, count, componentType, type } = gltf.accessors![index]!;
     const width = widths[type]!;
     const { byteStride } = gltf.bufferViews![bufferView]!;

@@ -58,6 +58,7 @@ export class Marks {
   private readonly episode = new three.Group();
   private readonly trail = new three.Mesh(new three.BufferGeometry(), paint(colours.walk));
   private readonly you = new three.Group();
+  private drawn: { readonly last?: Vec3; readonly length: number } = { length: 0 };
 
   constructor() {
     const ball = new three.Mesh(new three.SphereGeometry(0.2, 16, 12), paint(colours.you));
@@ -75,6 +76,8 @@ export class Marks {
   }
 
   setTrail(line: readonly Vec3[]): void {
+    if (line.at(-1) === this.drawn.last && line.length === this.drawn.length) return; // it is asked for with every frame
+    this.drawn = { last: line.at(-1)!, length: line.length };
     this.trail.geometry.dispose();
     this.trail.geometry = band(line, 0.09, lift * 1.5);
   }

@@ -32,6 +32,10 @@ export class Walker {
   get position(): Vec3 {
     return this.at.position;
   }
+  /** The feet, and the part of the floor under them. */
+  get standing(): FloorPoint {
+    return this.at;
+  }
   /** The connected part of the floor where one can get to. */
   get part(): number {
     return this.floor.part(this.at.polygon);

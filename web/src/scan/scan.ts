@@ -75,6 +75,14 @@ export interface Plan {
   readonly rooms: readonly Room[];
 }
 
+/** The names of viewpoints' rooms, as far as they have one. */
+export const namesByViewpoint = ({ rooms }: Plan): ReadonlyMap<number, string> =>
+  new Map(rooms.flatMap(({ name, viewpoints }) => (name ? viewpoints.map((v) => [v, name] as const) : [])));
+
+/** A room with those of its viewpoints only that have pictures: where one can go. */
+export const pictured = (scan: Scan, room: Room): Room =>
+  ({ ...room, viewpoints: room.viewpoints.filter((v) => scan.viewpoints[v]?.rotation) });
+
 /** The viewpoint of a room that stands nearest to its middle. \pre it has one */
 export function roomCentre(scan: Scan, room: Room): number {
   const mean = (which: number) => {
@@ -91,6 +99,6 @@ export function roomCentre(scan: Scan, room: Room): number {
 
 /** What the colours of a viewpoint's depth and classes mean. */
 export interface Legends {
-  readonly depth: { readonly farthest: number; readonly colours: readonly string[] } | null;
+  readonly depth: { readonly nearest: number; readonly farthest: number; readonly colours: readonly string[] } | null;
   readonly classes: readonly { readonly name: string; readonly colour: string; readonly share: number }[] | null;
 }

@@ -14,7 +14,8 @@ describe('imports of web/src', () => {
   it('use each arrow of the table', () => {
     const all = [...sources].map(([file, text]) => `${file.split('/')[0]} ${importsOf(text).join(' ')} `);
     const isUsed = (room: string, below: string) => all.some((line) => line.startsWith(`${room} `) && line.includes(` ../${below}/`));
-    const unused = Object.entries(rooms).flatMap(([room, list]) => list.filter((below) => !isUsed(room, below)).map((below) => `${room} -> ${below}`));
+    const unused = Object.entries(rooms).flatMap(([room, list]) =>
+      list.filter((below) => !isUsed(room, below)).map((below) => `${room} -> ${below}`));
     expect(unused).toEqual([]);
   });
 });

@@ -10,13 +10,14 @@ export const rooms: Readonly<Record<string, readonly string[]>> = {
   elements: ['server'],
   viewer: ['elements', 'geometry', 'scan', 'server'],
   roam: ['elements', 'geometry', 'scan', 'viewer'],
-  replay: ['elements', 'geometry', 'scan', 'server', 'viewer'],
   episodes: ['elements', 'geometry', 'scan', 'server', 'viewer'],
-  evaluation: ['elements', 'server'],
-  collecting: ['geometry'],
+  replay: ['elements', 'episodes', 'geometry', 'scan', 'server', 'viewer'],
+  evaluation: ['elements', 'episodes', 'geometry', 'scan', 'server', 'viewer'],
+  collecting: ['elements', 'geometry', 'server'],
   work: ['collecting', 'elements', 'geometry', 'scan', 'server', 'viewer'],
+  review: ['collecting', 'elements', 'scan', 'server', 'viewer', 'work'],
   pages: [
-    'collecting', 'elements', 'episodes', 'evaluation', 'geometry', 'replay', 'roam', 'scan', 'server', 'viewer', 'work',
+    'collecting', 'elements', 'episodes', 'evaluation', 'geometry', 'replay', 'review', 'roam', 'scan', 'server', 'viewer', 'work',
   ],
   testing: ['geometry', 'scan'],
 };

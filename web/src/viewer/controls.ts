@@ -1,4 +1,5 @@
 /** Mouse, fingers and keys of a viewer, and the list of steps for those who use none of them. */
+import { counted } from '../elements/page.ts';
 import { type Camera, type Direction, degrees, toDegrees, wrapDifference } from '../geometry/geometry.ts';
 import type { Step } from '../scan/navigation.ts';
 
@@ -39,6 +40,10 @@ export function bearing(relHeading: number): string {
   if (Math.abs(angle) >= 175) return 'behind';
   return `${Math.abs(angle)}° to the ${angle > 0 ? 'right' : 'left'}`;
 }
+
+/** "Viewpoint 7, kitchen. 2 places to go to." Nothing of places where one does not go by oneself. */
+export const standing = (viewpoint: number, room: string | undefined, places: number): string =>
+  `Viewpoint ${viewpoint}${room ? `, ${room}` : ''}.${places === 0 ? '' : ` ${counted(places, 'place')} to go to.`}`;
 
 export class Controls {
   private readonly viewer: Steered;
@@ -181,7 +186,6 @@ export class Controls {
     }
     if (viewpoint === this.standing) return;
     this.standing = viewpoint;
-    const room = this.viewer.name(viewpoint);
-    this.said.textContent = `Viewpoint ${viewpoint}${room ? `, ${room}` : ''}. ${steps.length} places to go to.`;
+    this.said.textContent = standing(viewpoint, this.viewer.name(viewpoint), steps.length);
   }
 }

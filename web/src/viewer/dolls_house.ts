@@ -1,7 +1,7 @@
 /** The building from outside, without its roof: made of its plan's rooms. */
 import * as three from 'three';
 import { degrees } from '../geometry/geometry.ts';
-import { type Plan, type Room, roomCentre, storeyOf } from '../scan/scan.ts';
+import { pictured, type Plan, type Room, roomCentre, storeyOf } from '../scan/scan.ts';
 import { pointsOf, things, wallsOf } from './house_shape.ts';
 import type { Viewer } from './viewer.ts';
 
@@ -178,9 +178,9 @@ export class DollsHouse {
   }
 
   private enter(room: Room): void {
-    const { viewpoints } = this.viewer.scan;
-    const pictured = room.viewpoints.filter((v) => viewpoints[v]?.rotation);
-    if (pictured.length > 0) void this.viewer.go(roomCentre(this.viewer.scan, { ...room, viewpoints: pictured }));
+    const { scan } = this.viewer;
+    const shown = pictured(scan, room);
+    if (shown.viewpoints.length > 0) void this.viewer.go(roomCentre(scan, shown), true);
   }
 
   private floorAt(event: PointerEvent): typeof this.chosen {
@@ -221,7 +221,7 @@ export class DollsHouse {
     this.camera.aspect = width / height;
     // So far away that the building fits, however it is turned.
     const half = Math.atan(Math.tan(degrees(35) / 2) * Math.min(this.camera.aspect, 1));
-    const away = (this.reach * 0.9 * this.zoom) / Math.sin(half);
+    const away = (this.reach * this.zoom) / Math.sin(half);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(
       this.middle.x + away * Math.cos(this.height) * Math.sin(this.azimuth),

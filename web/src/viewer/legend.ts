@@ -61,7 +61,8 @@ function depth(legend: Legends['depth']): HTMLElement[] {
   const bar = element('div', 'bar');
   bar.style.background = `linear-gradient(to right, ${legend.colours.join(', ')})`;
   return [element('p', 'title', 'Distance from the eye'), bar,
-    element('div', 'ends', element('span', '', '0 m'), element('span', '', `${legend.farthest} m`))];
+    element('div', 'ends', element('span', '', `${legend.nearest.toFixed(1)} m or less`),
+      element('span', '', `${legend.farthest.toFixed(1)} m or more`))];
 }
 
 function classes(legend: Legends['classes']): HTMLElement[] {

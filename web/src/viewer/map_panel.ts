@@ -1,5 +1,5 @@
 /** The map with its storeys, its rooms to go to, and the building as a doll's house. */
-import { type Plan, roomCentre } from '../scan/scan.ts';
+import { pictured, type Plan, roomCentre } from '../scan/scan.ts';
 import type { DollsHouse } from './dolls_house.ts';
 import type { MiniMap } from './mini_map.ts';
 import { storeyName } from './storey_name.ts';
@@ -62,7 +62,7 @@ export class MapPanel {
   setPlan(plan: Plan): void {
     this.plan = plan;
     this.map.setPlan(plan);
-    const rooms = plan.rooms.filter((room) => room.name && room.viewpoints.length > 0);
+    const rooms = plan.rooms.map((room) => pictured(this.viewer.scan, room)).filter(({ name, viewpoints }) => name && viewpoints.length > 0);
     if (rooms.length > 0) this.bar.append(this.roomList(rooms));
     if (plan.rooms.length > 0) this.bar.prepend(group('Map', ...this.views));
     this.bar.hidden = this.bar.childElementCount === 0;
@@ -95,7 +95,7 @@ export class MapPanel {
         String(roomCentre(this.viewer.scan, room))));
     });
     list.addEventListener('change', () => {
-      if (list.value !== '') void this.viewer.go(Number(list.value));
+      if (list.value !== '') void this.viewer.go(Number(list.value), true);
       list.value = '';
     });
     return list;

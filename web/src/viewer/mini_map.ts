@@ -1,15 +1,30 @@
 /** A floor plan of one storey: rooms and walls where they are known, viewpoints, where one looks, a path. */
 import { shape } from '../elements/svg.ts';
-import { toDegrees } from '../geometry/geometry.ts';
+import { degrees, toDegrees } from '../geometry/geometry.ts';
 import { type Plan, storeyOf } from '../scan/scan.ts';
 import type { Api } from '../server/api.ts';
-import { letters, margin, roomsOf, scaleBar, storeyShapes } from './plan_shapes.ts';
+import { letters, margin, roomNames, roomsOf, scaleBar, storeyLines } from './plan_shapes.ts';
 import type { Viewer } from './viewer.ts';
+
+/** What a map follows: a viewer, or what stands still. */
+export type MapSource = Pick<Viewer, 'scan' | 'pose' | 'onChange' | 'go'>;
+
+/** Metres, of a viewpoint's dot; and the room that it takes with its number. */
+const dot = 0.14;
+const numbered = 0.35;
+
+/** A sector that looks up, as wide as what one sees. @param opening from side to side, radians */
+function sight(opening: number): string {
+  const [x, y] = [1.4 * Math.sin(opening / 2), 1.4 * Math.cos(opening / 2)].map((value) => value.toFixed(3)) as [string, string];
+  return `M0 0 L-${x} -${y} A1.4 1.4 0 0 1 ${x} -${y} Z`;
+}
 
 /** North (+y) is up. Follows a viewer; a click goes to the nearest viewpoint. */
 export class MiniMap {
   readonly element = shape('svg', {});
-  private readonly viewer: Viewer;
+  private readonly viewer: MapSource;
+  private readonly numbers: boolean;
+  private readonly sight = shape('path', { class: 'sight' });
   private readonly you = shape('g', { class: 'you' });
   private readonly route = shape('g', { class: 'route' });
   private readonly end: () => void;
@@ -18,19 +33,18 @@ export class MiniMap {
   private path: readonly number[] = [];
   private walk: readonly number[] = [];
   private seen: readonly number[] = [];
+  private marked: readonly number[] = [];
   private shown = -1;
   private standing = -1;
 
-  constructor(viewer: Viewer) {
+  /** @param numbers whether viewpoints have theirs */
+  constructor(viewer: MapSource, { numbers = false } = {}) {
     this.viewer = viewer;
+    this.numbers = numbers;
     this.element.classList.add('enfilade-map');
     this.element.setAttribute('role', 'img');
     this.element.setAttribute('aria-label', 'Floor plan; the arrow shows where you look');
-    // A sector of 60 degrees that looks up, turned with the heading.
-    this.you.append(
-      shape('path', { d: 'M0 0 L-0.7 -1.2 A1.4 1.4 0 0 1 0.7 -1.2 Z', class: 'sight' }),
-      shape('circle', { r: 0.22 }),
-    );
+    this.you.append(this.sight, shape('circle', { r: 0.22 }));
     this.element.addEventListener('click', (event) => this.goNear(event));
     this.end = viewer.onChange(() => this.follow());
     this.follow();
@@ -52,6 +66,12 @@ export class MiniMap {
     this.path = path;
     this.walk = walk;
     this.seen = seen;
+    this.drawRoute();
+  }
+
+  /** Rings around viewpoints that something else on the page is about; empty: none. */
+  setMarked(viewpoints: readonly number[]): void {
+    this.marked = viewpoints;
     this.drawRoute();
   }
 
@@ -92,13 +112,14 @@ export class MiniMap {
   }
 
   private follow(): void {
-    const { viewpoint, heading } = this.viewer.pose;
+    const { viewpoint, heading, vfov } = this.viewer.pose;
     if (viewpoint !== this.standing) {
       this.standing = viewpoint;
       this.showStorey(storeyOf(this.viewer.scan, viewpoint));
     }
     const [x, y] = this.at(viewpoint);
     this.you.setAttribute('transform', `translate(${x} ${y}) rotate(${toDegrees(heading)})`);
+    this.sight.setAttribute('d', sight(Math.min(vfov * 1.2, degrees(130)))); // pictures are wider than high
     this.you.classList.toggle('elsewhere', !this.here.includes(viewpoint));
   }
 
@@ -113,7 +134,7 @@ export class MiniMap {
       const away = Math.hypot(x - at.x, y - at.y);
       if (away < least && this.viewer.scan.viewpoints[v]!.rotation) [best, least] = [v, away];
     }
-    if (best !== undefined) void this.viewer.go(best);
+    if (best !== undefined) void this.viewer.go(best, true);
   }
 
   private drawStorey(): void {
@@ -132,6 +153,7 @@ export class MiniMap {
 
     const edges = shape('g', { class: 'edges' });
     const dots = shape('g', { class: 'dots' });
+    const numbers = shape('g', { class: 'numbers', 'font-size': size * 0.8 });
     for (const v of here) {
       const [x1, y1] = this.at(v);
       for (const other of scan.viewpoints[v]!.neighbours) {
@@ -139,9 +161,12 @@ export class MiniMap {
         const [x2, y2] = this.at(other);
         edges.append(shape('line', { x1, y1, x2, y2 }));
       }
-      dots.append(shape('circle', { cx: x1, cy: y1, r: 0.14 }));
+      dots.append(shape('circle', { cx: x1, cy: y1, r: dot }));
+      if (this.numbers) numbers.append(shape('text', { x: x1, y: y1 - 1.5 * dot }, String(v)));
     }
-    this.element.replaceChildren(...storeyShapes(this.plan, this.shown, size), edges, this.route, dots, this.you,
+    const discs = [...here].map((v) => ({ x: this.at(v)[0], y: this.at(v)[1], radius: this.numbers ? numbered : 2 * dot }));
+    this.element.replaceChildren(...storeyLines(this.plan, this.shown), edges, this.route, dots,
+      roomNames(this.plan, this.shown, size, discs), numbers, this.you,
       scaleBar(left + margin / 2, top + height + size, width / 3, size));
     this.drawRoute();
     this.follow();
@@ -163,6 +188,11 @@ export class MiniMap {
       if (!here.has(v)) continue;
       const [x, y] = this.at(v);
       this.route.append(shape('rect', { x: x - 0.25, y: y - 0.25, width: 0.5, height: 0.5, class: 'seen' }));
+    }
+    for (const v of new Set(this.marked)) {
+      if (!here.has(v)) continue;
+      const [cx, cy] = this.at(v);
+      this.route.append(shape('circle', { cx, cy, r: 0.5, class: 'marked' }));
     }
     for (const [name, v] of ends) {
       if (v === undefined || !here.has(v)) continue;

@@ -1,5 +1,7 @@
 /** Boxes around objects in the view, and a mark where the user points. */
-import { type Direction, project, toDegrees, unitVector, type Vec3 } from '../geometry/geometry.ts';
+import { make } from '../elements/page.ts';
+import { type Direction, toDegrees } from '../geometry/geometry.ts';
+import { mayBeSeen, rimInView } from './outline_layer.ts';
 import type { Viewer } from './viewer.ts';
 
 const svgNamespace = 'http://www.w3.org/2000/svg';
@@ -7,12 +9,12 @@ const svgNamespace = 'http://www.w3.org/2000/svg';
 /** Corners as heading and elevation, radians. */
 type Corners = readonly (readonly [number, number])[];
 
-const origin: Vec3 = [0, 0, 0];
-
 /** Lies over a viewer's picture and turns with it. Says in words, too, where the object is. */
 export class Outlines {
   /** For screen readers: "To the left." */
   readonly said = document.createElement('p');
+  /** Turns to the object; hidden while it is in view, or not seen from here. */
+  readonly button = make('button', { type: 'button', hidden: '' }, 'Look at it');
   private readonly viewer: Viewer;
   private readonly svg = document.createElementNS(svgNamespace, 'svg');
   private readonly box = document.createElementNS(svgNamespace, 'polygon');
@@ -32,6 +34,10 @@ export class Outlines {
     this.svg.append(this.box, this.mark);
     viewer.element.append(this.svg);
     this.said.setAttribute('role', 'status');
+    this.button.addEventListener('click', () => {
+      this.lookAt();
+      viewer.element.querySelector('canvas')?.focus(); // the button is gone
+    });
     this.ends = viewer.onChange(() => this.show());
     this.resizes.observe(viewer.element);
     this.show();
@@ -49,18 +55,22 @@ export class Outlines {
     this.show();
   }
 
-  private at(heading: number, elevation: number): readonly [number, number] | undefined {
-    return project(this.viewer.view, this.viewer.pose, origin, unitVector({ heading, elevation }));
+  /** Turns to the object, if it is seen from here. */
+  lookAt(): void {
+    const corners = this.boxes.get(this.viewer.pose.viewpoint);
+    if (!corners) return;
+    const elevations = corners.map(([, elevation]) => elevation);
+    this.viewer.look(this.viewer.pose.heading + this.turn(corners), (Math.min(...elevations) + Math.max(...elevations)) / 2);
   }
 
   private show(): void {
-    const { pose, onTheWay } = this.viewer;
+    const { pose, view, onTheWay } = this.viewer;
     const corners = onTheWay ? undefined : this.boxes.get(pose.viewpoint);
-    const points = corners?.map(([heading, elevation]) => this.at(heading, elevation)) ?? [];
-    const seen = points.length > 0 && points.every((one) => one !== undefined);
-    this.box.toggleAttribute('hidden', !seen);
-    this.box.setAttribute('points', seen ? points.map((one) => one!.map((x) => x.toFixed(1)).join()).join(' ') : '');
-    const mark = this.point && this.point.viewpoint === pose.viewpoint && !onTheWay && this.at(this.point.heading, this.point.elevation);
+    const points = rimInView(corners?.flat() ?? [], view, pose);
+    this.box.toggleAttribute('hidden', !mayBeSeen(points, view));
+    this.box.setAttribute('points', points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(' '));
+    const [mark] = this.point && this.point.viewpoint === pose.viewpoint && !onTheWay
+      ? rimInView([this.point.heading, this.point.elevation], view, pose) : [];
     this.mark.toggleAttribute('hidden', !mark);
     if (mark) {
       this.mark.setAttribute('cx', mark[0].toFixed(1));
@@ -69,14 +79,13 @@ export class Outlines {
     this.tell(corners, points);
   }
 
-  private tell(corners: Corners | undefined, points: readonly (readonly [number, number] | undefined)[]): void {
+  private tell(corners: Corners | undefined, points: readonly (readonly [number, number])[]): void {
     if (this.boxes.size === 0) return;
-    const { width, height } = this.viewer.view;
     let text = 'The object is not seen from here.';
+    this.button.hidden = !corners || mayBeSeen(points, this.viewer.view);
     if (corners) {
-      const inside = points.some((one) => one && one[0] >= 0 && one[0] <= width && one[1] >= 0 && one[1] <= height);
       const turn = Math.round(toDegrees(this.turn(corners)) / 10) * 10;
-      text = inside ? 'The object is in the view, with an orange frame.'
+      text = mayBeSeen(points, this.viewer.view) ? 'The object is in the view, with an orange frame.'
         : `Turn ${turn < 0 ? 'left' : 'right'} to see the object, by about ${Math.abs(turn)} degrees.`;
     }
     if (this.said.textContent !== text) this.said.textContent = text;

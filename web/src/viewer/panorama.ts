@@ -2,7 +2,7 @@
 import * as three from 'three';
 import { apply, type Mat3, transpose, type Vec3 } from '../geometry/geometry.ts';
 import type { Layer } from '../scan/scan.ts';
-import type { Api } from '../server/api.ts';
+import { type Api, reach } from '../server/api.ts';
 import { Kept } from './kept.ts';
 import { cubeOrder, pointOfCube, Surround } from './surround.ts';
 
@@ -240,7 +240,7 @@ export class Pictures {
     const [layer, viewpoint] = [key.slice(0, key.indexOf('/')) as Layer, key.slice(key.indexOf('/') + 1)];
     const bitmaps = await Promise.all(
       cubeOrder.map(async (face) => {
-        const response = await fetch(this.api.face(this.scan, viewpoint, layer, face));
+        const response = await reach(this.api.face(this.scan, viewpoint, layer, face));
         if (!response.ok) throw new Error(`no ${layer} picture of viewpoint ${viewpoint}`);
         return createImageBitmap(await response.blob(), {
           colorSpaceConversion: 'none',

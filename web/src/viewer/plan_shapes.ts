@@ -1,6 +1,7 @@
 /** A storey as lines of a plan, y pointing down: what the viewer's map and the plan of free walking share. */
 import type { Lines, Plan } from '../scan/scan.ts';
 import { shape } from '../elements/svg.ts';
+import { type Disc, placeLabel } from './plan_labels.ts';
 
 /** Around what is drawn, metres. */
 export const margin = 0.6;
@@ -26,31 +27,31 @@ export function roundLength(most: number): number {
 export const roomsOf = (plan: Plan | undefined, storey: number): Plan['rooms'] =>
   (plan?.rooms ?? []).filter((room) => room.storey === storey && room.outline.length >= 6);
 
-/** Rooms, walls and things of a storey. @param size of letters, metres */
-export function storeyShapes(plan: Plan | undefined, shown: number, size: number): SVGElement[] {
+/** Floors, walls and things of a storey, without names. */
+export function storeyLines(plan: Plan | undefined, shown: number): SVGElement[] {
   const storey = plan?.storeys[shown];
   if (!storey) return [];
-  const floors = shape('g', { class: 'rooms' });
+  const floors = shape('g', { class: 'rooms' },
+    ...roomsOf(plan, shown).map(({ outline }) => shape('polygon', { points: outline.map((value, k) => (k % 2 === 0 ? value : -value)).join(' ') })));
+  return [floors, strokes(storey.furniture, 'furniture'), strokes(storey.stairs, 'stairs'),
+    strokes(storey.windows, 'windows'), strokes(storey.doors, 'doors'), strokes(storey.walls, 'walls')];
+}
+
+/** The names of a storey's rooms. @param size of letters, metres @param discs what they leave free, where they can */
+export function roomNames(plan: Plan | undefined, shown: number, size: number, discs: readonly Disc[] = []): SVGElement {
   const names = shape('g', { class: 'names', 'font-size': size });
   for (const { name, outline } of roomsOf(plan, shown)) {
-    const points = outline.map((value, k) => (k % 2 === 0 ? value : -value));
-    floors.append(shape('polygon', { points: points.join(' ') }));
-    const [px, py] = [0, 1].map((which) => points.filter((_, k) => k % 2 === which)) as [number[], number[]];
-    const room = { left: Math.min(...px), right: Math.max(...px), top: Math.min(...py), bottom: Math.max(...py) };
-    const words = name.split(' ');
-    const wide = 0.56 * size * Math.max(...words.map((word) => word.length));
-    // Names that do not fit say less than the furniture that they would hide.
-    if (!name || wide > room.right - room.left || words.length * size > room.bottom - room.top) continue;
-    words.forEach((word, k) => {
-      names.append(shape('text', {
-        x: (room.left + room.right) / 2,
-        y: (room.top + room.bottom) / 2 + size * (k - (words.length - 1) / 2 + 0.35),
-      }, word));
+    const label = name ? placeLabel(name, outline, size, discs) : undefined;
+    label?.lines.forEach((line, k) => {
+      names.append(shape('text', { x: label.x, y: label.y + size * (k - (label.lines.length - 1) / 2 + 0.35) }, line));
     });
   }
-  return [floors, strokes(storey.furniture, 'furniture'), strokes(storey.stairs, 'stairs'),
-    strokes(storey.windows, 'windows'), strokes(storey.doors, 'doors'), strokes(storey.walls, 'walls'), names];
+  return names;
 }
+
+/** Rooms, walls, things and names of a storey. @param size of letters, metres */
+export const storeyShapes = (plan: Plan | undefined, shown: number, size: number): SVGElement[] =>
+  (plan?.storeys[shown] ? [...storeyLines(plan, shown), roomNames(plan, shown, size)] : []);
 
 /** @param most its length, metres */
 export function scaleBar(x: number, y: number, most: number, size: number): SVGElement {

@@ -1,5 +1,6 @@
 /** Buttons of a fly-through: play, pause, again, speed, and a slider of its time. */
-import type { Timeline } from './flight.ts';
+import { passSilence } from '../server/api.ts';
+import { Flight, type Timeline } from './flight.ts';
 import type { Viewer } from './viewer.ts';
 
 const speeds = [0.5, 1, 2, 4];
@@ -36,15 +37,16 @@ export class Player {
     this.slider.setAttribute('aria-label', 'Time in the fly-through');
     this.slider.addEventListener('input', () => {
       this.pause();
-      void this.seek(Number(this.slider.value));
+      this.seek(Number(this.slider.value)).catch(passSilence);
     });
     this.speed.setAttribute('aria-label', 'Speed');
     for (const value of speeds) this.speed.add(new Option(`${value}×`, String(value)));
     this.speed.value = '1';
     this.element.append(this.play, this.slider, this.speed);
-    // Who takes the view into their own hands wants to look, not to be carried on.
+    // People who turn the view themselves want to look, not to be carried on. On the whole screen these buttons are in it.
     const { signal } = this.ends;
-    for (const event of ['pointerdown', 'keydown']) viewer.element.addEventListener(event, () => this.pause(), { signal });
+    const stop = (event: Event) => { if (!this.element.contains(event.target as Node)) this.pause(); };
+    for (const event of ['pointerdown', 'keydown']) viewer.element.addEventListener(event, stop, { signal });
     this.label();
   }
 
@@ -63,7 +65,10 @@ export class Player {
     if (this.seconds >= this.flight.seconds) this.seconds = 0;
     this.running = true;
     this.label();
-    void this.run();
+    this.run().catch((error: unknown) => {
+      this.pause(); // else the button would say that it plays
+      passSilence(error);
+    });
   }
 
   pause(): void {
@@ -87,7 +92,10 @@ export class Player {
       const passed = Math.min(Math.max(now - before, 0) / 1000, 0.1);
       await this.seek(this.seconds + passed * Number(this.speed.value));
       before = now;
+      if (this.seconds < this.flight.seconds) continue;
+      if (this.flight instanceof Flight) await this.viewer.settle(); // recorded looks end as they were
       if (this.seconds >= this.flight.seconds) this.pause();
+      return;
     }
   }
 

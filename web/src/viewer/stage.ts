@@ -129,14 +129,17 @@ export class Stage {
     this.before = 0;
   }
 
-  /** On the way: share 0 to 1 of it. */
-  drawBetween(look: Look, share: number, passage: Passage): void {
+  /** On the way: share 0 to 1 of it. @param arrival where one looks after a fade, if not as before */
+  drawBetween(look: Look, share: number, passage: Passage, arrival: Direction = look): void {
     const [from, to] = [this.from!, this.to!];
     if (passage === 'fade') {
-      // Both as from their own eyes: nothing moves.
-      this.there.box.position.set(...from.position);
+      // Both as from their own eyes, and the second one as it is looked at then: nothing moves.
+      const { box } = this.there;
+      box.position.set(...from.position);
+      box.setRotationFromMatrix(poseOf(look).multiply(poseOf(arrival).transpose()));
       this.drawBox(look, from.position, share);
-      this.there.box.position.set(...to.position);
+      box.position.set(...to.position);
+      box.quaternion.identity();
       this.drawMarks(1 - share, 1 - share);
       return;
     }
@@ -211,19 +214,23 @@ export class Stage {
   }
 
   private aim(eye: Vec3, look: Look, aspect: number): void {
-    const m = worldFromCamera(look);
-    // three.js cameras look along -z with y up; ours along +z with y down.
-    const pose = new three.Matrix4().set(
-      m[0], -m[1], -m[2], eye[0],
-      m[3], -m[4], -m[5], eye[1],
-      m[6], -m[7], -m[8], eye[2],
-      0, 0, 0, 1,
-    );
-    pose.decompose(this.camera.position, this.camera.quaternion, this.camera.scale);
+    this.camera.setRotationFromMatrix(poseOf(look));
+    this.camera.position.set(...eye);
     this.camera.fov = (look.vfov * 180) / Math.PI;
     this.camera.aspect = aspect;
     this.camera.updateProjectionMatrix();
   }
+}
+
+/** World from camera, as three.js has cameras: they look along -z with y up, ours along +z with y down. */
+function poseOf(look: Direction): three.Matrix4 {
+  const m = worldFromCamera(look);
+  return new three.Matrix4().set(
+    m[0], -m[1], -m[2], 0,
+    m[3], -m[4], -m[5], 0,
+    m[6], -m[7], -m[8], 0,
+    0, 0, 0, 1,
+  );
 }
 
 /** Rows in the other order: OpenGL's first is the lowest. */

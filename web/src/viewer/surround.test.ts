@@ -96,6 +96,24 @@ describe('what surrounds a viewpoint', () => {
     expect(apart(both.openHeading(worldFromPanorama, [], reach), Math.PI / 2)).toBeLessThan(step);
   });
 
+  it('has a distance ahead, which a single post or gap does not change', () => {
+    const worldFromPanorama = worldFromCamera({ heading: 0, elevation: 0 });
+    // To the north 3 m, but for one column of readings, 1 degree wide; a little down, too.
+    const around = Surround.parse(bytes(90, (face, _, column) => (face === 3 ? (column === 45 ? 0.4 : 3) : 1)));
+    expect(around.ahead(worldFromPanorama, 0)).toBe(3);
+    expect(around.ahead(worldFromPanorama, Math.PI / 2)).toBe(1);
+    expect(around.ahead(worldFromCamera({ heading: Math.PI / 2, elevation: 0 }), Math.PI / 2)).toBe(3);
+  });
+
+  it('is not looked at where a pillar is in the middle of what is open', () => {
+    const worldFromPanorama = worldFromCamera({ heading: 0, elevation: 0 });
+    // All of the north is far away, but 30 degrees in its middle; nothing else is.
+    const around = Surround.parse(bytes(90, (face, _, column) => (face === 3 ? (Math.abs(column - 44.5) < 12 ? 0.6 : 6) : 1)));
+    const heading = around.openHeading(worldFromPanorama, []);
+    expect(around.ahead(worldFromPanorama, heading)).toBe(6);
+    expect(apart(heading, 0)).toBeGreaterThan(degrees(14));
+  });
+
   it('ends a little beyond the outermost viewpoints', () => {
     const viewpoints = [[0, 0, 0], [4, 0, 0], [0, -3, 0]] as const;
     expect(reachOf([0, 0, 0], viewpoints, Math.PI / 2)).toBeCloseTo(5.5);

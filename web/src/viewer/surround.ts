@@ -8,6 +8,9 @@ import { apply, type Mat3, transpose, type Vec3, worldFromCamera, wrapDifference
 export const cubeOrder = [2, 4, 0, 5, 1, 3] as const;
 
 const unitsPerMetre = 4000;
+/** Radians: of rays around the middle of a view, to the side and up. People look a little down (arrival.ts). */
+const aside = 0.09;
+const heights = [-0.25, -0.1, 0.05] as const;
 /** Metres, where nothing at all is known: a room. */
 const usual = 3;
 
@@ -117,6 +120,19 @@ export class Surround {
     return [least, most];
   }
 
+  /** Metres along a heading, level and a little down: of nine rays within 5 degrees the middle one. */
+  ahead(worldFromPanorama: Mat3, heading: number): number {
+    const panoramaFromWorld = transpose(worldFromPanorama);
+    const metres = [-aside, 0, aside].flatMap((turn) => heights.map((elevation) =>
+      this.along(panoramaFromWorld, heading + turn, elevation)));
+    return metres.sort((a, b) => a - b)[4]!;
+  }
+
+  private along(panoramaFromWorld: Mat3, heading: number, elevation: number): number {
+    const m = worldFromCamera({ heading, elevation });
+    return this.at(apply(panoramaFromWorld, [m[2], m[5], m[8]]));
+  }
+
   /**
    * The heading in which there is most to see: far away, and a way to go.
    * @param steps headings of where one can go
@@ -127,12 +143,10 @@ export class Surround {
     const rays = 72; // 5 degrees: half of a door 5 m away
     const turn = (2 * Math.PI) / rays;
     const far = 7; // farther away it makes no difference
+    const near = 2; // nearer there is nothing to see
     const open = Array.from({ length: rays }, (_, k) => {
       const most = Math.min(far, reach(k * turn));
-      const seen = [-0.15, 0, 0.15].map((elevation) => {
-        const m = worldFromCamera({ heading: k * turn, elevation });
-        return Math.min(this.at(apply(panoramaFromWorld, [m[2], m[5], m[8]])), most);
-      });
+      const seen = heights.map((elevation) => Math.min(this.along(panoramaFromWorld, k * turn, elevation), most));
       return seen.reduce((a, b) => a + b, 0) / seen.length / far;
     });
     const window = 9; // 45 degrees to either side: what is in view
@@ -145,6 +159,8 @@ export class Surround {
       }
       const nearest = Math.min(...steps.map((step) => Math.abs(wrapDifference(step - k * turn))), Math.PI);
       score += nearest < window * turn ? 0.4 * (1 - nearest / (window * turn)) : 0;
+      // A pillar or a door leaf in the middle spoils the view, however open it is beside it.
+      score -= Math.max(0, 1 - this.ahead(worldFromPanorama, k * turn) / near);
       if (score > most) [best, most] = [k, score];
     }
     return best * turn;

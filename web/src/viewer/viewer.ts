@@ -1,17 +1,19 @@
 /** First person in a panorama, as a part of any page. */
 import {
-  apply, type Camera, degrees, type Direction, directionTo, norm, project, subtract, type Vec3, worldFromCamera, wrapHeading,
+  apply, type Camera, type Direction, directionTo, norm, project, subtract, type Vec3, worldFromCamera, wrapDifference,
+  wrapHeading,
 } from '../geometry/geometry.ts';
-import { halfFieldOfView, navigable, type Step } from '../scan/navigation.ts';
-import { type Layer, type Scan, viewpointIndex } from '../scan/scan.ts';
-import { Api } from '../server/api.ts';
+import { navigable, type Step } from '../scan/navigation.ts';
+import type { Layer, Scan } from '../scan/scan.ts';
+import { Api, passSilence, reachability, Silence } from '../server/api.ts';
+import { arrivalLook, endLook, firstPose, limitVfov, openHeading, usualVfov } from './arrival.ts';
 import { Controls } from './controls.ts';
 import { floorBelow, type Mark } from './discs.ts';
 import { Flight, type Moment } from './flight.ts';
+import type { Rules, ViewerOptions } from './options.ts';
 import { type Outline, OutlineLayer } from './outline_layer.ts';
 import { type Panorama, Pictures } from './panorama.ts';
 import { type Passage, Stage } from './stage.ts';
-import { reachOf } from './surround.ts';
 
 /** Where one stands and looks. */
 export interface Pose extends Direction {
@@ -21,41 +23,6 @@ export interface Pose extends Direction {
   readonly vfov: number;
 }
 
-export interface ViewerOptions extends Partial<Direction> {
-  readonly scan: string;
-  /** An id; absent: the first viewpoint that has pictures. */
-  readonly viewpoint?: string;
-  /** An id: looks there first, if no heading is given. Absent: to where most is to be seen. */
-  readonly towards?: string;
-  readonly vfov?: number;
-  /** The server's address; absent: that of the page. */
-  readonly server?: string;
-  /** Absent: one may look and go everywhere. */
-  readonly rules?: Rules;
-}
-
-/** What one may see and do, where that is less than everything. */
-export interface Rules {
-  /** Radians: only steps that lie within this angle of the heading can be taken. */
-  readonly within: number;
-  /** One looks so far up and down at most, radians. */
-  readonly mostElevation: number;
-  /** The vertical opening, which stays, radians. */
-  readonly vfov: number;
-  /** Width of the picture divided by its height. */
-  readonly aspect: number;
-}
-
-/** What an agent of R2R sees: 640 x 480 at 60 degrees, three rows of views, MatterSim's linear field of view. */
-export const agentRules: Rules = {
-  within: halfFieldOfView({ width: 640, height: 480, vfov: degrees(60) }),
-  mostElevation: degrees(30),
-  vfov: degrees(60),
-  aspect: 640 / 480,
-};
-
-const leastVfov = degrees(25);
-const mostVfov = degrees(100);
 /** A disc is hit within this many pixels: a finger's width. */
 const reach = 36;
 /** Of a glide: as long as it takes to see where one gets to. A fade is no motion, and shorter. */
@@ -79,30 +46,41 @@ export class Viewer {
   private readonly hint = document.createElement('div');
   private names: ReadonlyMap<number, string> = new Map();
   private path: readonly number[] = [];
+  private pointed: number | undefined;
   private hovered: number | undefined;
+  private highlighted: number | undefined;
   private marks: ReadonlyMap<number, Mark> = new Map();
   private overlay: { layer: Layer; share: number } | undefined;
   private readonly rules: Rules | undefined;
+  /** Whether the opening follows the picture's shape. */
+  private fits: boolean;
   private places: ReadonlySet<number> | undefined;
   private pose_: Pose;
   private moving = false;
   private pick: ((direction: Direction) => void) | undefined;
   /** Counts what moves one: a later one ends those before. */
   private trips = 0;
+  /** Counts moments of flights, of which the last that was asked for is shown. */
+  private asked = 0;
   /** On the way; nothing while one stands. */
   private moment: Moment | undefined;
+  /** Where one looks after the fade that is going on. */
+  private arrival: Direction | undefined;
   private frame = 0;
   private animation = 0;
   private endAnimation: () => void = () => {};
 
-  /** Resolves when the first panorama is on the screen. Throws ServerError, or Error without WebGL. */
+  /** Resolves when the first panorama is on the screen. Throws ServerError, NotInScan, or Error without WebGL. */
   static async open(element: HTMLElement, options: ViewerOptions): Promise<Viewer> {
     const api = new Api(options.server);
     const scan = await api.scan(options.scan);
     const viewer = new Viewer(element, api, scan, options);
     const here = await viewer.panorama(viewer.pose_.viewpoint);
     viewer.stage.stand(here);
-    if (options.heading === undefined && options.towards === undefined) viewer.lookAround(here);
+    if (options.heading === undefined && options.towards === undefined) {
+      const { viewpoint, heading } = viewer.pose_;
+      viewer.pose_ = { ...viewer.pose_, heading: openHeading(scan, viewpoint, here.distances?.surround) ?? heading };
+    }
     viewer.arrive();
     viewer.drawNow();
     performance.mark('enfilade-first-panorama');
@@ -113,7 +91,8 @@ export class Viewer {
     this.element = element;
     this.scan_ = scan;
     this.rules = options.rules;
-    this.pose_ = startPose(scan, options);
+    this.fits = !options.rules && options.vfov === undefined;
+    this.pose_ = firstPose(scan, options);
     this.pictures = new Pictures(api, scan.scan);
     this.stage = new Stage();
     element.classList.add('enfilade-viewer');
@@ -181,14 +160,16 @@ export class Viewer {
 
   zoom(vfov: number): void {
     if (!this.zooms) return;
-    this.setPose({ ...this.pose_, vfov: Math.min(Math.max(vfov, leastVfov), mostVfov) });
+    this.fits = false;
+    this.setPose({ ...this.pose_, vfov: limitVfov(vfov) });
   }
 
   /**
    * Glides to a viewpoint; fades to one that is no step away, and where people asked for less motion.
-   * False while on the way, or if it may not be.
+   * One arrives with a view (arrival.ts), unless there are rules. False while on the way, or if it may not be.
+   * @param chosen on a map or in a list: one looks around anew, also after one step
    */
-  async go(viewpoint: number): Promise<boolean> {
+  async go(viewpoint: number, chosen = false): Promise<boolean> {
     if (this.moving || !this.scan.viewpoints[viewpoint]?.rotation || !this.may(viewpoint)) return false;
     this.moving = true;
     this.stopAnimation();
@@ -198,29 +179,52 @@ export class Viewer {
       const there = await this.panorama(viewpoint);
       if (trip !== this.trips) return false;
       this.stage.head(there);
-      const from = this.pose_.viewpoint;
-      this.moment = { from, to: viewpoint, share: 0, heading: this.pose_.heading, elevation: this.pose_.elevation };
+      const { viewpoint: from, heading: begin, elevation: level } = this.pose_;
+      const passage = this.passage(from, viewpoint);
+      const end = this.lookAt(viewpoint, there, chosen);
+      this.moment = { from, to: viewpoint, share: 0, heading: begin, elevation: level };
+      this.arrival = end;
       this.tell(); // what lies over the picture goes
-      const seconds = this.passage(from, viewpoint) === 'space'
-        ? glideSeconds(norm(subtract(there.position, this.eye()))) : fadeSeconds;
+      const seconds = passage === 'space' ? glideSeconds(norm(subtract(there.position, this.eye()))) : fadeSeconds;
+      let turned = this.pose_;
       await this.animate(seconds, (share) => {
-        const { heading, elevation } = this.pose_; // one may look around on the way
+        if (end && passage === 'space' && this.pose_ === turned) { // one may look around on the way
+          const turn = wrapDifference(end.heading - begin) * smooth(share);
+          turned = this.pose_ = { ...turned, heading: wrapHeading(begin + turn), elevation: level + (end.elevation - level) * smooth(share) };
+        }
+        const { heading, elevation } = this.pose_;
         this.moment = { from, to: viewpoint, share: smooth(share), heading, elevation };
         this.drawNow();
       });
       if (trip !== this.trips) return false;
+      if (passage === 'fade') this.pose_ = { ...this.pose_, ...end }; // the picture has turned already
       await this.stand(viewpoint);
+    } catch (error) {
+      this.fail(error, trip, () => this.go(viewpoint, chosen));
+      if (!(error instanceof Silence)) throw error;
+      return false;
     } finally {
       this.moving = false;
     }
     return true;
   }
 
-  /** To any pose, without a glide. */
+  /** To any pose, without a glide. To another viewpoint without a heading: with a view, as go() arrives. */
   async jump(pose: Partial<Pose>): Promise<void> {
     this.stopAnimation();
-    this.pose_ = { ...this.pose_, ...pose };
-    await this.stand(this.pose_.viewpoint);
+    const trip = this.trips;
+    if (pose.vfov !== undefined) this.fits = false;
+    const { viewpoint = this.pose_.viewpoint } = pose;
+    const arrives = viewpoint !== this.pose_.viewpoint && pose.heading === undefined;
+    try {
+      const there = await this.panorama(viewpoint);
+      if (trip !== this.trips) return; // one goes elsewhere now
+      this.pose_ = { ...this.pose_, ...(arrives && this.lookAt(viewpoint, there, false)), ...pose };
+      await this.stand(viewpoint);
+    } catch (error) {
+      this.fail(error, trip, () => this.jump(pose));
+      throw error;
+    }
   }
 
   /** Whether it is between two viewpoints. */
@@ -253,17 +257,32 @@ export class Viewer {
     const step = x === undefined || y === undefined || this.moving || this.pick ? undefined : this.stepAt(x, y);
     if (step?.viewpoint === this.hovered) return step !== undefined;
     this.hovered = step?.viewpoint;
-    this.stage.discs.choose(step?.viewpoint);
-    this.hint.hidden = step === undefined;
-    if (step) {
-      const [left, top] = this.at(step.viewpoint)!;
-      const name = this.names.get(step.viewpoint);
-      this.hint.textContent = `${name ? `${name}, ` : ''}${step.distance.toFixed(1)} m`;
-      this.hint.style.left = `${left}px`;
-      this.hint.style.top = `${top}px`;
-    }
+    this.showChosen();
     this.draw();
     return step !== undefined;
+  }
+
+  /** Shows which disc is a viewpoint's, as pointing at it does, or where it is; nothing: none. */
+  highlight(viewpoint: number | undefined): void {
+    this.highlighted = viewpoint;
+    this.pointTo(viewpoint);
+    this.showChosen();
+    this.draw();
+  }
+
+  /** Makes the chosen disc larger, and says what is there. */
+  private showChosen(): void {
+    const viewpoint = this.hovered ?? this.highlighted;
+    this.stage.discs.choose(viewpoint);
+    const at = viewpoint === undefined || this.moment ? undefined : this.at(viewpoint);
+    const { width, height } = this.view;
+    this.hint.hidden = !at || at[0] < 0 || at[0] > width || at[1] < 0 || at[1] > height;
+    if (!at || viewpoint === undefined) return;
+    const name = this.names.get(viewpoint);
+    const away = norm(subtract(this.scan.viewpoints[viewpoint]!.position, this.eye()));
+    this.hint.textContent = `${name ? `${name}, ` : ''}${away.toFixed(1)} m`;
+    this.hint.style.left = `${at[0]}px`;
+    this.hint.style.top = `${at[1]}px`;
   }
 
   /** Names of viewpoints, of their rooms for instance, where people may know them. */
@@ -281,6 +300,12 @@ export class Viewer {
   get nextOnPath(): number | undefined {
     const k = this.path.indexOf(this.pose_.viewpoint);
     return k < 0 ? undefined : this.path[k + 1];
+  }
+
+  /** While this viewpoint is out of sight, an arrow at the side says where it is; nothing: where the path goes on. */
+  pointTo(viewpoint: number | undefined): void {
+    this.pointed = viewpoint;
+    this.pointOn();
   }
 
   /** Marks a path on the floor: blue discs, start and goal with poles; yellow ones where a goal is seen. Empty: none. */
@@ -319,8 +344,13 @@ export class Viewer {
 
   /** Depth or classes over the colours; share 0 to 1. */
   async setOverlay(layer: Layer | undefined, share = 0.6): Promise<void> {
-    this.overlay = layer && layer !== 'colour' ? { layer, share } : undefined;
-    this.stage.stand(await this.panorama(this.pose_.viewpoint));
+    const overlay = layer && layer !== 'colour' ? { layer, share } : undefined;
+    const { viewpoint } = this.pose_;
+    this.overlay = overlay;
+    const here = await this.panorama(viewpoint);
+    if (this.overlay !== overlay) return; // another was chosen
+    if (this.pose_.viewpoint !== viewpoint) return this.setOverlay(layer, share); // one has gone on
+    this.stage.stand(here);
     this.draw();
   }
 
@@ -328,20 +358,44 @@ export class Viewer {
     return new Flight(this.scan, path, this.pose_);
   }
 
-  /** Shows a moment of a flight. Resolves when it is on the screen. */
+  /** Shows a moment of a flight. Resolves when it is on the screen, or when something else is to be shown. */
   async showMoment(moment: Moment): Promise<void> {
     const { from, to, share } = moment;
+    const [trip, asked] = [this.trips, ++this.asked];
+    const isOver = () => trip !== this.trips || asked !== this.asked;
     if (this.hovered !== undefined) this.hoverAt();
     if (from !== this.pose_.viewpoint) {
-      this.stage.stand(await this.panorama(from));
+      const here = await this.panorama(from);
+      if (isOver()) return;
+      this.stage.stand(here);
       this.pose_ = { ...this.pose_, viewpoint: from };
       this.placeDiscs();
     }
-    if (to !== from) this.stage.head(await this.panorama(to));
+    if (to !== from) {
+      const there = await this.panorama(to);
+      if (isOver()) return;
+      this.stage.head(there);
+    }
     this.pose_ = { ...this.pose_, heading: moment.heading, elevation: moment.elevation };
     this.moment = share > 0 && to !== from ? moment : undefined;
+    this.arrival = undefined;
     this.tell();
     this.draw();
+  }
+
+  /** At the end of a flight: turns to what is open, where a wall is right ahead. */
+  async settle(): Promise<void> {
+    const begin = this.pose_;
+    const { distances } = await this.panorama(begin.viewpoint);
+    const end = endLook(this.scan, begin.viewpoint, begin.heading, distances?.surround);
+    if (!end || this.moving || this.pose_ !== begin) return;
+    const turn = wrapDifference(end.heading - begin.heading);
+    let turned = begin;
+    await this.animate(Math.abs(turn) / 2, (share) => {
+      if (this.pose_ !== turned) return; // one looks elsewhere oneself
+      this.look(begin.heading + turn * smooth(share), begin.elevation + (end.elevation - begin.elevation) * smooth(share));
+      turned = this.pose_;
+    });
   }
 
   /** The picture without discs, RGBA rows from the top, of any size: what the simulator draws. */
@@ -370,13 +424,28 @@ export class Viewer {
     return this.places?.has(viewpoint) ?? true;
   }
 
+  /** One stays where one was. If the server does not answer, which the page says, the trip is made once it does, if no other was begun. */
+  private fail(error: unknown, trip: number, again: () => Promise<unknown>): void {
+    if (trip !== this.trips) return;
+    if (this.moment) {
+      this.moment = undefined;
+      this.tell();
+      this.draw();
+    }
+    if (!(error instanceof Silence)) return;
+    reachability.addEventListener('back', () => {
+      if (trip === this.trips) again().catch(passSilence);
+    }, { once: true });
+  }
+
   private eye(): Vec3 {
     return this.scan.viewpoints[this.pose_.viewpoint]!.position;
   }
 
   private setPose(pose: Pose): void {
     this.pose_ = pose;
-    if (this.hovered !== undefined) this.hoverAt(); // the disc is elsewhere now
+    this.hovered = undefined; // the disc is elsewhere now
+    this.showChosen();
     if (this.rules) this.placeDiscs(); // what can be gone to turns with the heading
     this.tell();
     this.draw();
@@ -388,7 +457,10 @@ export class Viewer {
   }
 
   private async stand(viewpoint: number): Promise<void> {
-    this.stage.stand(await this.panorama(viewpoint));
+    const trip = this.trips;
+    const there = await this.panorama(viewpoint);
+    if (trip !== this.trips) return; // one goes elsewhere now
+    this.stage.stand(there);
     this.moment = undefined;
     this.pose_ = { ...this.pose_, viewpoint };
     this.arrive();
@@ -423,13 +495,14 @@ export class Viewer {
     };
   }
 
-  /** Turns to where most is to be seen. */
-  private lookAround({ distances, rotation, position }: Panorama): void {
-    if (!distances) return; // then it looks to where one can go
-    const steps = this.scan.viewpoints[this.pose_.viewpoint]!.neighbours
-      .map((v) => directionTo(position, this.scan.viewpoints[v]!.position).heading);
-    const reach = (heading: number) => reachOf(position, this.scan.viewpoints.map((viewpoint) => viewpoint.position), heading);
-    this.pose_ = { ...this.pose_, heading: distances.surround.openHeading(rotation, steps, reach) };
+  /** Where one looks on arrival at another viewpoint; nothing: as before, which is what agents do. */
+  private lookAt(to: number, { distances }: Panorama, chosen: boolean): Direction | undefined {
+    const { viewpoint: from, heading, elevation } = this.pose_;
+    const k = this.path.indexOf(to);
+    const look = { heading, elevation };
+    const next = k < 0 ? undefined : this.path[k + 1];
+    const end = this.rules ? look : arrivalLook(this.scan, { from, to, chosen, look, next, surround: distances?.surround });
+    return end === look ? undefined : end;
   }
 
   private passage(from: number, to: number): Passage {
@@ -453,14 +526,15 @@ export class Viewer {
     return best;
   }
 
-  /** An arrow at the side where the path goes on, while that is out of sight. */
+  /** An arrow at the side where the path goes on, or where pointTo() has it, while that is out of sight. */
   private pointOn(): void {
-    const next = this.nextOnPath;
-    const step = next === undefined ? undefined : navigable(this.scan, this.pose_.viewpoint, this.pose_).find((s) => s.viewpoint === next);
+    const next = this.pointed ?? this.nextOnPath;
+    const at = next === undefined || next === this.pose_.viewpoint ? undefined : this.scan.viewpoints[next]?.position;
+    const turn = at && wrapDifference(directionTo(this.eye(), at).heading - this.pose_.heading);
     const { width, height, vfov } = this.view;
     const half = Math.atan(Math.tan(vfov / 2) * (width / height));
-    this.next.hidden = step === undefined || Math.abs(step.relHeading) < half * 0.85;
-    if (step) this.next.dataset['side'] = step.relHeading > 0 ? 'right' : 'left';
+    this.next.hidden = turn === undefined || Math.abs(turn) < half * 0.85;
+    if (turn !== undefined) this.next.dataset['side'] = turn > 0 ? 'right' : 'left';
   }
 
   private placeDiscs(): void {
@@ -471,6 +545,7 @@ export class Viewer {
       marks.delete(this.pose_.viewpoint); // one stands on it
     }
     this.stage.discs.set(this.scan, this.eye(), marks);
+    this.showChosen();
   }
 
   /** At the next frame, once, however often it is asked for. */
@@ -483,7 +558,7 @@ export class Viewer {
     this.outlines.draw(this.moment ? undefined : this.pose_.viewpoint, this.view, this.pose_);
     if (this.moment) {
       const { from, to, share } = this.moment;
-      this.stage.drawBetween(this.pose_, share, this.passage(from, to));
+      this.stage.drawBetween(this.pose_, share, this.passage(from, to), this.arrival);
     } else {
       this.stage.draw(this.pose_);
     }
@@ -511,27 +586,12 @@ export class Viewer {
 
   private resize(): void {
     const { width, height } = this.view;
+    const vfov = this.fits ? usualVfov({ width, height }) : this.pose_.vfov;
+    if (vfov !== this.pose_.vfov) {
+      this.pose_ = { ...this.pose_, vfov };
+      this.tell();
+    }
     this.stage.resize(width, height);
     this.drawNow(); // at once: an empty frame would flash
   }
-}
-
-function startPose(scan: Scan, options: ViewerOptions): Pose {
-  const named = viewpointIndex(scan, options.viewpoint);
-  if (options.viewpoint !== undefined && named < 0) {
-    throw new Error(`${scan.scan} has no viewpoint ${options.viewpoint}`);
-  }
-  const first = scan.viewpoints.findIndex(({ included, rotation }) => included && rotation);
-  const viewpoint = named >= 0 ? named : first;
-  if (viewpoint < 0) throw new Error(`${scan.scan} has no pictures`);
-  const { position, neighbours } = scan.viewpoints[viewpoint]!;
-  const towards = viewpointIndex(scan, options.towards);
-  const next = scan.viewpoints[towards >= 0 && towards !== viewpoint ? towards : (neighbours[0] ?? -1)];
-  const along = next ? directionTo(position, next.position).heading : 0;
-  return {
-    viewpoint,
-    heading: wrapHeading(options.heading ?? along), // towards somewhere to go, not a wall
-    elevation: options.elevation ?? 0,
-    vfov: options.rules?.vfov ?? Math.min(Math.max(options.vfov ?? degrees(60), leastVfov), mostVfov),
-  };
 }

@@ -9,7 +9,7 @@ const taskTexts: Record<Kind, string> = {
   describe: 'You see an object in a building and write what to do with it, so that another person finds it.',
   find: 'You read about an object, walk through a building until you see it, and point at it.',
   guide: 'You walk through a building and say on the way what one should do.',
-  dialogue: 'With another person you look for a thing in a building: one walks and asks, one sees the way and answers.',
+  dialogue: 'With another person you look for an object in a building: one walks and asks, one sees the way and answers.',
 };
 const amounts: Record<Kind, (n: number) => string> = {
   write: (n) => `${counted(n, 'path')} to describe`, walk: (n) => counted(n, 'walk'), describe: (n) => `${counted(n, 'object')} to describe`,

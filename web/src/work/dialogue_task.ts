@@ -3,9 +3,11 @@ import type { Role, Turn } from '../collecting/collections.ts';
 import { action, form, labelled, twice } from '../elements/forms.ts';
 import { wrapHeading } from '../geometry/geometry.ts';
 import { make, say } from '../elements/page.ts';
+import { api as site } from '../server/api.ts';
 import { viewpointIndex } from '../scan/scan.ts';
 import { keyHelp } from '../viewer/controls.ts';
-import { agentRules, Outlines, Viewer } from '../viewer/enfilade-viewer.ts';
+import { agentRules, MiniMap, Outlines, Viewer } from '../viewer/enfilade-viewer.ts';
+import { turnHint } from '../viewer/turn_hint.ts';
 import { type Desk, taskPanel } from './flow.ts';
 import { explainLoss, isOutOfReach, troubles } from './refusals.ts';
 import { outlinesIn } from './targets.ts';
@@ -21,6 +23,10 @@ export class DialogueTask {
   private readonly desk: Desk;
   private readonly role: Role;
   private readonly outlines: Outlines | undefined;
+  /** For the navigator. */
+  private readonly hint: HTMLElement | undefined;
+  /** For the oracle. */
+  private readonly map: MiniMap | undefined;
   private readonly log = make('ol', { class: 'turns', 'aria-label': 'What was said', 'aria-live': 'polite', tabindex: '0' });
   private readonly turn = make('p', { role: 'status', class: 'turn' });
   private readonly said = make('div');
@@ -46,7 +52,7 @@ export class DialogueTask {
     const { viewpoint, heading, elevation } = now?.here ?? { viewpoint: task.start!, heading: task.heading, elevation: 0 };
     const viewer = await Viewer.open(view, { scan: task.scan, viewpoint, heading, elevation, ...(role === 'navigator' && { rules: agentRules }) });
     const shown = new DialogueTask(desk, viewer, role);
-    side.append(shown.panel());
+    side.append(...(shown.map ? [make('div', { class: 'map' }, shown.map.element)] : []), shown.panel());
     if (now) shown.follow(now);
     return shown;
   }
@@ -58,7 +64,14 @@ export class DialogueTask {
     this.at = this.here;
     const { object } = desk.task;
     this.outlines = object && new Outlines(viewer, outlinesIn(viewer.scan, object));
-    if (role === 'navigator') viewer.onChange(() => this.moved());
+    if (role === 'oracle') {
+      this.map = new MiniMap(viewer);
+      void this.map.loadPlan(site, false); // as where paths are described
+      return;
+    }
+    viewer.onChange(() => this.moved());
+    this.hint = turnHint(viewer);
+    viewer.element.parentElement!.append(this.hint);
   }
 
   save(): Promise<void> {
@@ -69,6 +82,7 @@ export class DialogueTask {
     this.over = true;
     clearTimeout(this.timer);
     this.outlines?.dispose();
+    this.map?.dispose();
     this.viewer.dispose();
   }
 
@@ -90,7 +104,7 @@ export class DialogueTask {
         make('p', {}, 'Walk by the rings on the floor. Ask the oracle, who sees the way. Stop where it is.')]
       : [make('h2', {}, 'You are the oracle'), make('p', { class: 'instruction' }, 'The navigator looks for: ', make('strong', {}, target)),
         make('p', {}, 'You see where the navigator stands, and the next steps of the way as blue discs. Answer in words.'),
-        ...(this.outlines ? [this.outlines.said] : [])];
+        ...(this.outlines ? [make('div', { class: 'buttons' }, this.outlines.said, this.outlines.button)] : [])];
     const [box] = labelled('message', navigator ? 'Your question' : 'Your answer', this.message);
     const talk = form('Send', [box], () => this.send());
     this.message.addEventListener('keydown', (event) => {
@@ -233,6 +247,7 @@ export class DialogueTask {
   private hold(): void {
     const held = this.viewer.pose.viewpoint;
     this.viewer.confine(this.mine ? this.viewer.scan.viewpoints.keys() : [held]);
+    this.hint!.hidden = !this.mine; // one waits
   }
 
   /** The oracle stands where the navigator stands, and sees the way. */
@@ -242,7 +257,9 @@ export class DialogueTask {
     this.watched = key;
     const viewpoint = viewpointIndex(this.viewer.scan, here.viewpoint);
     this.viewer.confine([viewpoint]);
-    this.viewer.setPath(ahead.map((id) => viewpointIndex(this.viewer.scan, id)));
+    const way = ahead.map((id) => viewpointIndex(this.viewer.scan, id));
+    this.viewer.setPath(way);
+    this.map?.setPath(way);
     await this.viewer.jump({ viewpoint, heading: here.heading, elevation: here.elevation });
   }
   private watched = '';

@@ -18,7 +18,7 @@ function codeOf({ code = '', url }: Completion): HTMLElement {
 
 const reasons: Record<NonNullable<Visit['why']>, string> = {
   finished: 'You have done all that was asked of you.',
-  'none-left': 'There is nothing more for you to do here: you have been to all that is open.',
+  'none-left': 'There is nothing more for you to do here: you have done every task that is open to you.',
   'all-leased': 'Others are at work on all that is left. Try again in a minute.',
   closed: 'This collection is closed for now.',
   questions: '',

@@ -1,12 +1,13 @@
 /** From the link to the thanks: consent, questions, instructions, task after task, the end. */
 import type { Collection, Kind } from '../collecting/collections.ts';
 import { action } from '../elements/forms.ts';
+import { canShowBuildings, noGraphics, workersWayBack } from '../elements/graphics.ts';
 import { markdown } from '../elements/markdown.ts';
 import { addHeader, byId, make } from '../elements/page.ts';
+import { reach } from '../server/api.ts';
 import { questionForm } from './ask.ts';
 import { conditions, notAccepted, practised, progress } from './conditions.ts';
 import { ending } from './ending.ts';
-import { canShowBuildings, noGraphics } from './graphics.ts';
 import { explained, explainLoss, isOutOfReach, troubles } from './refusals.ts';
 import { Tabs } from './tabs.ts';
 import { arrive, collectionOf, type Submission, type Task, type Visit, type WorkApi } from './visit.ts';
@@ -31,7 +32,7 @@ interface TaskPage {
 }
 
 /** Fills the page's main part with a task. */
-type ShowTask = (main: HTMLElement, desk: Desk) => Promise<TaskPage>;
+export type ShowTask = (main: HTMLElement, desk: Desk) => Promise<TaskPage>;
 
 const retryMs = 5000;
 
@@ -64,7 +65,19 @@ class Flow {
     if (visit.finished || (visit.why && visit.why !== 'questions')) return this.finish(visit);
     if (visit.task) return void this.begin(visit.task);
     if (arriving && visit.done === 0) return this.explain();
+    if (visit.done > 0 && visit.done === visit.of && !visit.practice) return void this.end();
     this.between();
+  }
+
+  /** All is done: no press is asked for to hear why there is no more. */
+  private async end(): Promise<void> {
+    try {
+      this.visit = await this.api.lease();
+    } catch {
+      return this.between();
+    }
+    if (this.visit.task) this.between(); // a place was left meanwhile
+    else this.go({ ...this.visit, why: this.visit.why ?? 'finished' });
   }
 
   /** Another tab goes on from here. */
@@ -187,16 +200,21 @@ export type Shows = Readonly<Partial<Record<Kind, ShowTask>>>;
 /** The page for workers of a collection. */
 const pageOf = (kind: Kind): string => (['write', 'describe', 'guide'].includes(kind) ? '/collect' : '/walk');
 
+/** Loads the page anew, once the server answers: without a server there would be no page. */
+function loadAnew(): void {
+  setTimeout(() => { reach('/api/v1/session').then(() => location.reload(), loadAnew); }, retryMs);
+}
+
 /** Runs a page of work. */
 export function work(shows: Shows): void {
+  addHeader({ synthetic: false }, []); // at once: what comes later moves nothing
   visit(shows).catch((error: unknown) => {
     const main = byId('main');
     main.classList.remove('wide');
-    if (!document.querySelector('header')) addHeader({ synthetic: false }, []);
     main.replaceChildren(make('div', { class: 'narrow' }, make('h1', { tabindex: '-1' }, explained(error)), troubles(error)));
     if (!isOutOfReach(error)) return;
     main.firstElementChild!.append(make('p', {}, 'This page tries again by itself. Nothing is lost.'));
-    setTimeout(() => location.reload(), retryMs);
+    loadAnew();
   });
 }
 
@@ -204,10 +222,7 @@ async function visit(shows: Shows): Promise<void> {
   const main = byId('main');
   const query = new URLSearchParams(location.search);
   collectionOf(query); // before anything that takes time
-  if (!canShowBuildings()) {
-    addHeader({ synthetic: false }, []);
-    return main.replaceChildren(noGraphics(query));
-  }
+  if (!canShowBuildings()) return main.replaceChildren(noGraphics(workersWayBack(query)));
   const tabs = new Tabs(location.search);
   const took = await tabs.takeOver();
   const arrival = await arrive();

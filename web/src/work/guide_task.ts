@@ -55,8 +55,10 @@ export class GuideTask {
     main.append(view, side);
     const drafts = new Drafts<Draft>(`guide/${task.task}`, storage, (draft) => api!.keepDraft(task.task!, draft));
     const draft = api && drafts.begin(task.draft as Draft | undefined);
-    const { viewpoint, heading } = draft?.steps.at(-1) ?? { viewpoint: task.path![0]!, heading: task.heading };
-    const viewer = await Viewer.open(view, { scan: task.scan, viewpoint, heading });
+    // At first towards the second viewpoint: a start's heading is random, and often shows a wall.
+    const [first, second = first] = task.path!;
+    const last = draft?.steps.at(-1);
+    const viewer = await Viewer.open(view, { scan: task.scan, ...(last ?? { viewpoint: first!, towards: second! }) });
     return new GuideTask(desk, viewer, drafts, draft, side);
   }
 
@@ -109,7 +111,7 @@ export class GuideTask {
     this.speak.addEventListener('click', () => (this.speech?.listening ? this.speech.stop() : this.speech?.begin()));
     panel.append(
       make('h2', {}, 'Walk the path'), tour.element,
-      make('p', { class: 'note' }, 'From the green pole to the red one, by the blue discs or the buttons. Your look and the time are kept.'),
+      make('p', { class: 'note' }, 'From the green pole to the red one, by the blue discs or the buttons. Where you look, and when, is recorded.'),
       make('h2', {}, make('label', { for: 'directions' }, 'Say it as you go')),
       make('p', { class: 'note' }, this.speech ? 'Type, or press Speak and talk: the browser writes it down, and you may correct it.' : 'Type while you walk. This browser cannot write down speech.'),
       ...(this.speech ? [make('p', {}, this.speak)] : []),

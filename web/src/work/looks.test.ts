@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { degrees } from '../geometry/geometry.ts';
-import { Looks } from './looks.ts';
+import { lookedAround, Looks } from './looks.ts';
 
 describe('looking around', () => {
   it('is three twelfths of a turn at the same viewpoint', () => {
@@ -13,5 +13,10 @@ describe('looking around', () => {
     see(1, 359.9);
     expect(looks.around(1)).toBe(true);
     expect(looks.around(2)).toBe(false);
+  });
+  it('is told in words', () => {
+    expect(lookedAround(0, 3)).toBe('You have not looked around yet.');
+    expect(lookedAround(2, 3)).toBe('You have looked around at 2 of them.');
+    expect(lookedAround(3, 3)).toBe('You have looked around at each of them.');
   });
 });

@@ -5,6 +5,10 @@ const sectors = 12;
 /** Twelfths of a turn that make a look around, not a glance on the way: a quarter and what a view shows. */
 const enough = 3;
 
+/** How many of a path's places one has looked around at, in words. */
+export const lookedAround = (seen: number, all: number): string =>
+  seen === 0 ? 'You have not looked around yet.' : `You have looked around at ${seen === all ? 'each of them' : `${seen} of them`}.`;
+
 export class Looks {
   private readonly seen = new Map<number, Set<number>>();
 

@@ -1,29 +1,15 @@
 /** A worker's visit: joining by a link, and asking the server as that worker. Shapes: /api/v1/openapi.json. */
-import type { Collection, Entry, Kind, Role, Target, TimedWord, Turn } from '../collecting/collections.ts';
+import type { Collection, Entry, Example, Role, TimedWord, Turn } from '../collecting/collections.ts';
 import type { Direction } from '../geometry/geometry.ts';
 import { api, json } from '../server/api.ts';
 import { storage } from './storage.ts';
 
-export interface Task {
+export interface Task extends Example {
   /** Absent in an example. */
   readonly task?: number;
-  readonly kind: Kind;
-  readonly scan: string;
-  /** Of the start, radians. */
-  readonly heading: number;
-  /** To be described. */
-  readonly path?: readonly string[];
-  /** To be followed, from `start`. */
-  readonly instruction?: string;
-  readonly start?: string;
-  /** To be described; of an oracle, what the navigator looks for. */
-  readonly object?: Target;
-  /** Of a dialogue: what the navigator looks for, and which of the two the worker is. */
-  readonly target?: string;
+  /** In a dialogue: which of the two the worker is. */
   readonly role?: Role;
   readonly draft?: object;
-  /** It is not kept for the collection. */
-  readonly practice?: boolean;
 }
 
 /** One of a screening, or an attention check. */

@@ -5,6 +5,7 @@ import { wrapHeading } from '../geometry/geometry.ts';
 import { make, say } from '../elements/page.ts';
 import { keyHelp } from '../viewer/controls.ts';
 import { agentRules, Viewer } from '../viewer/enfilade-viewer.ts';
+import { turnHint } from '../viewer/turn_hint.ts';
 import { type DraftState, Drafts } from './drafts.ts';
 import { type Desk, submit, taskPanel } from './flow.ts';
 import { Recorder } from './recorder.ts';
@@ -42,12 +43,13 @@ export class WalkTask {
   static async open(main: HTMLElement, desk: Desk): Promise<WalkTask> {
     const { task, api } = desk;
     const view = make('div', { class: 'agent' });
-    const side = make('aside', { class: 'side work', 'aria-label': 'Your task' });
-    main.append(make('div', { class: 'view stage' }, view), side);
+    const [stage, side] = [make('div', { class: 'view stage' }, view), make('aside', { class: 'side work', 'aria-label': 'Your task' })];
+    main.append(stage, side);
     const drafts = new Drafts<Draft>(`walk/${task.task}`, storage, (draft) => api!.keepDraft(task.task!, draft));
     const draft = api && drafts.begin(task.draft as Draft | undefined);
     const { viewpoint, heading, elevation } = draft?.steps.at(-1) ?? { viewpoint: task.start!, heading: task.heading, elevation: 0 };
     const viewer = await Viewer.open(view, { scan: task.scan, rules: agentRules, viewpoint, heading, elevation });
+    stage.append(turnHint(viewer));
     const walk = new this(desk, viewer, drafts, draft?.steps ?? []);
     side.append(walk.panel());
     return walk;

@@ -53,10 +53,11 @@ export class WriteTask {
   private advised = '';
 
   static async open(main: HTMLElement, desk: Desk): Promise<WriteTask> {
-    const { scan, heading, path = [] } = desk.task;
+    const { scan, path = [] } = desk.task;
     const [view, side] = [make('div', { class: 'view' }), make('aside', { class: 'side work', 'aria-label': 'Your task' })];
     main.append(view, side);
-    const viewer = await Viewer.open(view, { scan, heading, ...(path[0] !== undefined && { viewpoint: path[0] }) });
+    // Towards the second viewpoint: a start's heading is random, and often shows a wall.
+    const viewer = await Viewer.open(view, { scan, viewpoint: path[0]!, ...(path[1] !== undefined && { towards: path[1] }) });
     return new WriteTask(desk, viewer, side);
   }
 
@@ -73,7 +74,7 @@ export class WriteTask {
     this.map.setPath(path);
     void this.map.loadPlan(api, false); // workers would copy the names
     this.player = new Player(viewer, path);
-    const tour = new Tour(viewer, path, this.looks, () => this.player.pause());
+    const tour = new Tour(viewer, path, this.looks, () => this.player.pause(), () => this.outlines?.lookAt());
     const { task = 0 } = desk.task;
     this.drafts = new Drafts(`write/${task}`, storage, (draft) => desk.api!.keepDraft(task, draft));
     this.drafts.onState((state) => say(this.draftSaid, draftTexts[state]));
@@ -101,7 +102,7 @@ export class WriteTask {
     panel.append(
       make('h2', {}, 'See the path'), this.player.element, tour.element,
       ...(object ? [make('h2', {}, 'The object'), make('p', {}, 'With an orange frame at the end of the path: ', make('strong', {}, object.name), '.'),
-        this.outlines!.said] : []),
+        make('div', { class: 'buttons' }, this.outlines!.said, this.outlines!.button)] : []),
       make('h2', {}, make('label', { for: 'directions' }, object ? 'Your request' : 'Your directions')),
       make('p', { class: 'note' }, object ? 'Write to a person at the green pole who should find this very object.' : 'From the start, the green pole, to the goal, the red one.'),
       this.text, this.refusal, make('p', { class: 'note beneath' }, this.count, ' ', this.draftSaid), this.advice, this.buttons(), this.said);

@@ -4,10 +4,15 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "enfilade/graph/graph_set.h"
 #include "enfilade/scan/file_tree.h"
+#include "enfilade/scan/regions.h"
 #include "enfilade/service/collecting/kinds/targets.h"
 #include "enfilade/tasks/files.h"
+#include "enfilade/tasks/objects.h"
 #include "enfilade/tasks/pose_trace.h"
 #include "tests/support/collecting.h"
 
@@ -129,6 +134,82 @@ TEST_F(Kinds, AnObjectIsDescribedFoundByAnotherAndExportedAsReverie) {
                                      tasks::Task::kReverie)
                 .paths,
             read.paths);
+}
+
+/// As boxes of real homes are: frames and walls are the largest things in view.
+constexpr const char* kRealBoxes = R"({
+  "row_v2": {"31": {"name": "chair", "visible_pos": [12], "bbox2d": [[0, 0, 90, 90]]}},
+  "row_v3": {"1": {"name": "door frame", "visible_pos": [12], "bbox2d": [[100, 0, 300, 480]]},
+             "2": {"name": "wall /otherroom", "visible_pos": [13], "bbox2d": [[0, 0, 640, 480]]},
+             "3": {"name": "window", "visible_pos": [14], "bbox2d": [[0, 0, 400, 300]]},
+             "30": {"name": "chair", "visible_pos": [15], "bbox2d": [[0, 0, 250, 250]]},
+             "40": {"name": "picture", "visible_pos": [16], "bbox2d": [[0, 0, 220, 220]]},
+             "41": {"name": "picture#small", "visible_pos": [16], "bbox2d": [[300, 0, 20, 20]]},
+             "50": {"name": "chest of drawers", "visible_pos": [17], "bbox2d": [[0, 0, 99, 99]]},
+             "60": {"name": "toilet", "visible_pos": [18], "bbox2d": [[0, 0, 98, 98]]},
+             "70": {"name": "rug", "visible_pos": [], "bbox2d": []}}})";
+
+TEST_F(Kinds, ObjectsAreThingsThatAPersonWouldAskFor) {
+  const auto graphs = graph::GraphSet::open(served_.root() / "data/connectivity");
+  const auto boxes = tasks::ObjectBoxes::parse(kRealBoxes, "BBoxes.json");
+  const auto rooms = scan::RegionMap::parse(R"({"row": {"0": ["v2", "v3"], "1": ["v0"]}})", "r");
+  const tasks::PathAnnotation path = testing::row_annotations("val_seen", true).paths[0];
+  const auto names = [&](const scan::RegionMap* known_rooms, std::size_t most) {
+    collecting::kinds::KnownObjects known(&boxes, *graphs, known_rooms);
+    std::vector<std::string> found;
+    for (const auto& target : known.targets_of(path, most)) found.push_back(target.name);
+    return found;
+  };
+  // By the largest first; never a frame, and neither of two pictures.
+  EXPECT_THAT(names(nullptr, 20), ElementsAre("chair", "chest of drawers", "toilet"));
+  EXPECT_THAT(names(nullptr, 1), ElementsAre("chair"));
+  // Another viewpoint of the room sees another chair.
+  EXPECT_THAT(names(&rooms, 20), ElementsAre("chest of drawers", "toilet"));
+}
+
+TEST_F(Kinds, PathsThatEndAtFramesAloneMakeNoTasks) {
+  write_file_atomically(served_.root() / "data/reverie/BBoxes.json", R"({
+    "row_v3": {"1": {"name": "door frame", "visible_pos": [12], "bbox2d": [[0, 0, 300, 480]]}}})");
+  for (const char* kind : {"describe", "dialogue"}) {
+    EXPECT_THAT(faults_of(collection_body("pilot", kind)), HasSubstr("that people would ask for"));
+  }
+}
+
+TEST_F(Kinds, APreviewNamesTheObjectsAndMakesNothing) {
+  write_file_atomically(served_.root() / "data/reverie/BBoxes.json", kRealBoxes);
+  json body = collection_body("pilot", "describe");
+  body["sources"][0]["objects"] = 5;
+  const auto preview = [&] {
+    return testing::read_answer(served_.client().Post("/api/v1/collections/preview", organiser_,
+                                                      body.dump(), "application/json"));
+  };
+  const json seen = preview();
+  EXPECT_EQ(seen.at("status"), 200) << seen;
+  EXPECT_EQ(seen.at("items"), 3);
+  EXPECT_EQ(seen.at("paths"), 1);
+  EXPECT_EQ(seen.at("objects"), json::parse(R"([{"name": "chair", "items": 1},
+      {"name": "chest of drawers", "items": 1}, {"name": "toilet", "items": 1}])"));
+  EXPECT_EQ(seen.at("collection").at("title"), body.at("title"));
+  EXPECT_FALSE(seen.at("collection").contains("link"));
+  EXPECT_EQ(seen.at("example").at("object").at("name"), "chair");
+  EXPECT_EQ(served_.get("/api/v1/collections/pilot", organiser_)->status, 404);
+  EXPECT_EQ(create(body).at("status"), 201);
+  EXPECT_EQ(served_.json("/api/v1/collections/pilot/example", reviewer_).at("example"),
+            seen.at("example"));
+  body["consent"] = "";
+  EXPECT_EQ(preview().at("status"), 422);
+  EXPECT_EQ(served_.client()
+                .Post("/api/v1/collections/preview", reviewer_, body.dump(), "application/json")
+                ->status,
+            403);
+}
+
+TEST_F(Kinds, APreviewOfWalksTellsNoGoal) {
+  create(collection_body("pilot", "walk"));
+  const json example = served_.json("/api/v1/collections/pilot/example", reviewer_).at("example");
+  EXPECT_EQ(example.at("start"), "v0");
+  EXPECT_FALSE(example.contains("path"));
+  EXPECT_EQ(served_.get("/api/v1/collections/pilot/example")->status, 401);
 }
 
 TEST_F(Kinds, TellWhatTheyCannotBeMadeOf) {

@@ -1,5 +1,6 @@
 #include "enfilade/service/collecting/kinds/targets.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -40,9 +41,6 @@ std::vector<std::string> in_graph(std::vector<std::string> viewpoints,
   return viewpoints;
 }
 
-/// "plant" of "plant#pot": what people call it.
-std::string category_of(const std::string& name) { return name.substr(0, name.find('#')); }
-
 /// \param viewpoints the searched ones
 Outlines outlines_of(const tasks::ObjectBoxes& objects, const std::string& scan,
                      const std::vector<std::string>& viewpoints, std::int64_t object) {
@@ -60,27 +58,6 @@ Outlines outlines_of(const tasks::ObjectBoxes& objects, const std::string& scan,
     }
   }
   return outlines;
-}
-
-std::optional<PathTarget> target_of(const std::string& scan, const tasks::ViewedObject& object,
-                                    const KnownObjects& known) {
-  PathTarget target{object.id, category_of(object.name), {}, ""};
-  target.region = in_graph(known.boxes->seen_from(scan, object.id), known.graphs.graph(scan));
-  if (target.region.empty()) return std::nullopt;
-  target.outlines = outlines_json(outlines_of(*known.boxes, scan, target.region, object.id));
-  return target;
-}
-
-/// The object of that number, around any viewpoint that sees it.
-std::optional<PathTarget> named_target(const std::string& scan, std::int64_t object,
-                                       const KnownObjects& known) {
-  if (known.boxes == nullptr) return std::nullopt;
-  for (const std::string& viewpoint : known.boxes->seen_from(scan, object)) {
-    for (const tasks::ViewedObject& one : known.boxes->at(scan, viewpoint)) {
-      if (one.id == object) return target_of(scan, one, known);
-    }
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -157,34 +134,80 @@ std::optional<std::int64_t> object_at(const tasks::ObjectBoxes& objects, const s
   return found;
 }
 
-std::vector<PathTarget> targets_of(const tasks::PathAnnotation& path, const KnownObjects& known,
-                                   std::size_t most) {
+std::optional<PathTarget> KnownObjects::target_of(const std::string& scan,
+                                                  const tasks::ViewedObject& object) const {
+  PathTarget target{object.id, tasks::spoken_name(object.name), {}, ""};
+  target.region = in_graph(boxes_->seen_from(scan, object.id), graphs_.graph(scan));
+  if (target.region.empty()) return std::nullopt;
+  target.outlines = outlines_json(outlines_of(*boxes_, scan, target.region, object.id));
+  return target;
+}
+
+/// The object of that number, around any viewpoint that sees it.
+std::optional<PathTarget> KnownObjects::named_target(const std::string& scan,
+                                                     std::int64_t object) const {
+  if (boxes_ == nullptr) return std::nullopt;
+  for (const std::string& viewpoint : boxes_->seen_from(scan, object)) {
+    for (const tasks::ViewedObject& one : boxes_->at(scan, viewpoint)) {
+      if (one.id == object) return target_of(scan, one);
+    }
+  }
+  return std::nullopt;
+}
+
+const KnownObjects::Names& KnownObjects::single_names(const std::string& scan,
+                                                      const std::string& viewpoint) {
+  const auto room = rooms_ == nullptr ? std::nullopt : rooms_->find(scan, viewpoint);
+  const auto [known, fresh] =
+      single_names_.try_emplace({scan, room ? fmt::format("room {}", *room) : viewpoint});
+  Names& names = known->second;
+  if (!fresh) return names;
+  std::map<std::string, std::set<std::int64_t>> objects;
+  const auto look = [&](const std::string& from) {
+    for (const tasks::ViewedObject& one : boxes_->at(scan, from)) {
+      if (one.visible()) objects[tasks::spoken_name(one.name)].insert(one.id);
+    }
+  };
+  look(viewpoint);
+  const graph::NavGraph& graph = graphs_.graph(scan);
+  for (std::size_t v = 0; room && v < graph.size(); ++v) {
+    const std::string id(graph.id(ViewpointIndex(v)));
+    if (rooms_->find(scan, id) == room) look(id);
+  }
+  for (const auto& [name, numbers] : objects) {
+    if (numbers.size() == 1) names.insert(name);
+  }
+  return names;
+}
+
+std::vector<PathTarget> KnownObjects::targets_of(const tasks::PathAnnotation& path,
+                                                 std::size_t most) {
   std::vector<PathTarget> targets;
   if (const auto* region = std::get_if<tasks::NamedRegion>(&path.goal)) {
     PathTarget target{std::nullopt, region->target,
-                      in_graph(region->viewpoints, known.graphs.graph(path.scan)), ""};
+                      in_graph(region->viewpoints, graphs_.graph(path.scan)), ""};
     if (!target.region.empty()) targets.push_back(std::move(target));
     return targets;
   }
   if (const auto* object = std::get_if<tasks::NamedObject>(&path.goal)) {
-    if (auto target = named_target(path.scan, object->id, known)) {
-      targets.push_back(std::move(*target));
-    }
+    if (auto target = named_target(path.scan, object->id)) targets.push_back(std::move(*target));
     return targets;
   }
-  if (known.boxes == nullptr) return targets;
-  const auto around = known.boxes->at(path.scan, path.path.back());
+  if (boxes_ == nullptr) return targets;
+  const Names& names = single_names(path.scan, path.path.back());
+  const auto around = boxes_->at(path.scan, path.path.back());
   std::vector<tasks::ViewedObject> seen(around.begin(), around.end());
-  std::erase_if(seen, [](const tasks::ViewedObject& one) { return !one.visible(); });
+  std::erase_if(seen, [&names](const tasks::ViewedObject& one) {
+    return !one.visible() || !tasks::can_be_asked_for(one.name) ||
+           !names.contains(tasks::spoken_name(one.name));
+  });
   const auto shown_area = [](const tasks::ViewedObject& one) {
     return std::ranges::max(one.boxes | std::views::transform(area_of));
   };
   std::ranges::stable_sort(seen, std::ranges::greater(), shown_area);
-  std::set<std::string> names;
   for (const tasks::ViewedObject& one : seen) {
     if (targets.size() == most) break;
-    if (!names.insert(category_of(one.name)).second) continue;
-    if (auto target = target_of(path.scan, one, known)) targets.push_back(std::move(*target));
+    if (auto target = target_of(path.scan, one)) targets.push_back(std::move(*target));
   }
   return targets;
 }

@@ -3,13 +3,17 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "enfilade/graph/graph_set.h"
+#include "enfilade/scan/regions.h"
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/goal.h"
 #include "enfilade/tasks/objects.h"
@@ -48,18 +52,38 @@ struct PathTarget {
   std::string outlines;             ///< outlines_json()
 };
 
-/// Sources of object boxes. Both outlive it.
-struct KnownObjects {
-  const tasks::ObjectBoxes* boxes = nullptr;  ///< null: the data set has none
-  const graph::GraphSet& graphs;
-};
+/// The objects of a data set. What it refers to outlives it. An object of this class belongs to one
+/// thread.
+class KnownObjects {
+ public:
+  /// \param boxes null: the data set has none
+  /// \param rooms null: the data set does not name them; then what one viewpoint sees is a room
+  KnownObjects(const tasks::ObjectBoxes* boxes, const graph::GraphSet& graphs,
+               const scan::RegionMap* rooms)
+      : boxes_(boxes), graphs_(graphs), rooms_(rooms) {}
 
-/// Targets of a path: the object or the region of its annotation. If there is none, the objects
-/// that its last viewpoint shows largest, one of each name.
-/// \param most of the latter
-/// \returns none if no object with a box is there
-std::vector<PathTarget> targets_of(const tasks::PathAnnotation& path, const KnownObjects& known,
-                                   std::size_t most);
+  bool has_boxes() const { return boxes_ != nullptr; }
+  /// Targets of a path: the object or the region of its annotation. If there is none, the objects
+  /// that its last viewpoint shows largest. Those are objects that people would ask for
+  /// (tasks::can_be_asked_for()), and the only ones of their names in the room: "the chest of
+  /// drawers".
+  /// \param most of the latter
+  /// \returns none if no such object with a box is there
+  std::vector<PathTarget> targets_of(const tasks::PathAnnotation& path, std::size_t most);
+
+ private:
+  using Names = std::set<std::string, std::less<>>;
+  std::optional<PathTarget> target_of(const std::string& scan,
+                                      const tasks::ViewedObject& object) const;
+  std::optional<PathTarget> named_target(const std::string& scan, std::int64_t object) const;
+  const Names& single_names(const std::string& scan, const std::string& viewpoint);
+
+  const tasks::ObjectBoxes* boxes_;
+  const graph::GraphSet& graphs_;
+  const scan::RegionMap* rooms_;
+  /// By scan and room (or viewpoint): the names that one object of it has.
+  std::map<std::pair<std::string, std::string>, Names> single_names_;
+};
 
 /// Annotations of REVERIE or CVDN, if their first entry looks like it, else of R2R.
 /// \throws InvalidInput as tasks::parse_annotations()
