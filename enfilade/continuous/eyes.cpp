@@ -69,6 +69,7 @@ void check(const MeshView& view, std::size_t place, std::size_t buildings) {
   if (!(std::abs(view.elevation.value) <= kPi / 2)) {
     fail(fmt::format("elevation: {}, not in [-pi/2, pi/2]", view.elevation.value));
   }
+  if (!std::isfinite(view.roll.value)) fail(fmt::format("roll: {}, not finite", view.roll.value));
 }
 
 }  // namespace
@@ -161,7 +162,8 @@ struct Eyes::Impl {
       painter.trace(rows, workspace.frame);
     } else {
       workspace.frame.clear(*pixels.lattice, rows);
-      rasteriser({scene.tree, scene.surfaces, *pixels.lattice, eye}, rows, workspace.frame);
+      rasteriser({scene.tree, scene.surfaces, *pixels.lattice, eye, scene.habitat}, rows,
+                 workspace.frame);
     }
     painter.paint(workspace.frame, rows, outputs, view, workspace.lines);
   }
@@ -235,7 +237,7 @@ void Eyes::render(const Camera& camera, std::span<const MeshView> views,
   const Lattice& lattice = impl_->lattice_of(camera);
   impl_->eyes.clear();
   for (const MeshView& view : views) {
-    impl_->eyes.emplace_back(view.eye, view.heading, view.elevation);
+    impl_->eyes.emplace_back(view.eye, view.heading, view.elevation, view.roll);
   }
   impl_->draw({&lattice, nullptr, 1 / lattice.focal}, views, outputs);
 }

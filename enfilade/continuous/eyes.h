@@ -27,6 +27,7 @@ struct MeshView {
   Vec3d eye;                 ///< metres, world frame; within 10,000 km of the origin
   Radians heading;
   Radians elevation;  ///< [-pi/2, pi/2], up positive
+  Radians roll{};     ///< about the line of sight, clockwise as seen by the eye
 };
 
 /// How the surface that a pixel shows is found.
@@ -81,8 +82,8 @@ class Eyes {
   void render(const Camera& camera, std::span<const MeshView> views,
               const render::Outputs& outputs);
   /// The same for equirectangular pictures (height, width). The middle column is at the view's
-  /// heading, the middle row at the horizon, the top row up; elevation is ignored. Depth is along
-  /// the ray in any measure.
+  /// heading, the middle row at the horizon, the top row up; elevation and roll are ignored. Depth
+  /// is along the ray in any measure.
   void render_equirectangular(std::uint32_t width, std::uint32_t height,
                               std::span<const MeshView> views, const render::Outputs& outputs);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "enfilade/continuous/eyes.h"
+#include "enfilade/continuous/habitat/sensors.h"
 #include "enfilade/core/enum_names.h"
 #include "tests/support/lit_rooms.h"
 
@@ -90,6 +91,27 @@ TEST(Eyes, DrawingAllocatesNothing) {
   const std::size_t before = allocations;
   const std::vector<int> one(1);
   EXPECT_EQ(allocations, before + one.size()) << "the count itself works";
+#endif
+}
+
+TEST(Sensors, DrawingAllocatesNothing) {
+#if EN_TEST_SANITIZED
+  GTEST_SKIP() << "the sanitizer's own allocator is not counted";
+#else
+  using habitat::Lens;
+  habitat::Sensors sensors(Scene::photographed(tracer_of(cluttered_room(2000, 4))), 1);
+  for (const Lens lens : {Lens::kPinhole, Lens::kEquirectangular, Lens::kFisheye}) {
+    const habitat::Sensor sensor{.lens = lens, .double_sphere = {40, 40, 64, 64}};
+    std::vector<std::uint8_t> colour(4 * sensor.width * sensor.height);
+    std::vector<float> depth(sensor.width * sensor.height);
+    const auto draw = [&](float x) {
+      sensors.render(sensor, {{x, 1, 0}, {}}, {colour, depth, {}});
+    };
+    draw(0);
+    const std::size_t before = allocations;
+    for (const float x : {0.1F, 0.2F, 0.3F}) draw(x);
+    EXPECT_EQ(allocations, before) << enum_name(lens);
+  }
 #endif
 }
 

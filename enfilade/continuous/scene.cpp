@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -24,10 +25,15 @@ using pixels::ToneTable;
 Scene::Scene(std::unique_ptr<SceneParts> parts) : parts_(std::move(parts)) {}
 Scene::~Scene() = default;
 
-std::shared_ptr<const Scene> Scene::photographed(std::shared_ptr<const mesh::RayTracer> tracer) {
+std::shared_ptr<const Scene> Scene::photographed(std::shared_ptr<const mesh::RayTracer> tracer,
+                                                 Style style) {
   if (tracer == nullptr) throw ArgumentError("tracer: none");
-  return std::shared_ptr<const Scene>(new Scene(std::make_unique<SceneParts>(
-      std::move(tracer), ToneTable::Curve::kPlain, SceneOptions().least_mirror)));
+  const bool habitat = style == Style::kHabitat;
+  auto parts = std::make_unique<SceneParts>(
+      std::move(tracer), habitat ? ToneTable::Curve::kDisplay : ToneTable::Curve::kPlain,
+      SceneOptions().least_mirror);
+  parts->habitat = habitat;
+  return std::shared_ptr<const Scene>(new Scene(std::move(parts)));
 }
 
 std::shared_ptr<const Scene> Scene::lit(std::shared_ptr<const mesh::RayTracer> tracer,
@@ -69,6 +75,23 @@ std::filesystem::path light_file(const std::filesystem::path& mesh_file) {
 }
 
 const mesh::RayTracer& Scene::tracer() const noexcept { return *parts_->tracer; }
+
+mesh::SurfaceLight Scene::surface_light() const {
+  if (!parts_->lit) throw ArgumentError("a photographed scene has no light");
+  const auto at = [&surfaces = parts_->surfaces](std::span<const mesh::SurfacePoint> points,
+                                                 std::span<Vec3f> radiance) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const auto& [triangle, u, v, back] = points[k];
+      const pixels::Surface& surface = surfaces.all[triangle];
+      const std::array<float, 3> weights{1 - u - v, u, v};
+      const unsigned first = surface.first_corner;
+      radiance[k] = pixels::light_at(
+          surfaces.light.data(), surface, back ? surface.back : surface.front,
+          {pixels::share(weights[(first + 1U) % 3]), pixels::share(weights[(first + 2U) % 3])});
+    }
+  };
+  return {at, parts_->scale};
+}
 
 std::size_t Scene::bytes() const noexcept {
   const SceneParts& p = *parts_;

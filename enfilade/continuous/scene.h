@@ -1,8 +1,11 @@
 /// \file  One building as eyes see it: its surfaces with their colours and light.
 #pragma once
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 
 #include "enfilade/core/progress.h"
 #include "enfilade/mesh/lighting.h"
@@ -13,6 +16,18 @@ namespace enfilade::continuous {
 namespace pixels {
 struct SceneParts;
 }
+
+/// How a mesh without light is drawn.
+enum class Style : std::uint8_t {
+  /// A material's factor is linear, as glTF has it: it multiplies linear light.
+  kPlain,
+  /// As Habitat-Sim without lights. A factor multiplies the texture's bytes, so 0.5 is shown as
+  /// 128, not as 188. Materials neither shine nor reflect. Textures are averaged as bytes over the
+  /// longer side of the pixel on them, as OpenGL does. Triangles are drawn from their front alone,
+  /// double-sided materials too; rays still meet their backs.
+  kHabitat,
+};
+constexpr std::array<std::string_view, 2> names_of(Style /*enum*/) { return {"plain", "habitat"}; }
 
 /// How finely light is kept.
 struct SceneOptions {
@@ -31,7 +46,8 @@ class Scene {
   /// A photographed mesh: textures and colours are shown unchanged, and black where there is no
   /// surface.
   /// \throws ArgumentError for a null tracer
-  static std::shared_ptr<const Scene> photographed(std::shared_ptr<const mesh::RayTracer> tracer);
+  static std::shared_ptr<const Scene> photographed(std::shared_ptr<const mesh::RayTracer> tracer,
+                                                   Style style = Style::kPlain);
   /// A mesh with light, sun and sky. The light is computed here for points of a grid on each
   /// surface, and interpolated between them.
   /// \param light of the same tracer
@@ -61,6 +77,9 @@ class Scene {
   Scene& operator=(const Scene&) = delete;
 
   const mesh::RayTracer& tracer() const noexcept;
+  /// The light of a lit scene, for mesh::with_vertex_light() of its mesh. To be used while this
+  /// lives. \throws ArgumentError for a photographed scene, which has none
+  mesh::SurfaceLight surface_light() const;
   /// Memory beside the tracer's, bytes.
   std::size_t bytes() const noexcept;
 

@@ -10,6 +10,8 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/continuous/pixels/painter.h"
@@ -188,6 +190,29 @@ TEST_F(SceneFile, LoadedSceneGivesTheSamePictures) {
   for (const MeshView& view : views()) {
     EXPECT_EQ(picture(loaded, view), picture(lit().scene, view));
   }
+}
+
+// For viewers: at any point as the renderer that computed it has it, but for the sun's edges.
+TEST_F(SceneFile, LoadedLightIsThatOfEachPoint) {
+  const auto loaded = Scene::load(lit().tracer, path_);
+  const mesh::SurfaceLight kept = loaded->surface_light();
+  std::vector<mesh::SurfacePoint> points;
+  for (std::uint32_t t = 0; t < lit().tracer->mesh().triangles.size(); ++t) {
+    for (const auto& [u, v] : {std::pair{0.3F, 0.3F}, std::pair{0.7F, 0.1F}, std::pair{0.1F, 0.7F},
+                               std::pair{0.12F, 0.1F}}) {
+      for (const bool back : {false, true}) points.push_back({t, u, v, back});
+    }
+  }
+  std::vector<Vec3f> found(points.size()), computed(points.size());
+  kept.at(points, found);
+  lit().light.light(points, computed);
+  std::size_t far_off = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const float should = kept.exposure * computed[k].y;
+    if (std::abs(found[k].y - should) > 0.05F * should + 0.01F) ++far_off;
+  }
+  EXPECT_LT(far_off, points.size() / 20) << "of " << points.size();
+  EXPECT_THROW(Scene::photographed(lit().tracer)->surface_light(), ArgumentError);
 }
 
 TEST_F(SceneFile, MeshFilesAreOpenedWithTheirLight) {

@@ -6,7 +6,7 @@ cd "$(dirname "$0")/../.."
 seconds=${1:-60}
 if (($# > 0)); then shift; fi
 [ $# -gt 0 ] || set -- connectivity corrections regions annotations results task_files task_forms task_results continuous_files pose_traces trace vectors store jpeg png hdr zip conf strip \
-  mesh_gltf mesh_obj mesh_ply house segmentation safetensors pickle feature_tsv feature_hdf5 subwords decisions navigation model_answers ask_conversation mcp http_head phases submissions
+  mesh_gltf mesh_obj mesh_ply house segmentation safetensors pickle feature_tsv feature_hdf5 subwords decisions navigation habitat_nav_mesh model_answers ask_conversation mcp http_head phases submissions
 mkdir -p build/fuzz/found
 
 fuzz() {

@@ -54,7 +54,7 @@ const std::vector<ThirdParty>& third_parties() {
       {"draco/", {"enfilade/mesh/readers/"}},
       {"meshoptimizer.h", {"enfilade/mesh/readers/"}},
       {"webp/", {"enfilade/mesh/readers/"}},
-      {"Recast.h", {"enfilade/mesh/"}},
+      {"Recast.h", {"enfilade/mesh/", "enfilade/continuous/habitat/"}},
       {"Detour", {"enfilade/continuous/"}},
       {"epoxy/", {"enfilade/render/gl/"}},
       {"ATen/", {"enfilade/neural/", "tests/conformance/", "tests/support/", "bench/"}},
@@ -303,7 +303,7 @@ const Arrows& direct_arrows() {
       {"arena", {"agents", "dataset", "draw", "net"}},
       {"models", {"features", "tasks"}},
       {"neural", {"agents", "dataset", "models"}},
-      {"report", {"agents", "dataset", "draw", "models"}},
+      {"report", {"agents", "dataset", "draw", "homes", "models"}},
       {"exports", {"dataset", "features", "capture", "agents"}},
       {"service", {"agents", "arena", "dataset", "draw", "homes", "net"}},
   };
@@ -312,7 +312,7 @@ const Arrows& direct_arrows() {
 
 const std::map<std::string, Arrows, std::less<>>& rooms() {
   static const std::map<std::string, Arrows, std::less<>> kRooms{
-      {"continuous", {{"pixels", {}}}},
+      {"continuous", {{"pixels", {}}, {"habitat", {}}}},
       {"draw", {{"plan", {}}}},
       {"features", {{"formats", {}}}},
       {"homes",

@@ -47,11 +47,19 @@ Lattice::Lattice(const Camera& camera)
   edge_y = static_cast<float>(half);
 }
 
-Eye::Eye(Vec3d at, Radians heading, Radians elevation) : position(at), whole(to_float(at)) {
+Eye::Eye(Vec3d at, Radians heading, Radians elevation, Radians roll)
+    : position(at), whole(to_float(at)) {
   rest = to_float(at - to_double(whole));
   const Mat3d axes = world_from_camera(heading, elevation);
-  right = to_float({axes.m[0], axes.m[3], axes.m[6]});
-  down = to_float({axes.m[1], axes.m[4], axes.m[7]});
+  Vec3d across{axes.m[0], axes.m[3], axes.m[6]}, below{axes.m[1], axes.m[4], axes.m[7]};
+  if (roll.value != 0) {  // otherwise zeros keep their signs
+    const double c = std::cos(roll.value), s = std::sin(roll.value);
+    const Vec3d level = across;
+    across = c * level + s * below;
+    below = c * below - s * level;
+  }
+  right = to_float(across);
+  down = to_float(below);
   forward = to_float({axes.m[2], axes.m[5], axes.m[8]});
 }
 

@@ -43,7 +43,7 @@ struct Eye {
   Vec3f right, down, forward;  ///< axes of the camera in the world, length 1
 
   Eye() = default;
-  Eye(Vec3d at, Radians heading, Radians elevation);
+  Eye(Vec3d at, Radians heading, Radians elevation, Radians roll = Radians(0));
 };
 
 /// Rows of tiles begin .. end - 1.

@@ -73,6 +73,17 @@ Vec3f PixelPainter::sky(Vec3f towards) const {
   return mesh::sky_radiance(scene_.sky, (1 / length(towards)) * towards);
 }
 
+// Texels from a pixel to the next one on the surface, right or down, whichever is farther, for a
+// picture of spread 1 at distance 1.
+inline float PixelPainter::longer_step(const Surface& surface, Vec3f towards, float across) const {
+  const auto square = [&](Vec3f axis) {
+    const Vec3f step = axis - (dot(axis, surface.normal) / across) * towards;
+    const float s = dot(surface.along_s, step), t = dot(surface.along_t, step);
+    return s * s + t * t;
+  };
+  return std::sqrt(std::max(square(eye_.right), square(eye_.down)));
+}
+
 inline Vec3f PixelPainter::look(const Surface& surface, const Paint& paint, Vec3f from,
                                 Vec3f towards, float distance) const {
   const Weights at = weights_at(surface, from);
@@ -81,13 +92,18 @@ inline Vec3f PixelPainter::look(const Surface& surface, const Paint& paint, Vec3
                                across > 0 ? surface.back : surface.front, at);
   Vec3f colour = paint.colour;
   if (paint.texture != Paint::kNoTexture) {
-    // Seen at a slant, a texel covers fewer pixels along one axis: the mean of both axes.
-    const float size = length(towards);
-    const float slant = std::sqrt(std::max(std::abs(across) / size, kLeastSlant));
-    const float footprint = pixels_.spread * distance * size / slant;
+    float texels = 0;
+    if (takes_longer_step()) {
+      texels = pixels_.spread * distance * longer_step(surface, towards, across);
+    } else {
+      // Seen at a slant, a texel covers fewer pixels along one axis: the mean of both axes.
+      const float size = length(towards);
+      const float slant = std::sqrt(std::max(std::abs(across) / size, kLeastSlant));
+      texels = pixels_.spread * distance * size / slant * surface.texels_per_metre;
+    }
     const Filtered texel = scene_.surfaces.textures.at(
         paint.texture, surface.s0 + at.u * surface.su + at.v * surface.sv,
-        surface.t0 + at.u * surface.tu + at.v * surface.tv, footprint * surface.texels_per_metre);
+        surface.t0 + at.u * surface.tu + at.v * surface.tv, texels);
     colour = times(colour, {scene_.linear.of(texel.parts[0]), scene_.linear.of(texel.parts[1]),
                             scene_.linear.of(texel.parts[2])});
   }
@@ -183,7 +199,8 @@ void PixelPainter::colour_tiles(const VisibilityBuffer& frame, std::uint32_t til
                            pixels_.spread,
                            frame.triangle.data() + first,
                            frame.nearness.data() + first,
-                           directions};
+                           directions,
+                           takes_longer_step()};
     colour(tile, rgba);
     for (std::size_t y = 0; y < kTile; ++y) {
       std::copy_n(rgba.begin() + static_cast<std::ptrdiff_t>(y * kTile), kTile,

@@ -78,6 +78,9 @@ class PixelPainter {
   }
 
  private:
+  // Whether textures are averaged as OpenGL does, which needs the picture's axes.
+  bool takes_longer_step() const { return scene_.habitat && pixels_.lattice != nullptr; }
+  float longer_step(const Surface& surface, Vec3f towards, float across) const;
   Vec3f sky(Vec3f towards) const;
   Vec3f look(const Surface& surface, const Paint& paint, Vec3f from, Vec3f towards,
              float distance) const;

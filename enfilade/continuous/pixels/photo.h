@@ -23,6 +23,7 @@ struct TileColours {
   const std::int32_t* triangle;  ///< of kTilePixels pixels
   const float* nearness;
   const Directions& towards;
+  bool longer_step;  ///< textures are averaged over PixelPainter::longer_step()
 };
 
 /// Writes kTilePixels colours, RGBA, equal to PixelPainter::look() to the bit. Mirrors and the sky

@@ -44,7 +44,7 @@ class Drawer {
   bool flatten(const std::array<Vec3f, 3>& v, Flat& flat) const {
     const Vec3f normal = cross(v[1] - v[0], v[2] - v[0]);
     const float volume = dot(normal, v[0]);
-    if (!(std::abs(volume) > 0)) return false;
+    if (!(std::abs(volume) > 0) || (sight_.fronts_only && volume > 0)) return false;
     const float sign = std::signbit(volume) ? -1.0F : 1.0F;
     flat.nearness = (1 / std::abs(volume)) * (sign * normal);
     for (std::size_t k = 0; k < 3; ++k) {

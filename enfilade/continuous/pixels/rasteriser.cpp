@@ -75,6 +75,7 @@ class Drawer {
         surfaces_(sight.surfaces),
         lattice_(sight.lattice),
         eye_(sight.eye),
+        fronts_only_(sight.fronts_only),
         frame_(frame),
         rows_{rows.begin, std::min(rows.end, sight.lattice.tiles_down)} {
     const float half = 0.5F / lattice_.focal;
@@ -218,7 +219,8 @@ class Drawer {
         const Vector &a = v[(k + 1) % 3], &b = v[(k + 2) % 3];
         out.edges[k].store(from, flipped(cross(a - b, a + b), sign));
       }
-      const auto solid = hn::Gt(hn::Abs(volume), hn::Zero(d));
+      auto solid = hn::Gt(hn::Abs(volume), hn::Zero(d));
+      if (fronts_only_) solid = hn::And(solid, hn::Lt(volume, hn::Zero(d)));
       mark(v, solid, from, out);
     }
   }
@@ -397,6 +399,7 @@ class Drawer {
   const Surfaces& surfaces_;
   const Lattice& lattice_;
   const Eye& eye_;
+  bool fronts_only_;
   VisibilityBuffer& frame_;
   TileRows rows_;
   std::int32_t first_row_, last_row_;

@@ -20,6 +20,7 @@ struct RasterView {
   const Surfaces& surfaces;
   const Lattice& lattice;
   const Eye& eye;
+  bool fronts_only = false;  ///< triangles whose corners are clockwise are left out
 };
 
 /// Draws these rows of tiles, whole rows of blocks. \pre frame.clear()

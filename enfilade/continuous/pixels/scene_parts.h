@@ -13,9 +13,10 @@ struct SceneParts {
   SceneParts(std::shared_ptr<const mesh::RayTracer> with, ToneTable::Curve curve, float mirrors)
       : tracer(std::move(with)),
         least_mirror(mirrors),
-        surfaces(tracer->mesh(), mirrors),
+        surfaces(tracer->mesh(), mirrors, values_of(curve)),
         tree(tracer->mesh()),
-        tone(curve) {}
+        tone(curve),
+        linear(values_of(curve)) {}
 
   std::shared_ptr<const mesh::RayTracer> tracer;
   float least_mirror;
@@ -24,8 +25,14 @@ struct SceneParts {
   ToneTable tone;
   LinearTable linear;
   bool lit = false;
-  mesh::Sky sky;    ///< scaled likewise; of lit scenes
-  float scale = 1;  ///< that factor
+  bool habitat = false;  ///< Style::kHabitat
+  mesh::Sky sky;         ///< scaled likewise; of lit scenes
+  float scale = 1;       ///< that factor
+
+ private:
+  static Values values_of(ToneTable::Curve curve) {
+    return curve == ToneTable::Curve::kDisplay ? Values::kDisplay : Values::kLinear;
+  }
 };
 
 /// Scales emission and sky. \pre parts.scale

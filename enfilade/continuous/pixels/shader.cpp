@@ -222,6 +222,20 @@ struct Rays {
   Vector towards;
 };
 
+template <class OfSurface>
+HWY_INLINE VF longer_step(const Eye& eye, const OfSurface& surface, Vector towards, VF across) {
+  const Vector normal = vector_at(surface, EN_FIELD(Surface, normal));
+  const Vector along_s = vector_at(surface, EN_FIELD(Surface, along_s));
+  const Vector along_t = vector_at(surface, EN_FIELD(Surface, along_t));
+  const auto square = [&](Vector axis) {
+    const Vector step = axis - scaled(hn::Div(dot(axis, normal), across), towards);
+    const VF s = dot(along_s, step), t = dot(along_t, step);
+    return hn::Add(hn::Mul(s, s), hn::Mul(t, t));
+  };
+  const VF right = square(splat(eye.right)), down = square(splat(eye.down));
+  return hn::Sqrt(hn::IfThenElse(hn::Lt(right, down), down, right));
+}
+
 // \param left_out  lanes of mirrors are added
 template <class OfSurface, class OfPaint>
 HWY_INLINE Vector look(const TileColours& tile, const OfSurface& surface, const OfPaint& paint,
@@ -246,9 +260,16 @@ HWY_INLINE Vector look(const TileColours& tile, const OfSurface& surface, const 
   const VI texture = paint.whole(EN_FIELD(Paint, texture));
   const auto textured = hn::Gt(texture, number(-1));
   if (!hn::AllFalse(DI(), textured)) {
-    const VF size = hn::Sqrt(dot(lanes.towards, lanes.towards));
-    const VF slant = hn::Sqrt(hn::Max(hn::Div(hn::Abs(across), size), number(kLeastSlant)));
-    const VF footprint = hn::Div(hn::Mul(hn::Mul(number(tile.spread), distance), size), slant);
+    const VF spread = hn::Mul(number(tile.spread), distance);
+    VF size;
+    if (tile.longer_step) {
+      size = hn::Mul(spread, longer_step(tile.eye, surface, lanes.towards, across));
+    } else {
+      const VF length = hn::Sqrt(dot(lanes.towards, lanes.towards));
+      const VF slant = hn::Sqrt(hn::Max(hn::Div(hn::Abs(across), length), number(kLeastSlant)));
+      size = hn::Mul(hn::Div(hn::Mul(spread, length), slant),
+                     surface.real(EN_FIELD(Surface, texels_per_metre)));
+    }
     const auto point = [&](std::size_t a, std::size_t u, std::size_t v) {
       return hn::Add(hn::Add(surface.real(a), hn::Mul(at.u, surface.real(u))),
                      hn::Mul(at.v, surface.real(v)));
@@ -256,8 +277,7 @@ HWY_INLINE Vector look(const TileColours& tile, const OfSurface& surface, const 
     const Vector texel =
         texels(tile.scene, hn::IfThenElseZero(textured, texture),
                point(EN_FIELD(Surface, s0), EN_FIELD(Surface, su), EN_FIELD(Surface, sv)),
-               point(EN_FIELD(Surface, t0), EN_FIELD(Surface, tu), EN_FIELD(Surface, tv)),
-               hn::Mul(footprint, surface.real(EN_FIELD(Surface, texels_per_metre))));
+               point(EN_FIELD(Surface, t0), EN_FIELD(Surface, tu), EN_FIELD(Surface, tv)), size);
     const auto has = hn::RebindMask(d, textured);
     const VF one = number(1.0F);
     colour = times(colour, {hn::IfThenElse(has, texel.x, one), hn::IfThenElse(has, texel.y, one),

@@ -71,19 +71,28 @@ float texels_per_metre(const Surface& s, float width, float height) {
   return std::sqrt(std::abs(s.su * s.tv - s.sv * s.tu) * width * height * length(across));
 }
 
+// What a material reflects and emits.
+void set_light(const mesh::Material& material, float least_mirror, Paint& paint) {
+  paint.colour = (1 - material.mirror) * material.colour;
+  paint.emission = material.emission;
+  if (material.mirror < least_mirror) {
+    constexpr float kAround = 0.5F;  // about what a room reflects
+    paint.gloss = kAround * material.mirror;
+  } else {
+    paint.mirror = material.mirror;
+  }
+}
+
 }  // namespace
 
-Surfaces::Surfaces(const Mesh& mesh, float least_mirror)
-    : light{pack_light({}), pack_light({1, 1, 1})} {
+Surfaces::Surfaces(const Mesh& mesh, float least_mirror, Values values)
+    : textures(values), light{pack_light({}), pack_light({1, 1, 1})} {
   for (const mesh::Material& material : mesh.materials) {
     Paint paint;
-    paint.colour = (1 - material.mirror) * material.colour;
-    paint.emission = material.emission;
-    if (material.mirror < least_mirror) {
-      constexpr float kAround = 0.5F;  // about what a room reflects
-      paint.gloss = kAround * material.mirror;
+    if (values == Values::kDisplay) {
+      paint.colour = material.colour;
     } else {
-      paint.mirror = material.mirror;
+      set_light(material, least_mirror, paint);
     }
     if (!material.texture.pixels.empty() && !mesh.texture_points.empty()) {
       paint.texture = textures.add(material.texture);
@@ -95,7 +104,10 @@ Surfaces::Surfaces(const Mesh& mesh, float least_mirror)
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     Surface s = surface_of(mesh, t);
     if (const std::uint32_t texture = paints[s.paint].texture; texture != Paint::kNoTexture) {
-      s.texels_per_metre = texels_per_metre(s, textures.width(texture), textures.height(texture));
+      const float width = textures.width(texture), height = textures.height(texture);
+      s.texels_per_metre = texels_per_metre(s, width, height);
+      s.along_s = width * (s.su * s.along_u + s.sv * s.along_v);
+      s.along_t = height * (s.tu * s.along_u + s.tv * s.along_v);
     }
     s.front = s.back = kWhite;
     if (!mesh.colours.empty()) {
@@ -112,9 +124,10 @@ Surfaces::Surfaces(const Mesh& mesh, float least_mirror)
   }
 }
 
-LinearTable::LinearTable() {
+LinearTable::LinearTable(Values values) {
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    values_[i] = image::linear_from_srgb(std::min(static_cast<float>(i) / (4 * 255), 1.0F));
+    const float shown = std::min(static_cast<float>(i) / (4 * 255), 1.0F);
+    values_[i] = values == Values::kDisplay ? shown : image::linear_from_srgb(shown);
   }
 }
 
@@ -123,8 +136,12 @@ ToneTable::ToneTable(Curve curve) {
     // The middle of the values that share the entry.
     const std::uint32_t bits = kLeastBits + (i << kDropped) + (1U << (kDropped - 1));
     const auto light = std::bit_cast<float>(bits);
-    bytes_[i] =
-        image::srgb8_from_linear(curve == Curve::kShoulder ? image::shoulder(light) : light);
+    if (curve == Curve::kDisplay) {
+      bytes_[i] = static_cast<std::uint32_t>(std::min(light, 1.0F) * 255 + 0.5F);
+    } else {
+      bytes_[i] =
+          image::srgb8_from_linear(curve == Curve::kShoulder ? image::shoulder(light) : light);
+    }
   }
 }
 
@@ -168,6 +185,7 @@ std::uint32_t Textures::add(const image::Image8& texture) {
 }
 
 void Textures::add_half(const TextureLevel& whole) {
+  const bool display = values_ == Values::kDisplay;
   const auto& linear = image::linear_bytes();
   const TextureLevel half{std::max(whole.width / 2, 1U), std::max(whole.height / 2, 1U), 0,
                           static_cast<std::uint32_t>(texels_.size())};
@@ -179,12 +197,18 @@ void Textures::add_half(const TextureLevel& whole) {
           const std::size_t row = std::min(2 * y + dy, whole.height - 1);
           const std::size_t column = std::min(2 * x + dx, whole.width - 1);
           const std::uint32_t texel = texels_[whole.first + row * whole.width + column];
-          for (unsigned c = 0; c < 3; ++c) sum[c] += linear[texel >> 8 * c & 255U];
+          for (unsigned c = 0; c < 3; ++c) {
+            const std::uint32_t byte = texel >> 8 * c & 255U;
+            sum[c] += display ? static_cast<float>(byte) : linear[byte];
+          }
         }
       }
       std::uint32_t texel = 255U << 24U;
       for (unsigned c = 0; c < 3; ++c) {
-        texel |= std::uint32_t{image::srgb_byte(0.25F * sum[c])} << 8 * c;
+        const float mean = 0.25F * sum[c];
+        texel |= (display ? static_cast<std::uint32_t>(mean + 0.5F)
+                          : std::uint32_t{image::srgb_byte(mean)})
+                 << 8 * c;
       }
       texels_.push_back(texel);
     }

@@ -15,11 +15,16 @@
 
 namespace enfilade::continuous::pixels {
 
-/// Texels are filtered as sRGB in 1 / 256 of a byte's step; this has the linear values of quarter
-/// steps.
+/// What the colours of surfaces are while they are computed.
+enum class Values : std::uint8_t {
+  kLinear,   ///< linear light
+  kDisplay,  ///< bytes of pictures / 255
+};
+
+/// Texels are filtered as bytes in 1 / 256 of a step; this has the values of quarter steps.
 class LinearTable {
  public:
-  LinearTable();
+  explicit LinearTable(Values values);
   /// \param value in 1 / 256 of a byte's step, at most 255 * 256
   float of(std::uint32_t value) const { return values_[value >> 6U]; }
   const float* table() const { return values_.data(); }
@@ -28,13 +33,13 @@ class LinearTable {
   std::array<float, 1024> values_;
 };
 
-/// sRGB bytes of linear light, with or without the tone curve of pictures of lit meshes. A value is
-/// looked up by its exponent and the first eight bits of its fraction, which is finer than a byte's
-/// step.
+/// Bytes of colours: sRGB of linear light, with or without the tone curve of pictures of lit
+/// meshes, or display values as they are. A value is looked up by its exponent and the first eight
+/// bits of its fraction, which is finer than a byte's step.
 class ToneTable {
  public:
-  /// With image::shoulder(), or plain sRGB.
-  enum class Curve : std::uint8_t { kShoulder, kPlain };
+  /// With image::shoulder(), plain sRGB, or none.
+  enum class Curve : std::uint8_t { kShoulder, kPlain, kDisplay };
   explicit ToneTable(Curve curve);
 
   std::uint8_t of(float light) const {
@@ -50,8 +55,8 @@ class ToneTable {
 
   const std::uint32_t* table() const { return bytes_.data(); }
   static constexpr std::uint32_t kDropped = 15;
-  static constexpr float kLeast = 1.0F / (1U << 14U);  // below: sRGB's byte 0
-  static constexpr float kMost = 31.9F;                // above: byte 255 with either curve
+  static constexpr float kLeast = 1.0F / (1U << 14U);  // below: byte 0
+  static constexpr float kMost = 31.9F;                // above: byte 255 with each curve
   static constexpr auto kLeastBits = std::bit_cast<std::uint32_t>(kLeast);
   static constexpr auto kMostBits = std::bit_cast<std::uint32_t>(kMost);
 
@@ -77,9 +82,10 @@ struct Filtered {
 };
 
 /// Textures of one mesh. Filtering mixes sRGB bytes, not light: three table lookups instead of
-/// twelve; halved sizes are means of light.
+/// twelve; halved sizes are means of light, or of bytes.
 class Textures {
  public:
+  explicit Textures(Values values) : values_(values) {}
   /// Appends a texture. \returns its number  \pre 3 or 4 channels, at least a texel
   /// \throws Error for more than 2^31 texels in all
   std::uint32_t add(const image::Image8& texture);
@@ -166,6 +172,7 @@ class Textures {
   }
   void add_half(const TextureLevel& whole);
 
+  Values values_;
   std::vector<std::uint32_t> first_level_;
   std::vector<TextureLevel> levels_;
   std::vector<std::uint32_t> texels_;
@@ -189,7 +196,9 @@ struct alignas(64) Surface {
   std::uint16_t category = 0;
   std::uint8_t first_corner = 0;  ///< of the mesh's triangle
   std::uint32_t instance = 0;
+  Vec3f along_s, along_t;  ///< a step crosses dot(along_s, step) texels of a row, along_t: a column
 };
+static_assert(sizeof(Surface) == 128);
 
 /// A material.
 struct Paint {
@@ -218,7 +227,8 @@ class Surfaces {
  public:
   /// Light 1 on both sides, times the mesh's colours. \pre mesh passes check()
   /// \param least_mirror  less is gloss
-  Surfaces(const mesh::Mesh& mesh, float least_mirror);
+  /// \param values  display values neither shine nor reflect
+  Surfaces(const mesh::Mesh& mesh, float least_mirror, Values values);
 
   /// One of kDark and kWhite is at these places of `light`.
   static constexpr std::uint32_t kDark = 0, kWhite = 1;
