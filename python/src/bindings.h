@@ -17,6 +17,7 @@
 #include "enfilade/tasks/annotations.h"
 #include "enfilade/tasks/benchmark.h"
 #include "enfilade/tasks/metrics.h"
+#include "python/src/arrays.h"
 
 namespace enfilade::python {
 
@@ -35,12 +36,6 @@ std::span<const T> span_of(const Row<T>& row) {
 inline constexpr nb::dlpack::dtype kHalf{static_cast<std::uint8_t>(nb::dlpack::dtype_code::Float),
                                          16, 1};
 
-/// A view of memory that `owner` keeps, for NumPy; `T` const: read-only.
-template <class T, class... Sizes>
-nb::object array_of(T* data, nb::handle owner, Sizes... sizes) {
-  return nb::cast(nb::ndarray<nb::numpy, T>(data, {static_cast<std::size_t>(sizes)...}, owner));
-}
-
 /// A read-only view of a span or vector that `owner` keeps, of numbers, or of indices as uint32.
 template <class Values, class... Sizes>
 nb::object view_of(const Values& values, nb::handle owner, Sizes... sizes) {
@@ -54,14 +49,6 @@ nb::object view_of(const Values& values, nb::handle owner, Sizes... sizes) {
     static_assert(std::is_trivially_copyable_v<Value> && sizeof(Value) == sizeof(std::uint32_t));
     return array_of(reinterpret_cast<const std::uint32_t*>(data), owner, sizes...);
   }
-}
-
-/// A new array that owns its numbers, of the given shape.
-template <class T, class... Sizes>
-nb::object owned_array(std::vector<T> values, Sizes... sizes) {
-  auto* kept = new std::vector<T>(std::move(values));
-  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return array_of(kept->data(), owner, sizes...);
 }
 
 /// \throws ArgumentError unless an array has an element for each agent

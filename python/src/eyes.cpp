@@ -138,6 +138,10 @@ std::unique_ptr<BuildingEyes> of_mesh(const std::string& file, const std::string
 }  // namespace
 }  // namespace enfilade::python
 
+namespace enfilade::python {
+void bind_habitat(nb::module_& module);  // habitat.cpp
+}
+
 NB_MODULE(_eyes, m) {
   using enfilade::python::BuildingEyes;
   enfilade::python::bind_errors();
@@ -148,4 +152,6 @@ NB_MODULE(_eyes, m) {
   m.def("of_home", enfilade::python::of_home, "data"_a, "scan"_a, "light"_a, "spacing"_a,
         "threads"_a);
   m.def("of_mesh", enfilade::python::of_mesh, "file"_a, "up"_a, "threads"_a);
+  nb::module_ habitat = m.def_submodule("habitat", "Habitat's floor, bodies and follower.");
+  enfilade::python::bind_habitat(habitat);
 }

@@ -166,7 +166,7 @@ def header(path: Path) -> list[Text]:
         if code or not said or said.startswith(("NOLINT", "clang-format")):
             flush()
             continue
-        tag = re.match(r"\\(file|brief|pre|post|throws?|return|param(?:\[\w+\])?|tparam|note)\s+(.*)", said)
+        tag = re.match(r"\\(file|brief|pre|post|throws?|returns?|param(?:\[\w+\])?|tparam|note)\s+(.*)", said)
         if tag or trailing or re.match(r"[-*] ", said):
             flush()
             if tag:
