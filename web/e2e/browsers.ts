@@ -16,12 +16,14 @@ const path = isFirefox
   ? process.env['FIREFOX'] ?? '/usr/bin/firefox-esr'
   : process.env['CHROMIUM'] ?? '/usr/bin/chromium';
 
+const why = (): string => {
+  const until = Number(process.env['ENFILADE_BROWSERS_UNTIL'] ?? Infinity); // seconds since 1970
+  if (Date.now() / 1000 > until) return 'the time of this run for them is over (ENFILADE_BROWSERS_UNTIL)';
+  if (!existsSync(path)) return `there is no browser: ${path} (${name.toUpperCase()} names another)`;
+  return isFirefox && !process.env['DISPLAY'] ? 'Firefox has no display: run it by xvfb-run' : '';
+};
 /** Why there is none; empty if there is. */
-export const missingBrowser = !existsSync(path)
-  ? `there is no browser: ${path} (${name.toUpperCase()} names another)`
-  : isFirefox && !process.env['DISPLAY']
-    ? 'Firefox has no display: run it by xvfb-run'
-    : '';
+export const missingBrowser = why();
 
 const downloads = join(tmpdir(), `enfilade-e2e-downloads-${process.pid}`);
 
