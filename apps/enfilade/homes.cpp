@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/home_habitat.h"
 #include "apps/enfilade/home_pictures.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/enum_names.h"
@@ -16,6 +17,9 @@
 
 namespace enfilade::apps::homes_verb {
 namespace {
+
+// The part that is none of Matterport3D's.
+constexpr const char* kHabitat = "habitat";
 
 struct Options {
   std::string output, preset = "pretty", kind, corrections, shard, light;
@@ -43,7 +47,9 @@ homes::HomeSetOptions set_of(const Options& o) {
   if (o.samples) set.samples = *o.samples;
   if (o.pretty) set.pretty = *o.pretty;
   if (!o.light.empty()) set.light = homes::parse_home_light(o.light);
-  set.parts = capture::scan_parts(o.parts);
+  std::vector<std::string> of_scans = o.parts;
+  std::erase(of_scans, kHabitat);
+  set.parts = capture::scan_parts(of_scans);
   set.image_width = o.image_width;
   set.corrections = o.corrections;
   set.shard = parse_shard(o.shard);
@@ -82,27 +88,40 @@ void enlarge(const Options& options) {
   }
 }
 
-void make(const Options& options) {
-  if (options.enlarge) return enlarge(options);
-  const homes::HomeSetOptions set = set_of(options);
-  const auto [homes, notes] = homes::write_homes(options.output, set, set_bar("homes"));
-  print_homes(homes);
-  if (!notes.empty()) print_diagnostics(notes);
-  if (set.shard.count > 1) {
-    say("share {} of the set; run without --shard when all shares are made\n", options.shard);
-    return;
-  }
-  if (options.paths == 0) return;
-  if (homes.size() < homes::kLeastHomes) {
-    say("no paths: splits by building need {} homes, these are {}\n", homes::kLeastHomes,
-        homes.size());
-    return;
+// \returns whether paths were drawn
+bool make_paths_of(const Options& options, std::size_t homes) {
+  if (options.paths == 0) return false;
+  if (homes < homes::kLeastHomes) {
+    say("no paths: splits by building need {} homes, these are {}\n", homes::kLeastHomes, homes);
+    return false;
   }
   homes::HomePathOptions paths{
       .per_home = options.paths, .tasks = tasks_of(options.tasks), .threads = options.threads};
   if (options.seed) paths.seed = *options.seed;
   const auto report = homes::write_home_paths(options.output, paths, set_bar("paths"));
   say("{} paths, {} instructions, all SYNTHETIC\n", report.paths, report.instructions);
+  return true;
+}
+
+void make(const Options& options) {
+  if (options.enlarge) return enlarge(options);
+  const homes::HomeSetOptions set = set_of(options);
+  const auto [homes, notes] = homes::write_homes(options.output, set, set_bar("homes"));
+  print_homes(homes);
+  if (!notes.empty()) print_diagnostics(notes);
+  HabitatHomesOptions habitat{.episodes = false,
+                              .per_home = options.paths,
+                              .image_width = set.image_width,
+                              .threads = set.threads};
+  if (options.seed) habitat.seed = *options.seed;
+  const bool for_habitat = std::ranges::find(options.parts, kHabitat) != options.parts.end();
+  if (set.shard.count > 1) {
+    if (for_habitat) write_habitat_homes(options.output, homes, habitat);
+    say("share {} of the set; run without --shard when all shares are made\n", options.shard);
+    return;
+  }
+  habitat.episodes = make_paths_of(options, homes.size());
+  if (for_habitat) write_habitat_homes(options.output, homes, habitat);
 }
 
 void add_tasks_option(CLI::App& verb, std::vector<std::string>& tasks) {
@@ -172,10 +191,12 @@ void add(CLI::App& app, int& /*status*/) {
       ->check(whole_number(0, 10000));
   verb.add_option("--seed", options->seed, "The same seed gives the same bytes")
       ->check(whole_number());
+  std::vector<std::string> parts = capture::scan_part_names();
+  parts.emplace_back(kHabitat);
   add_value(verb, "--parts", options->parts, "PART,...",
-            "Matterport3D's files too, in v1/scans/, comma-separated: as of scan-mesh")
+            "Matterport3D's files too, as of scan-mesh; habitat: scenes, floors, episodes")
       ->delimiter(',')
-      ->check(CLI::IsMember(capture::scan_part_names()));
+      ->check(CLI::IsMember(parts));
   add_setting(verb, "--image-width", options->image_width, "",
               "Width of undistorted images, pixels; the height is 4/5 of it",
               whole_number(10, 4096));
@@ -193,6 +214,7 @@ void add(CLI::App& app, int& /*status*/) {
                {"enfilade homes -o homes", "enfilade homes -o two --preset small --paths 0",
                 "enfilade homes -o homes --corrections homes-corrections",
                 "enfilade homes -o homes --preset full --shard 3/16",
+                "enfilade homes -o homes --size 0 --tasks r2r --parts habitat",
                 "enfilade homes -o many --preset training --homes 300 --pretty 4",
                 "enfilade homes -o homes --enlarge 1024",
                 "enfilade contact-sheet home0001 --data homes -o home.png",

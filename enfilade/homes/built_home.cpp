@@ -12,6 +12,7 @@
 #include "enfilade/core/errors.h"
 #include "enfilade/graph/build.h"
 #include "enfilade/graph/nav_graph.h"
+#include "enfilade/homes/sets/home_list.h"
 #include "enfilade/mesh/walkable.h"
 
 namespace enfilade::homes {
@@ -111,6 +112,22 @@ scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, 
     return !cell || floor.cells()[*cell].area != 0;
   });
   return graph::connect_viewpoints(*built.tracer, floor, viewpoints, scan, {}, threads);
+}
+
+scan::Connectivity home_graph(const BuiltHome& built, const std::string& scan, int threads) {
+  scan::Connectivity graph = build_graph(built, sets::draws_of(scan), threads);
+  graph.scan = scan;
+  graph.file = scan + "_connectivity.json";
+  return graph;
+}
+
+std::vector<capture::ScanRoom> scan_rooms(const Plan& plan) {
+  std::vector<capture::ScanRoom> rooms;
+  for (const PlanRoom& room : plan.rooms) {
+    rooms.push_back(
+        {room.type, room.floor, plan.storeys[room.storey].floor, room.ceiling, room.storey});
+  }
+  return rooms;
 }
 
 mesh::FloorPolygons make_home_floor(const BuiltHome& built, const mesh::Body& body) {

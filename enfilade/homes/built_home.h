@@ -2,7 +2,9 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "enfilade/capture/scan_files.h"
 #include "enfilade/homes/home.h"
 #include "enfilade/homes/home_set.h"
 #include "enfilade/mesh/floor_polygons.h"
@@ -22,6 +24,12 @@ BuiltHome build_home(const PlanOptions& options, HomeSurfaces surfaces = HomeSur
 /// Viewpoints on the floors of all rooms, and edges, from the mesh alone. Surfaces outside of the
 /// rooms (grass, roofs) are not floor.
 scan::Connectivity build_graph(const BuiltHome& built, const std::string& scan, int threads);
+
+/// The same under the home's name in a set, as write_homes() has it before corrections.
+scan::Connectivity home_graph(const BuiltHome& built, const std::string& scan, int threads);
+
+/// The rooms as regions of Matterport3D's files, in the plan's order.
+std::vector<capture::ScanRoom> scan_rooms(const Plan& plan);
 
 /// Polygons of the floors of all rooms, from the mesh alone. The landscape around is left out.
 /// \param body  size of the body

@@ -273,14 +273,6 @@ void take_pictures(const BuiltHome& built, const scan::Connectivity& connectivit
   });
 }
 
-// Before corrections.
-scan::Connectivity named_graph(const std::string& scan, const BuiltHome& built, int threads) {
-  scan::Connectivity graph = build_graph(built, sets::draws_of(scan), threads);
-  graph.scan = scan;
-  graph.file = scan + "_connectivity.json";
-  return graph;
-}
-
 std::vector<scan::ScanRegions> regions_of(const Homes& homes) {
   std::vector<scan::ScanRegions> scans;
   for (const auto& [place, home] : homes) {
@@ -382,10 +374,7 @@ class HomeWriter {
     files.samples = options_.samples;
     files.jpeg_quality = options_.jpeg_quality;
     files.threads = options_.threads;
-    for (const PlanRoom& room : built.home.plan.rooms) {
-      files.rooms.push_back({room.type, room.floor, built.home.plan.storeys[room.storey].floor,
-                             room.ceiling, room.storey});
-    }
+    files.rooms = scan_rooms(built.home.plan);
     write_scan(lit, found, folder_, files);
   }
 
@@ -407,7 +396,7 @@ class HomeWriter {
   }
 
   scan::Connectivity graph_of(std::size_t home, const BuiltHome& built) const {
-    return named_graph(scan_name(home), built, options_.threads);
+    return home_graph(built, scan_name(home), options_.threads);
   }
 
   // Writes the graph with the home's corrections, if it has any. \returns what was written
@@ -463,7 +452,7 @@ namespace {
 // of another home.
 scan::Connectivity graph_of_store(const HomeEntry& home, const BuiltHome& built,
                                   const scan::Store& store, const fs::path& folder, int threads) {
-  scan::Connectivity graph = named_graph(home.scan, built, threads);
+  scan::Connectivity graph = home_graph(built, home.scan, threads);
   if (built.home.mesh.triangles.size() != home.triangles ||
       to_json(graph) != to_json(store.connectivity())) {
     throw FileError(fmt::format(

@@ -71,7 +71,9 @@ void write_obj(const Mesh& mesh, const OutputFolder& folder, const std::string& 
 /// \throws FileError; ArgumentError for a file of more than 4 GiB
 void write_glb(const Mesh& mesh, const std::filesystem::path& file);
 /// The bytes of that file. \throws ArgumentError if they are more than 4 GiB
-std::string to_glb(const Mesh& mesh);
+/// \param up  kZ: coordinates are as here. glTF does not allow that, but Habitat takes every .glb
+/// that is opened by its path to be z up.
+std::string to_glb(const Mesh& mesh, UpAxis up = UpAxis::kFormat);
 /// The same for viewers, packed as gzip does. Numbers whose last bits say nothing are rounded, so
 /// that it has half the size: positions to 1/65536 m, texture points to 1/4096, colours to 1/512.
 std::string to_packed_glb(Mesh mesh);

@@ -107,6 +107,23 @@ TEST(WriteGlb, IsReadBackWithTheSameTrianglesMaterialsAndTextures) {
   }
 }
 
+TEST(WriteGlb, ZUpHasTheSameNumbersTurned) {
+  const Mesh made = still_life();
+  const std::string z_up = to_glb(made, UpAxis::kZ);
+  EXPECT_EQ(z_up.size() % 4, 0U);
+  const ReadResult upright = parse_mesh(z_up, "still.glb", {.up = UpAxis::kZ});
+  EXPECT_TRUE(upright.warnings.empty());
+  EXPECT_EQ(triangles(upright.mesh), triangles(made));
+  // Vertices are those of the y-up file, in its order, to the bit.
+  const Mesh usual = parse_mesh(to_glb(made), "still.glb").mesh;
+  EXPECT_EQ(upright.mesh.positions, usual.positions);
+  EXPECT_EQ(upright.mesh.triangles, usual.triangles);
+  // Who believes glTF sees it lying on its back.
+  const Mesh lying = parse_mesh(z_up, "still.glb").mesh;
+  const Vec3f p = usual.positions.front();
+  EXPECT_EQ(lying.positions.front(), (Vec3f{p.x, -p.z, p.y}));
+}
+
 TEST(WriteGlb, WritesVertexColoursAndMeshesWithoutNormals) {
   const tests::TemporaryFolder folder("glb");
   Mesh made;

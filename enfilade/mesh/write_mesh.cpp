@@ -102,7 +102,7 @@ class Array {
 
 class GlbWriter {
  public:
-  explicit GlbWriter(const Mesh& mesh) : mesh_(mesh) {}
+  GlbWriter(const Mesh& mesh, UpAxis up) : mesh_(mesh), z_up_(up == UpAxis::kZ) {}
 
   std::string write() {
     json_["asset"] = {{"version", "2.0"}, {"generator", "Enfilade"}};
@@ -126,6 +126,10 @@ class GlbWriter {
   }
 
  private:
+  std::array<float, 3> in_file(Vec3f v) const {
+    return z_up_ ? std::array{v.x, v.y, v.z} : y_up(v);
+  }
+
   /// A node an object, with a primitive for each of its materials.
   void add_triangles() {
     std::uint32_t object = 0, material = 0;
@@ -169,13 +173,13 @@ class GlbWriter {
         {position, std::bit_cast<std::array<std::uint32_t, 5>>(rest)}, vertices_.size());
     indices_.add(static_cast<std::uint32_t>(vertex->second));
     if (!is_new) return;
-    const std::array<float, 3> at = y_up(mesh_.positions[position]);
+    const std::array<float, 3> at = in_file(mesh_.positions[position]);
     for (std::size_t k = 0; k < 3; ++k) {
       low_[k] = vertices_.size() == 1 ? at[k] : std::min(low_[k], at[k]);
       high_[k] = vertices_.size() == 1 ? at[k] : std::max(high_[k], at[k]);
     }
     positions_.add(at);
-    if (!mesh_.normals.empty()) normals_.add(y_up(normal));
+    if (!mesh_.normals.empty()) normals_.add(in_file(normal));
     if (!mesh_.texture_points.empty()) texture_points_.add(std::array{uv.u, uv.v});
     if (mesh_.colours.empty()) return;
     const Vec3f c = mesh_.colours[position];
@@ -271,6 +275,7 @@ class GlbWriter {
   }
 
   const Mesh& mesh_;
+  bool z_up_;
   Json json_;
   Array positions_{"VEC3", 3, kFloat, kArrayBuffer}, normals_{"VEC3", 3, kFloat, kArrayBuffer},
       texture_points_{"VEC2", 2, kFloat, kArrayBuffer}, colours_{"VEC3", 3, kFloat, kArrayBuffer},
@@ -282,7 +287,7 @@ class GlbWriter {
 
 }  // namespace
 
-std::string to_glb(const Mesh& mesh) { return GlbWriter(mesh).write(); }
+std::string to_glb(const Mesh& mesh, UpAxis up) { return GlbWriter(mesh, up).write(); }
 
 std::string to_packed_glb(Mesh mesh) {
   const auto round_to = [](float x, float steps) { return std::round(x * steps) / steps; };

@@ -34,6 +34,9 @@ std::vector<Case> options() {
             "--size: \"5000\" is not a whole number from 0 to 4096"),
       homes("three rays a texel", out + "--samples 3", 2, "samples: 3, not 1, 4, 9 or 16"),
       homes("paths below 0", out + "--paths -1", 2, "--paths: \"-1\" is not"),
+      homes(
+          "a part that is none", out + "--parts walls", 2,
+          "--parts: walls not in {skybox,strips,depth,labels,undistorted,house,mesh,all,habitat}"),
       homes("more threads than any", out + "--threads 9999999999", 2,
             "--threads: \"9999999999\" is not a whole number from 0 to 1024"),
       homes("a share that is none", out + "--shard 0/4", 2,

@@ -1,0 +1,156 @@
+#include "apps/enfilade/home_habitat.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "apps/common/program.h"
+#include "apps/enfilade/home_pictures.h"
+#include "enfilade/capture/scan_files.h"
+#include "enfilade/core/gzip.h"
+#include "enfilade/core/output_folder.h"
+#include "enfilade/core/threads.h"
+#include "enfilade/dataset/dataset.h"
+#include "enfilade/exports/habitat_episodes.h"
+#include "enfilade/exports/habitat_objects.h"
+#include "enfilade/exports/habitat_scene.h"
+#include "enfilade/graph/nav_graph.h"
+#include "enfilade/homes/built_home.h"
+#include "enfilade/mesh/read_mesh.h"
+#include "enfilade/scan/connectivity.h"
+#include "enfilade/tasks/benchmark.h"
+#include "enfilade/tasks/derive_continuous.h"
+
+namespace enfilade::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using exports::HabitatIsland;
+
+// What a home's episodes are made of.
+struct HomeForHabitat {
+  std::optional<HabitatIsland> island;
+  std::vector<exports::PointGoalEpisode> points;
+  exports::ObjectGoalScene objects;
+};
+
+class HabitatWriter {
+ public:
+  HabitatWriter(const fs::path& folder, const std::vector<homes::HomeEntry>& homes,
+                const HabitatHomesOptions& options)
+      : data_(folder), out_(OutputFolder(folder).folder("habitat")), options_(options) {
+    const homes::SetProgress progress = set_bar("Habitat");
+    std::vector<HomeForHabitat> made(homes.size());
+    std::mutex mutex;
+    std::size_t done = 0;
+    parallel_for(homes.size(), 1, options.threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        made[i] = make(homes[i]);
+        const std::lock_guard lock(mutex);
+        progress(homes[i].scan, ++done, homes.size());
+      }
+    });
+    exports::write_habitat_dataset(out_);
+    for (std::size_t i = 0; i < homes.size(); ++i) made_[homes[i].scan] = std::move(made[i]);
+    say("{}: {}\n", out_.path().string(), counted(homes.size(), "scene"));
+  }
+
+  void write_episodes() {
+    std::map<std::string, HabitatIsland> islands;
+    for (auto& [scan, home] : made_) {
+      if (home.island) {
+        islands.emplace(scan, std::move(*home.island));
+      } else {
+        say(stderr, "note: {}: no viewpoint stands on Habitat's floor, so it has no episodes\n",
+            scan);
+      }
+    }
+    const exports::HabitatEpisodeFloor floor(islands);
+    for (const std::string& split : data_.splits(tasks::benchmark(tasks::Task::kR2r))) {
+      const tasks::Annotations paths = data_.annotations(split);
+      const tasks::DerivedEpisodes made = tasks::derive_continuous(paths, *data_.graphs(), floor);
+      write("vln/mp3d/r2r", split, to_json(made.episodes));
+      say("VLN-CE, {}: {} of {}; {} cannot be walked\n", split,
+          counted(made.episodes.episodes.size(), "episode"), counted(paths.paths.size(), "path"),
+          made.dropped.size());
+      if (split == "train") write_goals(paths, "train");
+      if (split == "val_unseen") write_goals(paths, "val");
+    }
+  }
+
+ private:
+  HomeForHabitat make(const homes::HomeEntry& entry) const {
+    const std::string& scan = entry.scan;
+    for (const char* ending : {".glb", ".house", ".ply", ".navmesh"}) {
+      const fs::path file = exports::habitat_scene_file(scan, ending);
+      out_.remove_unfinished(file.parent_path().string(), ending);
+    }
+    const homes::BuiltHome built = homes::build_home(entry.plan);
+    const capture::HouseFiles house =
+        capture::make_house_files(built.home.mesh, homes::home_graph(built, scan, 1),
+                                  homes::scan_rooms(built.home.plan), options_.image_width);
+    continuous::HabitatSceneFloor floor =
+        exports::write_habitat_scene(out_, scan, built.home.mesh, house);
+    HomeForHabitat made;
+    if (!options_.episodes) return made;
+    const graph::NavGraph graph(scan::load_connectivity(data_.connectivity_folder(), scan));
+    made.island = exports::habitat_island(std::move(floor), graph);
+    const mesh::Mesh of_file =
+        mesh::read_mesh(out_.path() / exports::habitat_scene_file(scan, ".glb"),
+                        {.up = mesh::UpAxis::kZ})
+            .mesh;
+    const auto own = exports::habitat_island(
+        continuous::HabitatSceneFloor::of_mesh(of_file, exports::kObjectNavBody), graph);
+    if (!made.island || !own) return {};
+    const exports::HabitatDraws draws{options_.per_home, options_.seed};
+    made.points = exports::draw_point_goals(scan, *made.island, draws);
+    made.objects =
+        exports::draw_object_goals(scan, *made.island, *own, *built.tracer, house.house, draws);
+    return made;
+  }
+
+  // PointNav and ObjectNav in the homes of a split.
+  void write_goals(const tasks::Annotations& paths, const std::string& split) {
+    std::set<std::string> scans;
+    for (const tasks::PathAnnotation& path : paths.paths) scans.insert(path.scan);
+    std::vector<exports::PointGoalEpisode> points;
+    std::vector<exports::ObjectGoalScene> objects;
+    std::size_t finds = 0;
+    for (const std::string& scan : scans) {
+      HomeForHabitat& home = made_[scan];
+      points.insert(points.end(), home.points.begin(), home.points.end());
+      finds += home.objects.episodes.size();
+      objects.push_back(std::move(home.objects));
+    }
+    write("pointnav/mp3d", split, exports::point_goals_json(points));
+    write("objectnav/mp3d", split, exports::object_goals_json(objects));
+    say("PointNav and ObjectNav, {}: {} and {} in {}\n", split, counted(points.size(), "episode"),
+        finds, counted(scans.size(), "home"));
+  }
+
+  void write(const char* task, const std::string& split, const std::string& text) const {
+    const std::string folder = fmt::format("datasets/{}/v1/{}", task, split);
+    out_.remove_unfinished(folder);
+    out_.write(fmt::format("{}/{}.json.gz", folder, split), gzip(text, 6));
+  }
+
+  dataset::Dataset data_;
+  OutputFolder out_;
+  HabitatHomesOptions options_;
+  std::map<std::string, HomeForHabitat> made_;
+};
+
+}  // namespace
+
+void write_habitat_homes(const fs::path& folder, const std::vector<homes::HomeEntry>& homes,
+                         const HabitatHomesOptions& options) {
+  HabitatWriter writer(folder, homes, options);
+  if (options.episodes) writer.write_episodes();
+}
+
+}  // namespace enfilade::apps

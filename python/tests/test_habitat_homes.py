@@ -1,0 +1,170 @@
+"""Homes for Habitat: what `enfilade homes --parts habitat` writes, opened by habitat_sim and by habitat-lab."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+np = pytest.importorskip("numpy")
+pytest.importorskip("quaternion", reason="numpy-quaternion is not installed: no habitat_sim")
+
+pytest.register_assert_rewrite("habitat_rooms")
+
+import habitat_sim  # noqa: E402
+from habitat_rooms import camera, configuration, settings  # noqa: E402
+
+pytest_plugins = ["habitat_rooms"]
+
+STOP = 0
+
+
+@pytest.fixture(scope="module")
+def homes(program: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What habitat-lab calls `data`, of three small flats."""
+    folder = tmp_path_factory.mktemp("homes")
+    subprocess.run(
+        [program, "homes", "-o", str(folder), "--preset", "small", "--homes", "3", "--size", "0",
+         "--paths", "6", "--tasks", "r2r", "--parts", "habitat"],
+        check=True,
+    )  # fmt: skip
+    return folder / "habitat"
+
+
+def read(homes: Path, task: str, split: str) -> Any:
+    with gzip.open(homes / "datasets" / task / "v1" / split / f"{split}.json.gz", "rt") as file:
+        return json.load(file)
+
+
+def glb(homes: Path, episode: Any) -> Path:
+    return homes / "scene_datasets" / str(episode["scene_id"])
+
+
+def pathfinder(homes: Path, episode: Any, own: Any = None) -> Any:
+    """That of the scene's .navmesh, or for a body of its own."""
+    config = configuration(glb(homes, episode), own, [])
+    with habitat_sim.Simulator(config) as sim:
+        return sim.pathfinder
+
+
+def test_homes_open_upright_by_path_and_by_dataset(homes: Path) -> None:
+    episode = read(homes, "pointnav/mp3d", "val")["episodes"][0]
+    dataset = homes / "scene_datasets/mp3d/mp3d.scene_dataset_config.json"
+    eyes = [camera("depth", "DEPTH")]
+    for scene, named in ((glb(homes, episode), "default"), (glb(homes, episode).stem, dataset)):
+        config = configuration(scene, None, eyes, scene_dataset_config_file=str(named))
+        with habitat_sim.Simulator(config) as sim:
+            assert sim.pathfinder.is_navigable(episode["start_position"])
+            assert sim.pathfinder.nav_mesh_settings == settings()
+            low, high = sim.pathfinder.get_bounds()
+            assert high[1] - low[1] < high[0] - low[0], "lawn around, and one storey"
+            state = habitat_sim.AgentState()
+            state.position, state.rotation = episode["start_position"], episode["start_rotation"]
+            sim.get_agent(0).set_state(state)
+            depth = sim.get_sensor_observations()["depth"]
+            assert 0 < depth[-1].max() < 3, "the floor below the eyes, at 1.25 m"
+            assert len(sim.semantic_scene.objects) > 20
+
+
+@pytest.mark.parametrize("split", ["train", "val"])
+def test_point_goals_are_as_far_as_they_say(homes: Path, split: str) -> None:
+    episodes = read(homes, "pointnav/mp3d", split)["episodes"]
+    assert len(episodes) == 6
+    for episode in episodes:
+        finder = pathfinder(homes, episode)
+        path = habitat_sim.ShortestPath()
+        path.requested_start = episode["start_position"]
+        path.requested_end = episode["goals"][0]["position"]
+        assert finder.is_navigable(path.requested_start) and finder.is_navigable(path.requested_end)
+        assert finder.find_path(path)
+        assert path.geodesic_distance == episode["info"]["geodesic_distance"]
+
+
+def test_objects_are_as_far_as_they_say(homes: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(habitat_sim.nav, "navigation", "0.3.3")
+    data = read(homes, "objectnav/mp3d", "val")
+    body = settings(0.18)
+    body.agent_height = 0.88
+    finder = pathfinder(homes, data["episodes"][0], body)
+    for episode in data["episodes"]:
+        goals = data["goals_by_category"][f"{glb(homes, episode).name}_{episode['object_category']}"]
+        views = [view["agent_state"]["position"] for goal in goals for view in goal["view_points"]]
+        path = habitat_sim.MultiGoalShortestPath()
+        path.requested_start = episode["start_position"]
+        path.requested_ends = np.array(views)
+        assert finder.find_path(path)
+        assert path.geodesic_distance == episode["info"]["geodesic_distance"]
+
+
+def test_vln_paths_can_be_walked(homes: Path) -> None:
+    for split in ("train", "val_unseen"):
+        episodes = read(homes, "vln/mp3d/r2r", split)["episodes"]
+        assert len(episodes) >= 6
+        finder = pathfinder(homes, episodes[0])
+        for episode in [e for e in episodes if e["scene_id"] == episodes[0]["scene_id"]]:
+            points = episode["reference_path"]
+            assert points[0] == episode["start_position"]
+            assert points[-1] == episode["goals"][0]["position"]
+            for a, b in zip(points, points[1:]):
+                path = habitat_sim.ShortestPath()
+                path.requested_start, path.requested_end = a, b
+                assert finder.is_navigable(a) and finder.find_path(path)
+    assert "goals" not in read(homes, "vln/mp3d/r2r", "test")["episodes"][0]
+
+
+def walk(homes: Path, config: str, task: str, split: str, near: float) -> Any:
+    """The metrics of habitat-lab after its follower went to the goal of the first episode."""
+    habitat = pytest.importorskip("habitat", reason="habitat-lab is not installed")
+    from habitat.tasks.nav.shortest_path_follower import ShortestPathFollower
+
+    options = [
+        f"habitat.dataset.data_path={homes}/datasets/{task}/v1/{{split}}/{{split}}.json.gz",
+        f"habitat.dataset.split={split}", f"habitat.dataset.scenes_dir={homes}/scene_datasets",
+        "habitat.simulator.habitat_sim_v0.gpu_device_id=-1",
+        "habitat.environment.iterator_options.shuffle=False",
+    ]  # fmt: skip
+    for sensor in ("rgb_sensor", "depth_sensor"):
+        for side in ("width", "height"):
+            options.append(f"habitat.simulator.agents.main_agent.sim_sensors.{sensor}.{side}=32")
+    with habitat.Env(config=habitat.get_config(config, overrides=options)) as env:
+        env.reset()
+        first = env.get_metrics()["distance_to_goal"]
+        told = env.current_episode.info["geodesic_distance"]
+        assert first == pytest.approx(told, abs=0.05), "ours is of 0.3.3, theirs of now"
+        goals = env.current_episode.goals
+        views = getattr(goals[0], "view_points", None)
+        if views:
+            to = env.sim.geodesic_distance
+            at = env.sim.get_agent_state().position
+            every = [view.agent_state.position for goal in goals for view in goal.view_points]
+            goal = min(every, key=lambda view: to(at, view))
+        else:
+            goal = goals[0].position
+        follower = ShortestPathFollower(env.sim, near, False)
+        while not env.episode_over:
+            action = follower.get_next_action(np.array(goal))
+            env.step(STOP if action is None else int(action))
+        return env.get_metrics()
+
+
+def test_habitat_lab_walks_vln(homes: Path) -> None:
+    metrics = walk(homes, "benchmark/nav/vln_r2r.yaml", "vln/mp3d/r2r", "val_unseen", 0.15)
+    assert metrics["distance_to_goal"] < 0.3
+
+
+def test_habitat_lab_walks_pointnav(homes: Path) -> None:
+    metrics = walk(
+        homes, "benchmark/nav/pointnav/pointnav_mp3d.yaml", "pointnav/mp3d", "val", 0.15
+    )
+    assert metrics["success"] == 1 and metrics["spl"] > 0.7
+
+
+def test_habitat_lab_walks_objectnav(homes: Path) -> None:
+    metrics = walk(
+        homes, "benchmark/nav/objectnav/objectnav_mp3d.yaml", "objectnav/mp3d", "val", 0.1
+    )
+    assert metrics["distance_to_goal"] < 0.3
