@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "apps/common/program.h"
@@ -32,6 +33,13 @@ namespace {
 namespace fs = std::filesystem;
 using exports::HabitatIsland;
 
+constexpr std::string_view kReadme =
+    "# Model homes for Habitat: a SYNTHETIC data set made by Enfilade\n\n"
+    "Nothing in this folder is real: made-up buildings under `scene_datasets/mp3d`, and episodes "
+    "in\n"
+    "them under `datasets`. Habitat's programs call such a folder `data`. Numbers from it are not\n"
+    "comparable with any from Matterport3D.\n";
+
 // What a home's episodes are made of.
 struct HomeForHabitat {
   std::optional<HabitatIsland> island;
@@ -56,8 +64,9 @@ class HabitatWriter {
       }
     });
     exports::write_habitat_dataset(out_);
+    out_.write("README.md", kReadme);
     for (std::size_t i = 0; i < homes.size(); ++i) made_[homes[i].scan] = std::move(made[i]);
-    say("{}: {}\n", out_.path().string(), counted(homes.size(), "scene"));
+    say("{}: {}, all SYNTHETIC\n", out_.path().string(), counted(homes.size(), "scene"));
   }
 
   void write_episodes() {

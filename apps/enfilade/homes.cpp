@@ -204,7 +204,8 @@ void add(CLI::App& app, int& /*status*/) {
             "Folder of corrections of graphs, SCAN_corrections.json: docs/graph.md");
   add_value(verb, "--shard", options->shard, "K/N",
             "Make shard K of N only; then run once without it");
-  add_whole_number(verb, "--paths", options->paths, "Most R2R paths per home; 0: none", 0);
+  add_whole_number(verb, "--paths", options->paths,
+                   "Most R2R paths, and Habitat's episodes, per home; 0: none", 0);
   add_tasks_option(verb, options->tasks);
   add_value(verb, "--enlarge", options->enlarge, "N",
             "Replace pictures of the homes there by faces of N texels")

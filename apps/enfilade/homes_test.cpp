@@ -16,6 +16,7 @@
 #include "enfilade/scan/matterport_cameras.h"
 #include "enfilade/scan/matterport_images.h"
 #include "enfilade/scan/store.h"
+#include "enfilade/tasks/continuous_episodes.h"
 #include "tests/support/emulated.h"
 #include "tests/support/folder_content.h"
 #include "tests/support/process.h"
@@ -174,6 +175,80 @@ TEST(HomeOptions, AllTasksCanBeNamedAndEnlargingStandsAlone) {
     both.insert(both.end(), {option, option == std::string("--size") ? "16" : "small"});
     EXPECT_EQ(Process(both).wait(), 2) << option;
   }
+}
+
+// Three homes, and what Habitat opens of them.
+std::vector<std::string> habitat_in(const fs::path& folder) {
+  std::vector<std::string> words = paths_in(folder);
+  words.insert(words.end(), {"--tasks", "r2r", "--parts", "habitat"});
+  return words;
+}
+
+TEST(HomesForHabitat, AreTheSameAfterAKilledRunAndInShards) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, floors of homes take an hour";
+  const Reference reference = run_whole(habitat_in);
+  const std::string scene = "habitat/scene_datasets/mp3d/home0002/home0002";
+  for (const std::string& file :
+       {scene + ".glb", scene + ".house", scene + "_semantic.ply", scene + ".navmesh",
+        std::string("habitat/scene_datasets/mp3d/mp3d.scene_dataset_config.json"),
+        std::string("habitat/datasets/vln/mp3d/r2r/v1/val_unseen/val_unseen.json.gz"),
+        std::string("habitat/datasets/pointnav/mp3d/v1/train/train.json.gz"),
+        std::string("habitat/datasets/objectnav/mp3d/v1/val/val.json.gz")}) {
+    EXPECT_THAT(reference.content, ::testing::Contains(::testing::Key(file)));
+  }
+  const TemporaryFolder killed("homes");
+  {
+    Process run(habitat_in(killed.path()));
+    EXPECT_TRUE(run.killed_when([&] { return fs::exists(killed.path() / (scene + ".glb")); }));
+  }
+  leave_halves(killed.path(), reference, {scene + ".glb", scene + ".navmesh"});
+  EXPECT_EQ(Process(habitat_in(killed.path())).wait(), 0);
+  expect_same(killed.path(), reference);
+
+  const TemporaryFolder shards("homes");
+  std::vector<std::string> second = habitat_in(shards.path());
+  second.insert(second.end(), {"--shard", "2/3"});
+  EXPECT_EQ(Process(second).wait(), 0);
+  EXPECT_TRUE(fs::exists(shards.path() / (scene + ".navmesh")));
+  EXPECT_FALSE(fs::exists(shards.path() / "habitat/datasets"));
+  EXPECT_EQ(Process(habitat_in(shards.path())).wait(), 0);
+  expect_same(shards.path(), reference);
+}
+
+TEST(HomesForHabitat, AreUprightByPathAndHaveEpisodesThatOurReaderReads) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, floors of homes take an hour";
+  const TemporaryFolder folder("homes");
+  std::vector<std::string> words = habitat_in(folder.path());
+  words.back() += ",mesh,house";
+  ASSERT_EQ(Process(words).wait(), 0);
+  const fs::path habitat = folder.path() / "habitat";
+  const fs::path scene = habitat / "scene_datasets/mp3d/home0001/home0001";
+  const fs::path scan = folder.path() / "v1/scans/home0001";
+  const fs::path usual = fs::directory_iterator(scan / "matterport_mesh")->path();
+  const mesh::Mesh y_up = mesh::read_mesh(usual / (usual.filename().string() + ".glb")).mesh;
+  const mesh::Mesh z_up = mesh::read_mesh(scene.string() + ".glb", {.up = mesh::UpAxis::kZ}).mesh;
+  EXPECT_EQ(z_up.positions, y_up.positions);
+  EXPECT_EQ(z_up.triangles, y_up.triangles);
+  EXPECT_EQ(read_file(scene.string() + ".house"),
+            read_file(scan / "house_segmentations/home0001.house"));
+  const auto episodes = tasks::load_continuous_episodes(
+      habitat / "datasets/vln/mp3d/r2r/v1/train/train.json.gz", "train");
+  ASSERT_FALSE(episodes.episodes.empty());
+  for (const tasks::ContinuousEpisode& episode : episodes.episodes) {
+    EXPECT_TRUE(fs::exists(habitat / "scene_datasets" / episode.scene)) << episode.scene;
+    EXPECT_GT(episode.info.value().geodesic_distance.value(), 0);
+  }
+}
+
+TEST(HomesForHabitat, WithoutPathsAreScenesAlone) {
+  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, floors of homes take an hour";
+  const TemporaryFolder folder("homes");
+  EXPECT_EQ(Process({EN_PROGRAM, "homes", "-o", folder.path().string(), "--preset", "small",
+                     "--homes", "1", "--size", "0", "--parts", "habitat"})
+                .wait(),
+            0);
+  EXPECT_TRUE(fs::exists(folder.path() / "habitat/scene_datasets/mp3d/home0001/home0001.navmesh"));
+  EXPECT_FALSE(fs::exists(folder.path() / "habitat/datasets"));
 }
 
 std::string plan_of(const fs::path& folder, const fs::path& file) {

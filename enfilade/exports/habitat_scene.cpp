@@ -93,10 +93,16 @@ continuous::HabitatSceneFloor write_habitat_scene(const OutputFolder& data, cons
 }
 
 void write_habitat_dataset(const OutputFolder& data) {
-  // As by path, +z is up and +y in front.
+  // As by path, +z is up and +y in front. Habitat puts each scene's own path for the long word.
   data.write(std::string(kScenesFolder) + "/mp3d.scene_dataset_config.json", R"({
   "stages": {
-    "default_attributes": {"up": [0, 0, 1], "front": [0, 1, 0]},
+    "default_attributes": {
+      "up": [0, 0, 1],
+      "front": [0, 1, 0],
+      "nav_asset": "%%CONFIG_NAME_AS_ASSET_FILENAME%%.navmesh",
+      "semantic_asset": "%%CONFIG_NAME_AS_ASSET_FILENAME%%_semantic.ply",
+      "semantic_descriptor_filename": "%%CONFIG_NAME_AS_ASSET_FILENAME%%.house"
+    },
     "paths": {".glb": ["*/*.glb"]}
   }
 }

@@ -117,8 +117,13 @@ TEST(HabitatScene, TheDatasetSaysThatZIsUp) {
   write_habitat_dataset(OutputFolder(folder.path()));
   const auto json = nlohmann::json::parse(
       read_file(folder.path() / "scene_datasets/mp3d/mp3d.scene_dataset_config.json"));
-  EXPECT_EQ(json["stages"]["default_attributes"]["up"], (nlohmann::json{0, 0, 1}));
-  EXPECT_EQ(json["stages"]["default_attributes"]["front"], (nlohmann::json{0, 1, 0}));
+  const nlohmann::json& defaults = json["stages"]["default_attributes"];
+  EXPECT_EQ(defaults["up"], (nlohmann::json{0, 0, 1}));
+  EXPECT_EQ(defaults["front"], (nlohmann::json{0, 1, 0}));
+  const std::string scene = "%%CONFIG_NAME_AS_ASSET_FILENAME%%";
+  EXPECT_EQ(defaults["nav_asset"], scene + ".navmesh");
+  EXPECT_EQ(defaults["semantic_asset"], scene + "_semantic.ply");
+  EXPECT_EQ(defaults["semantic_descriptor_filename"], scene + ".house");
   EXPECT_EQ(json["stages"]["paths"][".glb"], nlohmann::json::array({"*/*.glb"}));
 }
 
