@@ -123,7 +123,8 @@ struct Eyes::Impl {
     for (std::size_t k = 0; k < views.size(); ++k) check(views[k], k, buildings.size());
   }
 
-  void draw(const Pixels& pixels, std::span<const MeshView> views, const render::Outputs& outputs) {
+  void draw(const Pixels& pixels, std::span<const MeshView> views, const render::Outputs& outputs,
+            const DepthRange& range = {}) {
     choose(views, outputs);
     const std::uint32_t block_rows = parts(parts(pixels.height(), kTile), kBlock);
     const std::uint32_t blocks_across = parts(parts(pixels.width(), kTile), kBlock);
@@ -147,23 +148,23 @@ struct Eyes::Impl {
         const auto row = [&](std::size_t k) {
           return static_cast<std::uint32_t>(k * block_rows / bands) * kBlock;
         };
-        draw(pixels, views[view], view, {row(band), row(band + 1)}, outputs, *workspace);
+        draw(pixels, views[view], view, {row(band), row(band + 1)}, range, outputs, *workspace);
       }
       give_back(std::move(workspace));
     });
   }
 
   void draw(const Pixels& pixels, const MeshView& at, std::size_t view, TileRows rows,
-            const render::Outputs& outputs, Workspace& workspace) const {
+            const DepthRange& range, const render::Outputs& outputs, Workspace& workspace) const {
     const pixels::SceneParts& scene = buildings[at.building]->parts();
     const Eye& eye = eyes[view];
     const PixelPainter painter(scene, pixels, eye, colouring, chosen[view].all());
     if (pixels.sphere != nullptr || config.method == Method::kRays) {
-      painter.trace(rows, workspace.frame);
+      painter.trace(rows, range, workspace.frame);
     } else {
-      workspace.frame.clear(*pixels.lattice, rows);
-      rasteriser({scene.tree, scene.surfaces, *pixels.lattice, eye, scene.habitat}, rows,
-                 workspace.frame);
+      workspace.frame.clear(*pixels.lattice, rows, range.far);
+      rasteriser({scene.tree, scene.surfaces, *pixels.lattice, eye, scene.habitat, range.near},
+                 rows, workspace.frame);
     }
     painter.paint(workspace.frame, rows, outputs, view, workspace.lines);
   }
@@ -229,17 +230,21 @@ Eyes::Eyes(std::vector<std::shared_ptr<const Scene>> buildings, const EyesConfig
 Eyes::~Eyes() = default;
 
 void Eyes::render(const Camera& camera, std::span<const MeshView> views,
-                  const render::Outputs& outputs) {
+                  const render::Outputs& outputs, const DepthRange& range) {
   validate(camera);
   check_size("camera.width", camera.width);
   check_size("camera.height", camera.height);
   impl_->check_all(views, outputs, std::size_t{camera.width} * camera.height);
+  if (!(range.near >= 0 && range.near < range.far)) {
+    throw ArgumentError(fmt::format("range: near {} and far {} metres, not 0 <= near < far",
+                                    range.near, range.far));
+  }
   const Lattice& lattice = impl_->lattice_of(camera);
   impl_->eyes.clear();
   for (const MeshView& view : views) {
     impl_->eyes.emplace_back(view.eye, view.heading, view.elevation, view.roll);
   }
-  impl_->draw({&lattice, nullptr, 1 / lattice.focal}, views, outputs);
+  impl_->draw({&lattice, nullptr, 1 / lattice.focal}, views, outputs, range);
 }
 
 void Eyes::render_equirectangular(std::uint32_t width, std::uint32_t height,

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <list>
 #include <memory>
 #include <optional>
@@ -28,6 +29,12 @@ struct MeshView {
   Radians heading;
   Radians elevation;  ///< [-pi/2, pi/2], up positive
   Radians roll{};     ///< about the line of sight, clockwise as seen by the eye
+};
+
+/// What is drawn of a scene, metres along the optical axis. A surface nearer than `near` hides
+/// nothing.
+struct DepthRange {
+  float near = 0, far = std::numeric_limits<float>::infinity();
 };
 
 /// How the surface that a pixel shows is found.
@@ -78,9 +85,10 @@ class Eyes {
   /// render::validate()
   /// \throws ArgumentError naming the position of a view with an unknown building, or numbers that
   /// are not finite or out of range
+  /// \throws ArgumentError unless 0 <= range.near < range.far
   /// \throws as Photographs::load_all()
-  void render(const Camera& camera, std::span<const MeshView> views,
-              const render::Outputs& outputs);
+  void render(const Camera& camera, std::span<const MeshView> views, const render::Outputs& outputs,
+              const DepthRange& range = {});
   /// The same for equirectangular pictures (height, width). The middle column is at the view's
   /// heading, the middle row at the horizon, the top row up; elevation and roll are ignored. Depth
   /// is along the ray in any measure.

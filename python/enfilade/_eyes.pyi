@@ -93,13 +93,17 @@ class habitat:  # a module
 
     class Lens:
         @staticmethod
-        def pinhole(width: int, height: int, hfov: float) -> habitat.Lens: ...
+        def pinhole(
+            width: int, height: int, hfov: float, range: Tuple[float, float] = (0.01, 1000.0)
+        ) -> habitat.Lens: ...
         @staticmethod
-        def equirectangular(width: int, height: int, cube_size: int = 0) -> habitat.Lens: ...
+        def equirectangular(
+            width: int, height: int, cube_size: int = 0, range: Tuple[float, float] = (0.01, 1000.0)
+        ) -> habitat.Lens: ...
         @staticmethod
         def fisheye(
             width: int, height: int, focal: Tuple[float, float], middle: Tuple[float, float], xi: float,
-            alpha: float, cube_size: int = 0,
+            alpha: float, cube_size: int = 0, range: Tuple[float, float] = (0.01, 1000.0),
         ) -> habitat.Lens: ...
         @property
         def width(self) -> int: ...
@@ -107,10 +111,12 @@ class habitat:  # a module
         def height(self) -> int: ...
 
     class Sensors:
-        def __init__(self, mesh_file: str, up: str, threads: int = 0) -> None: ...
+        def __init__(
+            self, mesh_file: str, up: str, threads: int = 0, labels: bool = False
+        ) -> None: ...
         def draw(
             self, lens: habitat.Lens, position: Any, rotation: Any, colour: Optional[NDArray[Any]],
-            depth: Optional[NDArray[Any]],
+            depth: Optional[NDArray[Any]], instance: Optional[NDArray[Any]] = None,
         ) -> None: ...
 
     @staticmethod

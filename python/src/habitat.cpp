@@ -292,51 +292,63 @@ std::span<T> memory_of(
 }
 
 // Scenes that are open, so that several simulators of one building share it.
-std::shared_ptr<const continuous::Scene> shared_scene(const std::string& file, Upright up) {
-  using Key = std::tuple<std::string, Upright, std::filesystem::file_time_type, std::uintmax_t>;
+std::shared_ptr<const continuous::Scene> shared_scene(const std::string& file, Upright up,
+                                                      bool labels) {
+  using Key =
+      std::tuple<std::string, Upright, bool, std::filesystem::file_time_type, std::uintmax_t>;
   static std::mutex mutex;
   static std::map<Key, std::weak_ptr<const continuous::Scene>> open;
   std::error_code none;  // the reader says what is wrong with a file
-  const Key key{file, up, std::filesystem::last_write_time(file, none),
+  const Key key{file, up, labels, std::filesystem::last_write_time(file, none),
                 std::filesystem::file_size(file, none)};
   const std::scoped_lock lock(mutex);
   std::erase_if(open, [](const auto& one) { return one.second.expired(); });
   if (const auto found = open.find(key); found != open.end()) {
     if (auto scene = found->second.lock()) return scene;
   }
-  auto scene = open_scene(file, up);
+  auto scene = labels ? open_labels(file, up) : open_scene(file, up);
   open.insert_or_assign(key, scene);
   return scene;
 }
 
-Sensor checked(Sensor sensor) {
+using Range = std::pair<float, float>;
+constexpr Range kUsualRange{Sensor().near, Sensor().far};
+
+Sensor checked(Sensor sensor, Range range) {
+  std::tie(sensor.near, sensor.far) = range;
   check(sensor);
   return sensor;
 }
 
-Sensor pinhole(std::uint32_t width, std::uint32_t height, double hfov) {
-  return checked({.width = width, .height = height, .horizontal_field_of_view = Radians(hfov)});
+Sensor pinhole(std::uint32_t width, std::uint32_t height, double hfov, Range range) {
+  return checked({.width = width, .height = height, .horizontal_field_of_view = Radians(hfov)},
+                 range);
 }
-Sensor equirectangular(std::uint32_t width, std::uint32_t height, std::uint32_t cube_size) {
+Sensor equirectangular(std::uint32_t width, std::uint32_t height, std::uint32_t cube_size,
+                       Range range) {
   return checked(
-      {.lens = Lens::kEquirectangular, .width = width, .height = height, .cube_size = cube_size});
+      {.lens = Lens::kEquirectangular, .width = width, .height = height, .cube_size = cube_size},
+      range);
 }
 Sensor fisheye(std::uint32_t width, std::uint32_t height, std::pair<double, double> focal,
-               std::pair<double, double> middle, double xi, double alpha, std::uint32_t cube_size) {
+               std::pair<double, double> middle, double xi, double alpha, std::uint32_t cube_size,
+               Range range) {
   return checked(
       {.lens = Lens::kFisheye,
        .width = width,
        .height = height,
        .double_sphere = {focal.first, focal.second, middle.first, middle.second, xi, alpha},
-       .cube_size = cube_size});
+       .cube_size = cube_size},
+      range);
 }
 
 void bind_sensors(nb::module_& m) {
   nb::class_<Sensor>(m, "Lens")
-      .def_static("pinhole", pinhole, "width"_a, "height"_a, "hfov"_a)
-      .def_static("equirectangular", equirectangular, "width"_a, "height"_a, "cube_size"_a = 0)
+      .def_static("pinhole", pinhole, "width"_a, "height"_a, "hfov"_a, "range"_a = kUsualRange)
+      .def_static("equirectangular", equirectangular, "width"_a, "height"_a, "cube_size"_a = 0,
+                  "range"_a = kUsualRange)
       .def_static("fisheye", fisheye, "width"_a, "height"_a, "focal"_a, "middle"_a, "xi"_a,
-                  "alpha"_a, "cube_size"_a = 0)
+                  "alpha"_a, "cube_size"_a = 0, "range"_a = kUsualRange)
       .def_ro("width", &Sensor::width)
       .def_ro("height", &Sensor::height)
       .def(
@@ -345,23 +357,26 @@ void bind_sensors(nb::module_& m) {
   nb::class_<Sensors>(m, "Sensors")
       .def(
           "__init__",
-          [](Sensors* self, const std::string& file, const std::string& up, int threads) {
+          [](Sensors* self, const std::string& file, const std::string& up, int threads,
+             bool labels) {
             const Upright upright = named<Upright>(up, "up");
             const nb::gil_scoped_release unlocked;
-            new (self) Sensors(shared_scene(file, upright), threads);
+            new (self) Sensors(shared_scene(file, upright, labels), threads);
           },
-          "mesh_file"_a, "up"_a, "threads"_a = 0)
+          "mesh_file"_a, "up"_a, "threads"_a = 0, "labels"_a = false)
       .def(
           "draw",
           [](Sensors& self, const Sensor& sensor, nb::handle position, nb::handle rotation,
              const Pixels<std::uint8_t, nb::shape<-1, -1, 4>>& colour,
-             const Pixels<float, nb::ndim<2>>& depth) {
+             const Pixels<float, nb::ndim<2>>& depth,
+             const Pixels<std::uint32_t, nb::ndim<2>>& instance) {
             const Pose pose = pose_from(position, rotation);
-            const SensorPicture picture{memory_of(colour), memory_of(depth), {}};
+            const SensorPicture picture{memory_of(colour), memory_of(depth), memory_of(instance)};
             const nb::gil_scoped_release unlocked;
             self.render(sensor, pose, picture);
           },
-          "lens"_a, "position"_a, "rotation"_a, "colour"_a.none(), "depth"_a.none());
+          "lens"_a, "position"_a, "rotation"_a, "colour"_a.none(), "depth"_a.none(),
+          "instance"_a.none() = nb::none());
 }
 
 }  // namespace

@@ -11,10 +11,12 @@
 
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 #include "enfilade/core/threads.h"
 #include "enfilade/geometry/cube_map.h"
 #include "enfilade/geometry/habitat_frame.h"
 #include "enfilade/mesh/read_mesh.h"
+#include "enfilade/mesh/semantic_ply.h"
 
 namespace enfilade::continuous::habitat {
 namespace {
@@ -155,6 +157,12 @@ MeshView view_of(const FaceAxes& axes, Vec3d eye) {
           Radians(std::atan2(dot(axes.right, cross(ahead, level)), dot(axes.right, level)))};
 }
 
+std::shared_ptr<const Scene> scene_of(mesh::Mesh mesh) {
+  auto shared = std::make_shared<const mesh::Mesh>(std::move(mesh));
+  return Scene::photographed(std::make_shared<const mesh::RayTracer>(std::move(shared)),
+                             Style::kHabitat);
+}
+
 std::uint32_t between_texels(const std::uint32_t* texels, const Lookup& at) {
   const std::uint32_t* const top = texels + at.left;
   const std::uint32_t* const bottom = top + at.to_below;
@@ -180,14 +188,25 @@ void check(const Sensor& sensor) {
   if (sensor.lens == Lens::kPinhole && !(angle > 0 && angle < kPi)) {
     throw ArgumentError(fmt::format("sensor.horizontal_field_of_view: {}, not in (0, pi)", angle));
   }
+  if (!(sensor.near > 0 && sensor.near < sensor.far && std::isfinite(sensor.far))) {
+    throw ArgumentError(fmt::format("sensor: near {} and far {} metres, not 0 < near < far",
+                                    sensor.near, sensor.far));
+  }
   if (sensor.lens == Lens::kFisheye) check(sensor.double_sphere);
 }
 
 std::shared_ptr<const Scene> open_scene(const std::filesystem::path& file, Upright up) {
   const mesh::UpAxis axis = up == Upright::kZ ? mesh::UpAxis::kZ : mesh::UpAxis::kY;
-  auto mesh = std::make_shared<const mesh::Mesh>(mesh::read_mesh(file, {1, axis}).mesh);
-  return Scene::photographed(std::make_shared<const mesh::RayTracer>(std::move(mesh)),
-                             Style::kHabitat);
+  return scene_of(mesh::read_mesh(file, {1, axis}).mesh);
+}
+
+std::shared_ptr<const Scene> open_labels(const std::filesystem::path& file, Upright frame) {
+  mesh::Mesh labels = mesh::parse_semantic_ply(read_file(file), file.string());
+  // One of the two turns is the one into our own frame.
+  if (frame == Upright::kZ) {
+    for (Vec3f& p : labels.positions) p = {p.x, p.z, -p.y};
+  }
+  return scene_of(std::move(labels));
 }
 
 struct Sensors::Impl {
@@ -212,7 +231,8 @@ struct Sensors::Impl {
   void draw_pinhole(const Sensor& sensor, const MeshView& view, const SensorPicture& picture) {
     const double half = std::tan(sensor.horizontal_field_of_view.value / 2);
     const Radians vertical(2 * std::atan(half * sensor.height / sensor.width));
-    eyes.render({sensor.width, sensor.height, vertical}, {&view, 1}, outputs(picture));
+    eyes.render({sensor.width, sensor.height, vertical}, {&view, 1}, outputs(picture),
+                {sensor.near, sensor.far});
   }
 
   void draw_from_cube(const Sensor& sensor, const FaceAxes& axes, Vec3d eye,
@@ -234,7 +254,7 @@ struct Sensors::Impl {
       views[k] = view_of(turned(axes, kFaceAxes[index(lookups.faces[k])]), eye);
     }
     eyes.render({size, size, degrees(90)}, std::span(views).first(lookups.faces.size()),
-                outputs(faces));
+                outputs(faces), {sensor.near, sensor.far});
     look_up(lookups, picture);
   }
 

@@ -42,6 +42,9 @@ struct Sensor {
   DoubleSphere double_sphere{};                    ///< of fisheyes
   /// Edge of the cube's faces, pixels, up to 8192; 0: the shorter edge of the picture.
   std::uint32_t cube_size = 0;
+  /// Surfaces nearer or farther than these are not drawn. Metres along the axis of the sensor or
+  /// the cube's face; 0 < near < far.
+  float near = 0.01F, far = 1000;
   friend bool operator==(const Sensor&, const Sensor&) = default;
 };
 
@@ -58,6 +61,12 @@ struct SensorPicture {
 /// A mesh file as Habitat shows it: display values, no light.
 /// \throws as mesh::read_mesh(), mesh::RayTracer
 std::shared_ptr<const Scene> open_scene(const std::filesystem::path& file, Upright up);
+/// A file of labels, SCAN_semantic.ply, as Habitat shows it to semantic sensors: instances are its
+/// `object_id`s. Habitat turns its vertices by the frame of the stage, and then from z up to y up.
+/// \param frame  of the stage, or what its `semantic_up` says. With kY, +z is up in the file. With
+/// kZ, both turns are made, and -y is up.
+/// \throws FileError; as mesh::parse_semantic_ply(), mesh::RayTracer
+std::shared_ptr<const Scene> open_labels(const std::filesystem::path& file, Upright frame);
 
 /// Draws what sensors see. Depth is 0 and colour black where there is no surface. Equirectangular
 /// pictures and fisheyes take depth and instance from the nearest texel of the cube's face, and

@@ -1,18 +1,23 @@
 #include "enfilade/continuous/habitat/sensors.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "enfilade/continuous/eyes.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 #include "enfilade/geometry/habitat_frame.h"
 #include "tests/support/lit_rooms.h"
+#include "tests/support/temporary_folder.h"
 
 namespace enfilade::continuous::habitat {
 namespace EN_UNIT {
@@ -320,6 +325,113 @@ TEST(Sensors, AFisheyeIsBlackBeyondItsField) {
   EXPECT_GT(seen.depth[30 * 64 + 32], 0);
 }
 
+TEST(Sensors, OnlyWhatLiesBetweenNearAndFarIsDrawn) {
+  mesh::Mesh mesh = poster({1, 1, 1}, texels(1, 1, {9, 9, 9}));  // 2 m away, and 5 m
+  mesh::Mesh behind = mesh;
+  for (Vec3f& p : behind.positions) p = {9 * p.x, p.y + 3, 9 * p.z};
+  mesh::append(mesh, behind);
+  Sensors sensors(shown(std::move(mesh)));
+  for (Sensor sensor : {kSquare, kAround}) {
+    const std::size_t middle = (sensor.height / 2) * sensor.width + sensor.width / 2;
+    const auto depth = [&](float near, float far) {
+      sensor.near = near;
+      sensor.far = far;
+      return draw(sensors, sensor, {}).depth[middle];
+    };
+    EXPECT_FLOAT_EQ(depth(0.01F, 1000), 2);
+    EXPECT_FLOAT_EQ(depth(1.99F, 2.01F), 2);
+    EXPECT_FLOAT_EQ(depth(2.01F, 1000), 5);
+    EXPECT_FLOAT_EQ(depth(2.01F, 4.99F), 0);
+    EXPECT_FLOAT_EQ(depth(0.01F, 1.99F), 0);
+  }
+}
+
+TEST(Sensors, NearAndFarCutAlongTheAxisForEachMethod) {
+  const auto scene = shown(cluttered_room(3000, 8), Style::kPlain);
+  Eyes fast({scene}, {.threads = 2}), slow({scene}, {.method = Method::kPlain, .threads = 1});
+  Eyes rays({scene}, {.method = Method::kRays, .threads = 1});
+  Rng rng(3);
+  constexpr DepthRange kRange{0.7F, 2.5F};
+  for (int k = 0; k < 6; ++k) {
+    const MeshView view{0, place_in_room(rng), Radians(within(rng, 0, 6)), Radians(0)};
+    const auto drawn = [&](Eyes& eyes, const DepthRange& range) {
+      std::vector<float> depth(std::size_t{80} * 60);
+      render::Outputs outputs;
+      outputs.depth =
+          render::DepthOutput{render::DepthFormat::kMetresFloat32, render::DepthMeasure::kZ,
+                              std::as_writable_bytes(std::span(depth))};
+      eyes.render({80, 60, degrees(70)}, {&view, 1}, outputs, range);
+      return depth;
+    };
+    const std::vector<float> whole = drawn(fast, {}), cut = drawn(fast, kRange);
+    const std::vector<float> traced = drawn(rays, kRange);
+    EXPECT_EQ(cut, drawn(slow, kRange));
+    std::size_t others = 0;
+    for (std::size_t p = 0; p < cut.size(); ++p) {
+      const bool within_range = whole[p] >= kRange.near && whole[p] < kRange.far;
+      if (within_range) EXPECT_EQ(cut[p], whole[p]);
+      if (whole[p] >= kRange.far) EXPECT_EQ(cut[p], 0);
+      EXPECT_TRUE(cut[p] == 0 || (cut[p] >= kRange.near && cut[p] < kRange.far)) << cut[p];
+      if (std::abs(cut[p] - traced[p]) > kMillimetre) ++others;
+    }
+    EXPECT_LE(others, 10U) << "a pixel's middle on an edge may round either way";
+  }
+  const MeshView view{0, {1, 1, 1}, {}, {}};
+  std::vector<std::uint32_t> instances(64);
+  render::Outputs outputs;
+  outputs.instances = render::InstanceOutput{instances};
+  EXPECT_NO_THROW(fast.render({8, 8, degrees(70)}, {&view, 1}, outputs, {1, 2}));
+  for (const DepthRange bad : {DepthRange{-1, 1}, DepthRange{2, 2}, DepthRange{NAN, 2}}) {
+    EXPECT_THROW(fast.render({8, 8, degrees(70)}, {&view, 1}, outputs, bad), ArgumentError);
+  }
+}
+
+// --- labels --------------------------------------------------------------------------------------
+
+// A mesh's objects as the ids of a file. \param placed  where the file has a corner
+std::string labels_of(const mesh::Mesh& mesh, Vec3f (*placed)(Vec3f)) {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "element face {}\nproperty list uchar int vertex_indices\nproperty int object_id\n"
+      "end_header\n",
+      mesh.positions.size(), mesh.triangles.size());
+  for (const Vec3f& position : mesh.positions) {
+    const Vec3f p = placed(position);
+    text += fmt::format("{} {} {} 9 9 9\n", p.x, p.y, p.z);
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    text += fmt::format("3 {} {} {} {}\n", a, b, c, mesh.triangle_object[t] + 1);
+  }
+  return text;
+}
+
+TEST(Sensors, LabelsLieWhereHabitatShowsThem) {
+  const mesh::Mesh room = cluttered_room(800, 5);
+  Sensors colours(shown(room));
+  const TemporaryFolder folder("labels");
+  const std::filesystem::path file = folder.path() / "room_semantic.ply";
+  const auto same = [&](Upright frame, Vec3f (*placed)(Vec3f)) {
+    write_file_atomically(file, labels_of(room, placed));
+    Sensors labels(open_labels(file, frame));
+    Rng rng(4);
+    std::size_t equal = 0, pixels = 0;
+    for (const Sensor& sensor : {kSmall, kAround, kBulging}) {
+      const Pose pose = place(rng, random_rotation(rng));
+      const Shown real = draw(colours, sensor, pose), seen = draw(labels, sensor, pose);
+      for (std::size_t p = 0; p < real.instance.size(); ++p, ++pixels) {
+        if (seen.instance[p] == real.instance[p]) ++equal;
+      }
+    }
+    return equal == pixels;
+  };
+  EXPECT_TRUE(same(Upright::kY, [](Vec3f p) { return p; }));
+  EXPECT_TRUE(same(Upright::kZ, [](Vec3f p) { return Vec3f{p.x, -p.z, p.y}; }));
+  EXPECT_FALSE(same(Upright::kZ, [](Vec3f p) { return p; }));
+  EXPECT_THROW(open_labels(folder.path() / "none_semantic.ply", Upright::kY), FileError);
+}
+
 // --- files and arguments -------------------------------------------------------------------------
 
 TEST(Sensors, SpansThatAreEmptyAreNotDrawn) {
@@ -350,6 +462,8 @@ TEST(Sensors, RefusesWhatIsOutOfRange) {
   EXPECT_THAT(message({.width = 0}), HasSubstr("sensor.width: 0 pixels, not 1 .. 8192"));
   EXPECT_THAT(message({.cube_size = 9000}), HasSubstr("sensor.cube_size: 9000 pixels"));
   EXPECT_THAT(message({.horizontal_field_of_view = degrees(180)}), HasSubstr("not in (0, pi)"));
+  EXPECT_THAT(message({.near = 0}), HasSubstr("near 0 and far 1000 metres, not 0 < near < far"));
+  EXPECT_THAT(message({.near = 2, .far = 1}), HasSubstr("near 2 and far 1"));
   EXPECT_THAT(message({.lens = Lens::kFisheye}), HasSubstr("focal: (0, 0) pixels, not above 0"));
   Sensor fisheye = kBulging;
   fisheye.double_sphere.alpha = 1.5;

@@ -73,17 +73,17 @@ void VisibilityBuffer::resize(std::uint32_t blocks_across, std::uint32_t blocks_
   block_far.resize(blocks);
 }
 
-void VisibilityBuffer::clear(const Lattice& lattice, TileRows rows) {
+void VisibilityBuffer::clear(const Lattice& lattice, TileRows rows, float far) {
   constexpr float kFull = std::numeric_limits<float>::max();
+  const float least = std::max(1 / far, kLeastNearness);
   for (std::uint32_t ty = rows.begin; ty < rows.end; ++ty) {
     for (std::uint32_t tx = 0; tx < blocks_across_ * kBlock; ++tx) {
       const std::size_t tile = tile_place(tx, ty);
       const bool outside = tx >= lattice.tiles_across || ty >= lattice.tiles_down;
-      tile_far[tile] = outside ? kFull : kLeastNearness;
+      tile_far[tile] = outside ? kFull : least;
       if (outside) continue;
       const std::size_t first = tile * kTilePixels;
-      std::fill_n(nearness.begin() + static_cast<std::ptrdiff_t>(first), kTilePixels,
-                  kLeastNearness);
+      std::fill_n(nearness.begin() + static_cast<std::ptrdiff_t>(first), kTilePixels, least);
       std::fill_n(triangle.begin() + static_cast<std::ptrdiff_t>(first), kTilePixels, kNothing);
       const std::uint32_t columns = std::min(lattice.width - tx * kTile, kTile);
       const std::uint32_t lines = std::min(lattice.height - ty * kTile, kTile);
@@ -95,7 +95,7 @@ void VisibilityBuffer::clear(const Lattice& lattice, TileRows rows) {
   // The bands that threads draw are whole rows of blocks.
   for (std::uint32_t by = rows.begin / kBlock; by < (rows.end + kBlock - 1) / kBlock; ++by) {
     std::fill_n(block_far.begin() + static_cast<std::ptrdiff_t>(std::size_t{by} * blocks_across_),
-                blocks_across_, kLeastNearness);
+                blocks_across_, least);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "enfilade/geometry/cube_map.h"
@@ -63,7 +64,9 @@ class VisibilityBuffer {
   /// Room for pictures of that size. Keeps its memory.
   void resize(std::uint32_t blocks_across, std::uint32_t blocks_down);
   /// Forgets what these rows of tiles see. Pixels beyond the picture's edge are taken as full.
-  void clear(const Lattice& lattice, TileRows rows);
+  /// \param far  what is not nearer, metres, will not be seen
+  void clear(const Lattice& lattice, TileRows rows,
+             float far = std::numeric_limits<float>::infinity());
 
   std::size_t tile_place(std::uint32_t tile_x, std::uint32_t tile_y) const {
     const std::size_t block = std::size_t{tile_y / kBlock} * blocks_across_ + tile_x / kBlock;

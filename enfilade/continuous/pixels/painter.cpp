@@ -35,7 +35,7 @@ Sphere::Sphere(std::uint32_t across, std::uint32_t down)
   }
 }
 
-void PixelPainter::trace(TileRows rows, VisibilityBuffer& frame) const {
+void PixelPainter::trace(TileRows rows, const DepthRange& range, VisibilityBuffer& frame) const {
   const std::uint32_t width = pixels_.width(), height = pixels_.height();
   std::array<mesh::Ray, kTilePixels> rays;
   std::array<mesh::Hit, kTilePixels> hits;
@@ -48,7 +48,7 @@ void PixelPainter::trace(TileRows rows, VisibilityBuffer& frame) const {
         const std::uint32_t x = x0 + dx, y = y0 + dy;
         if (x >= width || y >= height) continue;
         places[n] = frame.pixel_place(x, y);
-        rays[n++] = {eye_.whole, pixels_.towards(eye_, x, y)};
+        rays[n++] = {eye_.whole, pixels_.towards(eye_, x, y), range.near, range.far};
       }
       scene_.tracer->trace(std::span(rays).first(n), std::span(hits).first(n));
       if (n < kTilePixels) {

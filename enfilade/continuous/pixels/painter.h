@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "enfilade/continuous/eyes.h"
 #include "enfilade/continuous/pixels/frame.h"
 #include "enfilade/continuous/pixels/photo.h"
 #include "enfilade/continuous/pixels/scene_parts.h"
@@ -58,7 +59,7 @@ class PixelPainter {
       : scene_(scene), pixels_(pixels), eye_(eye), colouring_(colouring), photos_(photos) {}
 
   /// Finds what pixels see by rays. \pre frame.resize()
-  void trace(TileRows rows, VisibilityBuffer& frame) const;
+  void trace(TileRows rows, const DepthRange& range, VisibilityBuffer& frame) const;
   /// Writes the outputs of view `view` for these rows of tiles. \param line room for a row of
   /// pixels
   void paint(const VisibilityBuffer& frame, TileRows rows, const render::Outputs& outputs,

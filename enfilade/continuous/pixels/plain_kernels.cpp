@@ -22,7 +22,12 @@ struct Flat {
 class Drawer {
  public:
   Drawer(const RasterView& sight, TileRows rows, VisibilityBuffer& frame)
-      : sight_(sight), lattice_(sight.lattice), eye_(sight.eye), rows_(rows), frame_(frame) {}
+      : sight_(sight),
+        lattice_(sight.lattice),
+        eye_(sight.eye),
+        rows_(rows),
+        frame_(frame),
+        most_nearness_(sight.most_nearness()) {}
 
   void draw(const Bundle& bundle, std::size_t i) {
     std::array<Vec3f, 3> v;
@@ -96,6 +101,7 @@ class Drawer {
     std::int32_t& seen = frame_.triangle[place];
     const std::int32_t number = bundle.triangle[i];
     if (!(now > before || (now == before && number < seen))) return;
+    if (now > most_nearness_) return;
     const bool holes = (bundle.holes >> i & 1U) != 0;
     if (holes && !is_there(sight_.surfaces, eye_, static_cast<std::uint32_t>(number), x, y, now)) {
       return;
@@ -109,6 +115,7 @@ class Drawer {
   const Eye& eye_;
   TileRows rows_;
   VisibilityBuffer& frame_;
+  float most_nearness_;
 };
 
 }  // namespace

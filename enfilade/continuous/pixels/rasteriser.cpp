@@ -76,6 +76,7 @@ class Drawer {
         lattice_(sight.lattice),
         eye_(sight.eye),
         fronts_only_(sight.fronts_only),
+        most_nearness_(sight.most_nearness()),
         frame_(frame),
         rows_{rows.begin, std::min(rows.end, sight.lattice.tiles_down)} {
     const float half = 0.5F / lattice_.focal;
@@ -322,13 +323,16 @@ class Drawer {
     const Box box = box_of(tx, tx, ty, ty);
     if (misses(triangle, box)) return;
     const std::size_t tile = frame_.tile_place(tx, ty);
-    if (largest(triangle.nearness, box) < frame_.tile_far[tile]) return;
+    const float nearest = largest(triangle.nearness, box);
+    if (nearest < frame_.tile_far[tile]) return;
+    const bool cut = nearest > most_nearness_;
     const bool covers = smallest(triangle.edges[0], box) >= 0 &&
                         smallest(triangle.edges[1], box) >= 0 &&
                         smallest(triangle.edges[2], box) >= 0;
-    const float far = triangle.holes ? draw_pixels<false, true>(triangle, tx, ty, tile)
-                      : covers       ? draw_pixels<true, false>(triangle, tx, ty, tile)
-                                     : draw_pixels<false, false>(triangle, tx, ty, tile);
+    const float far = cut              ? draw_pixels<false, true, true>(triangle, tx, ty, tile)
+                      : triangle.holes ? draw_pixels<false, true, false>(triangle, tx, ty, tile)
+                      : covers         ? draw_pixels<true, false, false>(triangle, tx, ty, tile)
+                                       : draw_pixels<false, false, false>(triangle, tx, ty, tile);
     if (far == frame_.tile_far[tile]) return;
     const std::size_t block = tile / kBlockTiles;
     const bool was_least = frame_.tile_far[tile] <= frame_.block_far[block];
@@ -345,7 +349,7 @@ class Drawer {
   }
 
   // \returns the least nearness in the tile
-  template <bool kCovers, bool kHoles>
+  template <bool kCovers, bool kHoles, bool kCut>
   HWY_INLINE float draw_pixels(const Triangle& t, std::uint32_t tx, std::uint32_t ty,
                                std::size_t tile) {
     const DF d;
@@ -369,7 +373,10 @@ class Drawer {
                     hn::Ge(at(t.edges[2], x, y), zero));
         wins = hn::And(wins, inside);
       }
-      if constexpr (kHoles) wins = without_holes(wins, t.number, now, xs + k, ys + k);
+      if constexpr (kCut) wins = hn::And(wins, hn::Le(now, hn::Set(d, most_nearness_)));
+      if constexpr (kHoles) {
+        if (!kCut || t.holes) wins = without_holes(wins, t.number, now, xs + k, ys + k);
+      }
       const VF nearer = hn::IfThenElse(wins, now, before);
       hn::StoreU(nearer, d, nearness + k);
       hn::StoreU(hn::IfThenElse(hn::RebindMask(di, wins), number, seen), di, numbers + k);
@@ -400,6 +407,7 @@ class Drawer {
   const Lattice& lattice_;
   const Eye& eye_;
   bool fronts_only_;
+  float most_nearness_;
   VisibilityBuffer& frame_;
   TileRows rows_;
   std::int32_t first_row_, last_row_;

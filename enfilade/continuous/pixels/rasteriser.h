@@ -5,6 +5,7 @@
 /// does not depend on the order of drawing, so that all versions below, in any number of bands,
 /// give the same bits.
 #pragma once
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,11 @@ struct RasterView {
   const Lattice& lattice;
   const Eye& eye;
   bool fronts_only = false;  ///< triangles whose corners are clockwise are left out
+  float near = 0;            ///< pixels of a triangle that are nearer are left out, metres
+
+  float most_nearness() const {
+    return near > 0 ? 1 / near : std::numeric_limits<float>::infinity();
+  }
 };
 
 /// Draws these rows of tiles, whole rows of blocks. \pre frame.clear()
