@@ -27,6 +27,7 @@ from habitat_sim.agent import *  # noqa: F403
 from habitat_sim.gfx import ReplayRenderer, ReplayRendererConfiguration
 from habitat_sim.metadata import MetadataMediator
 from habitat_sim.nav import *  # noqa: F403
+from habitat_sim.registry import registry
 from habitat_sim.scene import *  # noqa: F403
 from habitat_sim.sensor import *  # noqa: F403
 from habitat_sim.sim import *  # noqa: F403
@@ -39,6 +40,6 @@ stage_id = 0
 __all__ = [
     *agent.__all__, *nav.__all__, *scene.__all__, *sensor.__all__, *sim.__all__, "Configuration",
     "MetadataMediator", "ReplayRenderer", "ReplayRendererConfiguration", "Simulator", "agent", "bindings",
-    "built_with_bullet", "errors", "geo", "gfx", "logging", "metadata", "nav", "physics", "scene", "sensor",
-    "sensors", "sim", "simulator", "stage_id", "utils",
+    "built_with_bullet", "errors", "geo", "gfx", "logging", "metadata", "nav", "physics", "registry", "scene",
+    "sensor", "sensors", "sim", "simulator", "stage_id", "utils",
 ]  # fmt: skip

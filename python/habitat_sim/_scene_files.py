@@ -1,4 +1,4 @@
-"""Which mesh file a scene is, and which of its axes points up."""
+"""Which files a scene has, and which of their axes points up."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ from pathlib import Path
 from typing import Any, Optional
 
 from habitat_sim._missing import NotThere
+from habitat_sim.logging import logger
 
 
 @dataclass(frozen=True)
 class SceneFile:
-    """A mesh file; `up` is its axis: "y" or "z"."""
+    """A mesh file; `up` is its axis: "y" or "z". `semantic` is the file of labels, "" for none, whose up and front
+    are those that the scene dataset gives it, or the scene's."""
 
     path: str
     up: str
+    semantic: str = ""
+    semantic_axes: tuple[float, ...] = (0, 0, 1, 0, 1, 0)
 
     @property
     def navmesh(self) -> str:
@@ -28,10 +32,30 @@ class SceneFile:
         """The file of labels beside it, z up whatever the mesh is."""
         return os.path.splitext(self.path)[0] + ".house"
 
+    def labels(self) -> Optional[tuple[str, str]]:
+        """The mesh of labels, and the axis by which Habitat turns it; None without one.
+
+        Raises NotImplementedError for files and axes that Enfilade does not draw.
+        """
+        if not self.semantic:
+            return None
+        if not self.semantic.endswith(".ply"):
+            raise NotThere(
+                f"semantic_asset '{self.semantic}': Enfilade draws labels of .ply files only"
+            )
+        up = _UP.get(self.semantic_axes)
+        if up is None:
+            x = self.semantic_axes
+            raise NotThere(
+                f"semantic_up {list(x[:3])} and semantic_front {list(x[3:])} of stages{_AXES}"
+            )
+        return self.semantic, up
+
 
 # Habitat takes every .glb to be z up, unless a scene dataset says otherwise.
-_BY_PATH = ([0, 0, 1], [0, 1, 0])
-_UP = {(0, 0, 1, 0, 1, 0): "z", (0, 1, 0, 0, 0, -1): "y"}
+_UP: dict[tuple[float, ...], str] = {(0, 0, 1, 0, 1, 0): "z", (0, 1, 0, 0, 0, -1): "y"}
+_AXES = "; Enfilade has up [0, 1, 0] and front [0, 0, -1], or up [0, 0, 1] and front [0, 1, 0]"
+_NAME = "%%CONFIG_NAME_AS_ASSET_FILENAME%%"  # stands for the scene's name
 
 
 def find_scene(scene_id: str, dataset: str) -> Optional[SceneFile]:
@@ -51,14 +75,38 @@ def find_scene(scene_id: str, dataset: str) -> Optional[SceneFile]:
             f"scene_id '{scene_id}': Enfilade opens .glb files; an instance of a scene is none"
         )
     defaults = stages.get("default_attributes", {})
-    axes = [defaults.get(key, value) for key, value in zip(("up", "front"), _BY_PATH)]
-    up = _UP.get(tuple(axes[0] + axes[1]))
+
+    def axis(name: str, usual: list[int]) -> list[Any]:
+        given = defaults.get(name, usual)
+        if not (isinstance(given, list) and all(isinstance(x, (int, float)) for x in given)):
+            raise ValueError(f"{dataset}: {name} {given!r} of stages is not a list of numbers")
+        return given
+
+    axes = axis("up", [0, 0, 1]) + axis("front", [0, 1, 0])
+    up = _UP.get(tuple(axes))
     if up is None:
-        raise NotThere(
-            f"{dataset}: up {axes[0]} and front {axes[1]} of stages; Enfilade has up [0, 1, 0] and "
-            "front [0, 0, -1], or up [0, 0, 1] and front [0, 1, 0]"
-        )
-    return SceneFile(path, up)
+        raise NotThere(f"{dataset}: up {axes[:3]} and front {axes[3:]} of stages{_AXES}")
+    if "semantic_up" in defaults or "semantic_front" in defaults:
+        axes = axis("semantic_up", [0, 1, 0]) + axis("semantic_front", [0, 0, -1])
+    asset = defaults.get("semantic_asset", "")
+    if not isinstance(asset, str):
+        raise ValueError(f"{dataset}: semantic_asset {asset!r} of stages is not text")
+    return SceneFile(path, up, _semantic(path, asset, Path(dataset).parent), tuple(axes))
+
+
+def _semantic(path: str, asset: str, folder: Path) -> str:
+    """The file of labels that a dataset in `folder` names, else the one beside the scene; "" for none."""
+    stem = os.path.splitext(path)[0]
+    if asset:
+        wanted = asset.replace(_NAME, os.path.splitext(os.path.basename(stem))[0])
+        for place in (folder, Path(path).parent):
+            if (place / wanted).is_file():
+                return str(place / wanted)
+        if _NAME not in asset:
+            logger.warning(f"semantic_asset '{asset}': no such file; the semantic sensor sees zeros")
+            return ""
+    beside = stem + "_semantic.ply"
+    return beside if os.path.exists(beside) else ""
 
 
 def _stages(dataset: str) -> dict[str, Any]:

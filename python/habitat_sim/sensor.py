@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Any, Callable, Optional
 
 import magnum as mn
 
@@ -149,6 +149,7 @@ class Sensor:
     def __init__(self, spec: SensorSpec, body: Optional[SceneNode]) -> None:
         self._spec = spec
         self.node = SceneNode(body, SceneNodeType.SENSOR)
+        self._noise: Optional[Callable[[Any], Any]] = None
         self.set_transformation_from_spec()
 
     def specification(self) -> SensorSpec:
@@ -218,10 +219,6 @@ def make_sensor(spec: SensorSpec, body: SceneNode) -> Sensor:
     """The sensor of a specification, on a body. Raises NotImplementedError for what Enfilade does not have."""
     if not isinstance(spec, SensorSpec):
         raise TypeError(f"sensor_specifications: {spec!r} is not a SensorSpec")
-    if spec.noise_model != "None":
-        raise NotThere(
-            f"noise_model '{spec.noise_model}': Enfilade's sensors have no noise; use 'None'"
-        )
     if type(spec) is SensorSpec:
         spec = _camera(spec)
     for kind, sensor in _SENSORS:

@@ -22,15 +22,17 @@ def _box(low: Any, high: Any) -> tuple[Any, Any]:
     return np.array(corners, np.float32), np.array(triangles, np.uint32)
 
 
+BOXES = [
+    _box([-5, -0.5, -5], [5, 0, 5]),
+    _box([-5, 0, -2.2], [3, 2.5, -2]),
+    _box([20, -0.5, 0], [24, 0, 4]),
+]
+
+
 def write_room(file: Path, up: str) -> None:
     """A floor of 10 m x 10 m at height 0, with a red wall from x = -5 to 3 at z = -2, and another floor apart."""
-    boxes = [
-        _box([-5, -0.5, -5], [5, 0, 5]),
-        _box([-5, 0, -2.2], [3, 2.5, -2]),
-        _box([20, -0.5, 0], [24, 0, 4]),
-    ]
     data, views, accessors, primitives = b"", [], [], []
-    for k, (corners, triangles) in enumerate(boxes):
+    for k, (corners, triangles) in enumerate(BOXES):
         if up == "z":
             corners = np.stack([corners[:, 0], -corners[:, 2], corners[:, 1]], -1)
         for array in (corners, triangles):

@@ -264,9 +264,9 @@ def test_other_sensors(rooms: Path) -> None:
 
 @pytest.mark.parametrize(
     ("change", "words"),
-    [({"noise_model": "GaussianNoiseModel"}, "no noise; use 'None'"), ({"gpu2gpu_transfer": True}, "use False"),
+    [({"clear_color": [1, 1, 1, 1]}, "clear_color of 'rgb'"), ({"gpu2gpu_transfer": True}, "use False"),
      ({"sensor_subtype": habitat_sim.SensorSubType.ORTHOGRAPHIC}, "use PINHOLE"),
-     ({"sensor_type": habitat_sim.SensorType.AUDIO}, "use COLOR or DEPTH"), ({"near": 0.5}, "near of 'rgb'")],
+     ({"sensor_type": habitat_sim.SensorType.AUDIO}, "use COLOR or DEPTH")],
 )  # fmt: skip
 def test_sensors_that_are_not_there_are_refused(
     rooms: Path, change: dict[str, Any], words: str

@@ -15,6 +15,7 @@ from habitat_sim._rotations import IDENTITY, Xyzw, to_quaternion, to_xyzw
 from habitat_sim.agent.controls import ActionSpec, ActuationSpec
 from habitat_sim.scene import SceneNode, SceneNodeType
 from habitat_sim.sensor import Sensor, SensorSpec, make_sensor
+from habitat_sim.sensors.noise_models import noise_of
 from habitat_sim.utils.common import quat_rotate_vector, quat_to_coeffs
 
 __all__ = ["Agent", "AgentConfiguration", "AgentState", "SixDOFPose"]
@@ -110,6 +111,7 @@ class Agent:
     def _add_sensor(self, spec: SensorSpec) -> None:
         sensor = make_sensor(spec, self.scene_node)
         check(sensor.specification())
+        sensor._noise = noise_of(sensor.specification())
         if sensor.uuid in self._sensors:
             raise ValueError(f"uuid '{sensor.uuid}': another sensor of the agent has this name")
         self._sensors[sensor.uuid] = sensor
