@@ -235,7 +235,7 @@ void bind_floor(nb::module_& m) {
 void bind_bodies(nb::module_& m) {
   m.def(
       "act",
-      [](nb::handle position, nb::handle rotation, const std::string& motion, float amount,
+      [](nb::handle position, nb::handle rotation, const std::string& motion, double amount,
          const PathFinder* floor, bool slide) {
         Pose pose = pose_from(position, rotation);
         const bool collided =
@@ -255,7 +255,7 @@ void bind_bodies(nb::module_& m) {
       .def(
           "__init__",
           [](GreedyFollower* self, const PathFinder& floor, bool slide, float step,
-             float turn_degrees, float goal_radius, bool fix_thrashing, std::size_t thrashing) {
+             double turn_degrees, float goal_radius, bool fix_thrashing, std::size_t thrashing) {
             new (self) GreedyFollower(floor, moves_of(slide),
                                       {.step = step,
                                        .turn_degrees = turn_degrees,

@@ -140,6 +140,24 @@ def test_the_follower_leads_to_its_goal(sim: Any) -> None:
     goal = sim.pathfinder.snap_point([0.0, 0.0, -3.5])
     put(sim, sim.pathfinder.snap_point([0.0, 0.0, 0.0]))
     follower = sim.make_greedy_follower(0, 0.3, stop_key=0, forward_key=1, left_key=2, right_key=3)
+def test_turns_are_radians_in_double_and_then_float(sim: Any) -> None:
+    """7.2 and 8.6 degrees are no float32: as one they would turn by another angle."""
+    agent = sim.get_agent(0)
+
+    def sine_of(degrees: Any) -> float:
+        turn = habitat_sim.ActionSpec("turn_left", habitat_sim.ActuationSpec(degrees))
+        agent.agent_config.action_space["turn"] = turn
+        put(sim, [0.0, 0.0, 0.0])
+        agent.act("turn")
+        return float(agent.state.rotation.y)
+
+    for degrees in (10, 12.5, 22.5, 7.7, 7.2, np.float64(8.6)):
+        half = float(np.float32(degrees * math.pi / 180)) / 2
+        assert abs(sine_of(degrees) - math.sin(half)) < 2e-8
+    for degrees in (7.2, 8.6):
+        assert sine_of(degrees) != sine_of(float(np.float32(degrees)))
+
+
     planned = follower.find_path(goal)
     assert planned[-1] == 0 and set(planned) == {0, 1, 2, 3}
     for _ in range(200):

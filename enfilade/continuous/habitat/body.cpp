@@ -10,8 +10,8 @@ namespace {
 
 // The order of each sum below is that of Habitat's scene graph: the last bits depend on it.
 
-// A move with less than this is not all of it: squared metres.
-constexpr float kCollisionSlack = 1e-5F;
+// A move with less than this is not all of it: squared metres, added in double.
+constexpr double kCollisionSlack = 1e-5;
 
 enum Axis : std::size_t { kX, kY, kZ };
 
@@ -35,8 +35,8 @@ constexpr std::array<MotionKind, names_of(Motion{}).size()> kMotionKinds{{
     {true, kX, -1, false},   // look down
     {true, kY, 1, false},    // look left
     {true, kY, -1, false},   // look right
-    {true, kZ, -1, false},   // clockwise
-    {true, kZ, 1, false},    // anticlockwise
+    {true, kZ, 1, false},    // clockwise, of the picture: Habitat turns the sensor the other way
+    {true, kZ, -1, false},   // anticlockwise
 }};
 
 const MotionKind& kind_of(Motion motion) { return kMotionKinds[static_cast<std::size_t>(motion)]; }
@@ -86,22 +86,66 @@ bool filter_move(Pose& pose, Vec3f from, const Ground& ground) {
   return square_of_length(reached - from) + kCollisionSlack < square_of_length(asked - from);
 }
 
+using Axes = std::array<Vec3f, 3>;
+
+// The rotation that turns axes so.
+Rotation rotation_of(const Axes& m) {
+  const float trace = m[0].x + m[1].y + m[2].z;
+  if (trace > 0) {
+    const float root = std::sqrt(trace + 1);
+    const float part = 0.5F / root;
+    return {(m[1].z - m[2].y) * part, (m[2].x - m[0].z) * part, (m[0].y - m[1].x) * part,
+            root * 0.5F};
+  }
+  const auto at = [&m](std::size_t column, std::size_t row) {
+    return row == kX ? m[column].x : row == kY ? m[column].y : m[column].z;
+  };
+  std::size_t i = at(kY, kY) > at(kX, kX) ? kY : kX;
+  if (at(kZ, kZ) > at(i, i)) i = kZ;
+  const std::size_t j = (i + 1) % 3;
+  const std::size_t k = (i + 2) % 3;
+  const float root = std::sqrt(at(i, i) - at(j, j) - at(k, k) + 1);
+  const float part = root == 0 ? 0 : 0.5F / root;
+  std::array<float, 3> vector{};
+  vector[i] = root * 0.5F;
+  vector[j] = (at(i, j) + at(j, i)) * part;
+  vector[k] = (at(i, k) + at(k, i)) * part;
+  return {vector[kX], vector[kY], vector[kZ], (at(j, k) - at(k, j)) * part};
+}
+
+// Where z points after a rotation that was taken out of a matrix again, with the lengths of its
+// axes, which are 1 but for rounding.
+Vec3f z_axis_out_of_matrix(const Rotation& q) {
+  Axes axes{turned_axis(q, kX), turned_axis(q, kY), turned_axis(q, kZ)};
+  const float length = std::sqrt(square_of_length(axes[kZ]));
+  for (Vec3f& axis : axes) axis = (1 / std::sqrt(square_of_length(axis))) * axis;
+  return length * turned_axis(rotation_of(axes), kZ);
+}
+
 }  // namespace
 
 bool moves_body(Motion motion) noexcept { return kind_of(motion).body; }
 
-bool act(Pose& pose, Motion motion, float amount, const Ground& ground) {
+float radians_of_turn(double degrees) { return static_cast<float>(degrees * kPi / 180); }
+
+bool act(Pose& pose, Motion motion, double amount, const Ground& ground) {
   const MotionKind& kind = kind_of(motion);
   const Vec3f from = pose.position;
   if (kind.turns) {
-    const auto angle = static_cast<float>(degrees(amount).value);
-    pose.rotation =
-        with_length_1(product_of(pose.rotation, turn_about(kind.axis, kind.sign * angle)));
+    const float angle = kind.sign * radians_of_turn(amount);
+    pose.rotation = with_length_1(product_of(pose.rotation, turn_about(kind.axis, angle)));
   } else {
-    pose.position = from + (kind.sign * amount) * turned_axis(pose.rotation, kind.axis);
+    const float metres = kind.sign * static_cast<float>(amount);
+    pose.position = from + metres * turned_axis(pose.rotation, kind.axis);
   }
   // A turn is filtered, too: it puts a body onto the floor.
   return kind.body && ground.floor != nullptr && filter_move(pose, from, ground);
+}
+
+bool try_ahead(Pose& pose, double metres, const Ground& ground) {
+  const Vec3f from = pose.position;
+  pose.position = from + -static_cast<float>(metres) * z_axis_out_of_matrix(pose.rotation);
+  return ground.floor != nullptr && filter_move(pose, from, ground);
 }
 
 Pose in_world(const Pose& body, const Pose& sensor) {

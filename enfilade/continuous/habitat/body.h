@@ -65,9 +65,17 @@ struct Ground {
   Moves moves = Moves::kSlide;
 };
 
+/// The radians of an action's degrees: multiplied by pi and divided by 180 in double, then rounded
+/// to float, as Habitat's angles are. In float alone, 10 degrees would be another angle.
+float radians_of_turn(double degrees);
+
 /// Does one action. \param amount  metres, or degrees
 /// \returns whether the body was stopped by a wall
-bool act(Pose& pose, Motion motion, float amount, const Ground& ground);
+bool act(Pose& pose, Motion motion, double amount, const Ground& ground);
+
+/// A step ahead as Habitat's follower tries it. It copies the pose as a matrix, which changes the
+/// last bits. \returns whether the body was stopped by a wall
+bool try_ahead(Pose& pose, double metres, const Ground& ground);
 
 /// The pose of a sensor in the world.
 Pose in_world(const Pose& body, const Pose& sensor);

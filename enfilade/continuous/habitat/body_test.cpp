@@ -59,6 +59,30 @@ TEST(HabitatBody, TurnsAreExact) {
   }
 }
 
+// In float alone 10 degrees would be 0.17453294, and 7.2, which are no float, 0.12566370.
+TEST(HabitatBody, DegreesBecomeRadiansInDoubleAndThenFloat) {
+  EXPECT_EQ(radians_of_turn(10), 0.17453292F);
+  EXPECT_EQ(radians_of_turn(12.5), 0.21816616F);
+  EXPECT_EQ(radians_of_turn(22.5), 0.39269909F);
+  EXPECT_EQ(radians_of_turn(7.7), 0.13439035F);
+  EXPECT_EQ(radians_of_turn(-7.7), -0.13439035F);
+  EXPECT_NE(radians_of_turn(7.2), radians_of_turn(static_cast<double>(7.2F)));
+  int rounded = 0;  // angles that degrees in float would change
+  for (int tenths = 1; tenths < 3600; ++tenths) {
+    const double by = tenths / 10.0;
+    const auto exact = static_cast<float>(by * kPi / 180);
+    ASSERT_EQ(radians_of_turn(by), exact) << by;
+    Pose pose;
+    act(pose, Motion::kTurnLeft, by, kAnywhere);
+    const float sine = std::sin(exact / 2);
+    const float cosine = std::cos(exact / 2);
+    const float norm = std::sqrt(sine * sine + cosine * cosine);
+    ASSERT_EQ(pose.rotation, (Rotation{0, sine / norm, 0, cosine / norm})) << by;
+    rounded += radians_of_turn(static_cast<float>(by)) != exact ? 1 : 0;
+  }
+  EXPECT_GT(rounded, 500);
+}
+
 TEST(HabitatBody, ErrorsOfTurnsGrow) {
   Pose pose;
   for (int turn = 0; turn < 24; ++turn) act(pose, Motion::kTurnLeft, 15, kAnywhere);
@@ -95,8 +119,9 @@ TEST(HabitatBody, SensorsTurnAboutEachAxis) {
   EXPECT_FLOAT_EQ(turned(Motion::kLookDown).x, -s);
   EXPECT_FLOAT_EQ(turned(Motion::kLookLeft).y, s);
   EXPECT_FLOAT_EQ(turned(Motion::kLookRight).y, -s);
-  EXPECT_FLOAT_EQ(turned(Motion::kRotateSensorAntiClockwise).z, s);
-  EXPECT_FLOAT_EQ(turned(Motion::kRotateSensorClockwise).z, -s);
+  // Its picture turns clockwise, so it turns about z the other way.
+  EXPECT_FLOAT_EQ(turned(Motion::kRotateSensorClockwise).z, s);
+  EXPECT_FLOAT_EQ(turned(Motion::kRotateSensorAntiClockwise).z, -s);
   // Up: what looks along -z then looks up.
   Pose sensor;
   act(sensor, Motion::kLookUp, 90, kAnywhere);
@@ -175,6 +200,35 @@ TEST(HabitatBody, CollidesWithWalls) {
     EXPECT_NEAR(aslant.position.x, kEdge, 0.03);
     EXPECT_NEAR(aslant.position.z, moves == Moves::kSlide ? -0.354 : -0.1, 0.035);
   }
+}
+
+TEST(HabitatBody, TriesStepsWhereItWouldGoButForRounding) {
+  const PathFinder floor = square();
+  int rounded = 0;
+  for (int turn = 0; turn < 360; ++turn) {
+    const Pose start = facing({0.3F, 0.05F, -0.2F}, turn * 1.7);
+    Pose tried = start;
+    Pose gone = start;
+    EXPECT_FALSE(try_ahead(tried, 0.25, kAnywhere));
+    act(gone, Motion::kMoveForward, 0.25, kAnywhere);
+    expect_near(tried.position, gone.position, 1e-6F);
+    ASSERT_EQ(tried.rotation, start.rotation) << turn;
+    rounded += tried == gone ? 0 : 1;
+    EXPECT_FALSE(try_ahead(tried, 0.25, {&floor}));
+  }
+  EXPECT_GT(rounded, 50);
+  // Turned about each axis by half: the sum of the matrix's diagonal is negative.
+  for (const Rotation half : {Rotation{1, 0, 0, 0}, Rotation{0, 1, 0, 0}, Rotation{0, 0, 1, 0},
+                              Rotation{0.6F, 0.8F, 0, 0}}) {
+    Pose tried{{0, 0, 0}, half};
+    Pose gone = tried;
+    try_ahead(tried, 1, kAnywhere);
+    act(gone, Motion::kMoveForward, 1, kAnywhere);
+    expect_near(tried.position, gone.position);
+  }
+  Pose walled = facing({2.8F, 0.05F, 0}, -90);
+  EXPECT_TRUE(try_ahead(walled, 0.25, {&floor}));
+  EXPECT_NEAR(walled.position.x, kEdge, 0.051);
 }
 
 TEST(HabitatBody, CarriesItsSensors) {

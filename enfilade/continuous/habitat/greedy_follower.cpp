@@ -45,21 +45,23 @@ std::vector<Follow> GreedyFollower::primitive(const Pose& pose, Vec3f goal) cons
   if (std::isinf(metres)) return {Follow::kError};
   if (metres < settings_.goal_radius) return {Follow::kStop};
 
-  const double turn = degrees(settings_.turn_degrees).value;
+  const auto turn = static_cast<float>(degrees(settings_.turn_degrees).value);
   float best = -kCollisionCost;
   std::vector<Follow> chosen;
   Pose left = pose;
   Pose right = pose;
   std::size_t turns = 0;
   // In float, as in Habitat: the number of turns depends on it.
-  for (float angle = 0; angle < kPi; angle = static_cast<float>(angle + turn)) {
+  for (float angle = 0; angle < static_cast<float>(kPi); angle += turn) {
     for (const auto& [turned, side] : {std::pair{&left, Follow::kLeft}, {&right, Follow::kRight}}) {
       Pose ahead = *turned;
-      const bool collided = act(ahead, Motion::kMoveForward, settings_.step, ground_);
+      const bool collided = try_ahead(ahead, settings_.step, ground_);
       const float nearer = metres - floor_->path(ahead.position, goal).length;
       const float wall = floor_->closest_obstacle(ahead.position, 1.1F * kNearWall).distance;
-      const float reward = nearer / settings_.step - kTurnCost * static_cast<float>(turns) -
-                           (collided ? kCollisionCost : 0) - (wall < kNearWall ? kNearWallCost : 0);
+      // What it costs is summed first, as Habitat does.
+      const float cost = -kTurnCost * static_cast<float>(turns) - (collided ? kCollisionCost : 0) -
+                         (wall < kNearWall ? kNearWallCost : 0);
+      const float reward = nearer / settings_.step + cost;
       if (reward > best) {
         best = reward;
         chosen.assign(turns, side);

@@ -16,7 +16,7 @@ enum class Follow : std::int8_t { kError = -2, kStop = -1, kForward = 0, kLeft =
 /// Steps of the body, and the distance at which it stops.
 struct FollowerSettings {
   float step = 0.25F;  ///< metres
-  float turn_degrees = 10;
+  double turn_degrees = 10;
   float goal_radius = 0.1875F;  ///< metres: it stops where the path is shorter
   bool fix_thrashing = true;
   std::size_t thrashing = 16;  ///< turns to and fro until it goes on with its plan
