@@ -67,9 +67,15 @@ def _check(config: SimulatorConfiguration) -> None:
 
 
 def _meaning(scene: Optional[SceneFile]) -> SemanticScene:
-    if scene is None or not os.path.exists(scene.house):
-        return SemanticScene()
-    return SemanticScene(read_house(scene.house))
+    """Habitat opens a scene whose labels it cannot read, too, and says in its log what is wrong with them."""
+    if scene is not None and os.path.exists(scene.house):
+        try:
+            return SemanticScene(read_house(scene.house))
+        except ValueError as error:
+            logger.error("semantic_scene is empty: %s", error)
+        except OSError as error:
+            logger.error("semantic_scene is empty: %s: %s", scene.house, error.strerror)
+    return SemanticScene()
 
 
 class SimulatorBackend:

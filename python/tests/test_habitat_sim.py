@@ -8,7 +8,6 @@ import importlib
 import json
 import math
 import pickle
-import re
 import shutil
 import subprocess
 import sys
@@ -332,11 +331,32 @@ def test_boxes_of_objects_are_turned(rooms: Path, tmp_path: Path, axes: Any) -> 
      ("{axes}", "1 0 0 0 3 0", "line 12: second axis '3': a number from -1.001 to 1.001 is wanted"),
      ("E 0 0", "E 0 2", "line 14: object '2': an integer from -1 to 1 is wanted")],
 )  # fmt: skip
-def test_bad_house_files_are_named(rooms: Path, tmp_path: Path, old: str, new: str, words: str) -> None:
+def test_bad_house_files_are_named_in_the_log(
+    rooms: Path, tmp_path: Path, caplog: Any, old: str, new: str, words: str
+) -> None:
     assert HOUSE.count(old) == 1
     text = HOUSE.replace(old, new).replace("{axes}", "1 0 0 0 1 0")
-    with pytest.raises(ValueError, match=re.escape(f"home.house, {words}")):
-        labelled(rooms, tmp_path, text)
+    with labelled(rooms, tmp_path, text) as sim:
+        assert_without_meaning(sim)
+        assert sim.get_sensor_observations() == {} and len(sim.agents) == 1
+    (record,) = caplog.records
+    assert (record.name, record.levelname) == ("habitat_sim", "ERROR")
+    assert record.getMessage().startswith(f"semantic_scene is empty: {tmp_path / 'home.house'}, {words}")
+
+
+def assert_without_meaning(sim: Any) -> None:
+    scene = sim.semantic_scene
+    assert (scene.levels, scene.regions, scene.categories, scene.objects) == ([], [], [], [])
+    assert scene.aabb == mn.Range3D() and scene.semantic_index_map == {}
+
+
+def test_a_house_that_is_no_file_is_named_in_the_log(rooms: Path, tmp_path: Path, caplog: Any) -> None:
+    shutil.copy(rooms / "room.glb", tmp_path / "home.glb")
+    (tmp_path / "home.house").mkdir()
+    with habitat_sim.Simulator(configuration(tmp_path / "home.glb")) as sim:
+        assert_without_meaning(sim)
+    (record,) = caplog.records
+    assert record.getMessage() == f"semantic_scene is empty: {tmp_path / 'home.house'}: Is a directory"
 
 
 def test_an_empty_scene_has_nothing() -> None:
