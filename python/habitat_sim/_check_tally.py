@@ -24,11 +24,14 @@ class Tally:
     mismatches: int = 0
     shown: list[str] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
+    on_purpose: int = 0
+    """Names that a table leaves out with a reason: no values."""
 
     def add(self, other: Tally) -> None:
         """Adds the counts of a later part."""
         self.values += other.values
         self.mismatches += other.mismatches
+        self.on_purpose += other.on_purpose
         self.shown = (self.shown + other.shown)[:SHOWN]
         self.left_out += [reason for reason in other.left_out if reason not in self.left_out]
 

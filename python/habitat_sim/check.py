@@ -14,7 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Optional
 
+from . import _check_api as api
 from . import _check_navigation as navigation
+from . import _check_streamvln as streamvln
 from . import _check_views as views
 from ._check_scenes import (
     CheckError,
@@ -34,11 +36,13 @@ class Section:
     needs: str  # a pattern of the files without which nothing was recorded
     parts: Callable[[Path], list[str]]
     check: Callable[[Job, str, Tally], None]
+    folder: Optional[str] = None  # where its files are; without: in the folder of its name
 
 
 MESHES = Section("*", navigation.mesh_parts, navigation.check_mesh)
 WALKS = Section("*_walks.npz", navigation.walk_parts, navigation.check_walks)
 SECTIONS = {
+    "api": Section(api.FILE, api.api_parts, api.check_api, "."),
     "nav": MESHES,
     "nav_v0.3.3": MESHES,
     "nav_config": MESHES,
@@ -50,6 +54,7 @@ SECTIONS = {
     "sensors": Section("poses.json", views.sensor_parts, views.check_sensors),
     "semantic": Section("*_scene.json", views.semantic_parts, views.check_semantic),
     "lab": Section("vln_episodes.jsonl.gz", views.lab_parts, views.check_lab),
+    "streamvln": Section(streamvln.FILE, streamvln.streamvln_parts, streamvln.check_streamvln, "lab"),
 }
 """Every folder that can be compared. A new one is a row here."""
 
@@ -62,6 +67,8 @@ Sections: {", ".join(SECTIONS)}.
 
 MORE = f"""\
 A value is one scalar, point or row that was asked:
+  api.json           each name, default and member of an enumeration. A refused name is there if it
+                     says so in words. What is left out on purpose is counted apart
   navmeshes.json     each number, point and SHA-256; times are left out
   *.navmesh.gz       the whole file, byte for byte
   *_queries.npz      each point and number; the points of one path; each row of a view from above
@@ -72,12 +79,13 @@ A value is one scalar, point or row that was asked:
                      at {views.DEPTH_SHARE:.1%} of pixels, colour within {views.COLOUR_ERROR} of 255 levels at {views.COLOUR_SHARE:.0%}
   semantic           each name, number, point and box's corner
   lab                each field of each step; pictures by shape, type and mean
+  streamvln_stub     each field of each result: the actions of its texts again, without habitat-lab
 Numbers are equal to the bit. A question that raises an error is a mismatch.
 What cannot run here is left out, says why, and does not count as equal: a package is not installed,
 or habitat_sim raises NotImplementedError.
 
 Scenes: DIR has mp3d/SCAN/SCAN.glb (z up, SCAN.house beside it), yup/SCAN.glb with
-homes.scene_dataset_config.json, connectivity/, and vlnce/ for lab. Without --scenes they are made
+homes.scene_dataset_config.json, connectivity/, and vlnce/ for lab and streamvln. Without --scenes they are made
 in a temporary folder by the command in scenes.json. Their SHA-256 have to be the recorded ones.
 
 Exit status: 0 all is equal; 1 mismatches, or with --strict anything left out; 2 nothing could be compared.
@@ -149,7 +157,7 @@ def _check(chosen: argparse.Namespace) -> int:
             scenes = Path(temporary)
             print("making the recorded scenes", file=sys.stderr, flush=True)
             make_scenes(recorded, scenes, chosen.program)
-            if "lab" in work:
+            if "lab" in work or "streamvln" in work:
                 make_episodes(scenes, chosen.program)
         else:
             check_scenes(recorded, scenes)
@@ -163,7 +171,8 @@ def _work(folder: Path, names: list[str]) -> dict[str, list[str]]:
         raise CheckError(f"{folder}: no folder of recordings: it has no scenes.json")
     work = {}
     for name in names:
-        section, here = SECTIONS[name], folder / name
+        section = SECTIONS[name]
+        here = folder / (section.folder or name)
         if here.is_dir() and any(here.glob(section.needs)):
             try:
                 work[name] = section.parts(here)
@@ -236,6 +245,8 @@ def _report(found: dict[str, Tally], names: list[str], strict: bool) -> int:
             print(f"{name}: not recorded here")
             continue
         counts = f"{tally.values} values, {tally.mismatches} mismatches"
+        if tally.on_purpose:
+            counts += f"; {tally.on_purpose} names left out on purpose"
         reasons = "; ".join(tally.left_out)
         print(f"{name}: {counts}" + (f"; left out: {reasons}" if reasons else ""))
         for line in tally.shown:

@@ -8,7 +8,7 @@ import magnum as mn
 import numpy as np
 from enfilade._eyes import habitat as native
 
-from habitat_sim._fields import Code, vector3
+from habitat_sim._fields import Code, one_of, vector3
 from habitat_sim._missing import DRAWING, RefusedAttribute, refused
 from habitat_sim._rotations import IDENTITY, Xyzw
 from habitat_sim._semantics import (
@@ -43,13 +43,28 @@ class SceneNode:
     def __init__(
         self, parent: Optional[SceneNode] = None, kind: SceneNodeType = SceneNodeType.EMPTY
     ) -> None:
-        self.parent, self.type = parent, kind
+        self._parent = parent
+        self.type = kind
         self._place: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self._turn: Xyzw = IDENTITY
 
     def create_child(self) -> SceneNode:
         """A node at the same place, that moves with this one."""
         return SceneNode(self)
+
+    @property
+    def parent(self) -> Optional[SceneNode]:
+        """The node that this one moves with; None for a body."""
+        return self._parent
+
+    @property
+    def type(self) -> SceneNodeType:
+        """What it is of."""
+        return self._type
+
+    @type.setter
+    def type(self, kind: SceneNodeType) -> None:
+        self._type = one_of(SceneNodeType)("type", kind)
 
     @property
     def translation(self) -> mn.Vector3:
@@ -98,9 +113,9 @@ class SceneNode:
         return self.absolute_transformation_matrix()
 
     def _in_world(self) -> tuple[tuple[float, float, float], Xyzw]:
-        if self.parent is None:
+        if self._parent is None:
             return self._place, self._turn
-        return native.in_world(*self.parent._in_world(), self._place, self._turn)
+        return native.in_world(*self._parent._in_world(), self._place, self._turn)
 
     _words = "nodes only have a pose here; set translation and rotation"
     compute_cumulative_bb = RefusedAttribute(DRAWING)

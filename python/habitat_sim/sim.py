@@ -12,6 +12,7 @@ from habitat_sim._fields import Field, Structure, boolean, maybe, one_of, text, 
 from habitat_sim._house import read_house
 from habitat_sim._missing import DRAWING, PHYSICS, RECORDS, NotThere, RefusedAttribute
 from habitat_sim._scene_files import SceneFile, find_scene
+from habitat_sim.agent.agent import Ground
 from habitat_sim.gfx import NO_LIGHT_KEY
 from habitat_sim.logging import logger
 from habitat_sim.metadata import AttributesManager
@@ -94,12 +95,22 @@ class SimulatorBackend:
             self.__meaning = _meaning(scene)
             self.__scene, self.__key = scene, key
             self.__drawer = Drawer(self.__scene)
-            self.pathfinder = PathFinder()
+            self._ground = Ground(PathFinder())
             self.__load_navmesh()
         self.__config = config
+        self._ground.slide = config.allow_sliding
         settings, loaded = config.navmesh_settings, self.pathfinder.nav_mesh_settings
         if settings is not None and self.__scene is not None and (loaded is None or loaded != settings):
             self.recompute_navmesh(self.pathfinder, settings)
+
+    @property
+    def pathfinder(self) -> PathFinder:
+        """The pathfinder with the scene's navigation mesh, on which agents move. It can be set."""
+        return self._ground.pathfinder
+
+    @pathfinder.setter
+    def pathfinder(self, pathfinder: PathFinder) -> None:
+        self._ground.pathfinder = one_of(PathFinder)("pathfinder", pathfinder)
 
     def __load_navmesh(self) -> None:
         if self.__scene is not None and os.path.exists(self.__scene.navmesh):

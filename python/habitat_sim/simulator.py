@@ -14,7 +14,6 @@ from numpy import ndarray
 from habitat_sim._fields import whole
 from habitat_sim._missing import NotThere
 from habitat_sim.agent import Agent, AgentConfiguration, AgentState
-from habitat_sim.agent.agent import Ground
 from habitat_sim.geo import UP
 from habitat_sim.logging import LoggingContext, logger
 from habitat_sim.metadata import MetadataMediator
@@ -71,8 +70,7 @@ class Simulator(SimulatorBackend):
     def __begin(self, config: Configuration) -> None:
         self.config = config
         self.seed(config.sim_cfg.random_seed)
-        ground = Ground(self.pathfinder, config.sim_cfg.allow_sliding)
-        self.agents = [Agent(SceneNode(), one, ground) for one in config.agents]
+        self.agents = [Agent(SceneNode(), one, self._ground) for one in config.agents]
         for index in range(len(self.agents)):
             self.initialize_agent(index)
 

@@ -16,6 +16,10 @@ import pytest
 habitat_sim = pytest.importorskip("habitat_sim", reason="the drop-in habitat_sim is not there")
 check_scenes = pytest.importorskip("habitat_sim._check_scenes", reason="this habitat_sim has no check")
 
+from habitat_sim import _check_streamvln as streamvln  # noqa: E402
+from habitat_sim._check_tally import Tally  # noqa: E402
+from habitat_sim.check import SECTIONS, check_part  # noqa: E402
+
 # A floor of 6 x 5 m with a block on it: corners x, y, z (y up), and boxes of them.
 BOXES = [((-3.0, -0.2, -2.5), (3.0, 0.0, 2.5)), ((-0.5, 0.0, -0.5), (0.6, 1.0, 0.4))]
 FACES = [
@@ -134,6 +138,59 @@ def walk(glb: Path) -> dict[str, Any]:
     }
 
 
+def api() -> dict[str, Any]:
+    """Some of what api.json has, of this module."""
+    settings, camera = habitat_sim.NavMeshSettings(), habitat_sim.CameraSensorSpec()
+    spec = habitat_sim.AgentConfiguration().action_space["turn_left"]
+    return {
+        "version": habitat_sim.__version__,
+        "built_with_bullet": False,
+        "NavMeshSettings": {"cell_size": settings.cell_size},
+        "NavMeshSettings.set_defaults": {"agent_radius": settings.agent_radius},
+        "CameraSensorSpec": {"hfov": str(camera.hfov), "position": "Vector(0, 1.5, 0)", "channels": 4},
+        "AgentConfiguration": {
+            "radius": 0.1,
+            "action_space": {"turn_left": ["turn_left", spec.actuation.amount, None]},
+        },
+        "AgentState": str(habitat_sim.AgentState()),
+        "SensorSubType": {name: int(one) for name, one in habitat_sim.SensorSubType.__members__.items()},
+        "methods": {"Simulator": ["cast_ray", "step"], "Agent": ["act"], "SceneNode": ["rotate"]},
+        "move_functions": ["move_up", "pyrobot_noisy_turn_left"],
+        "modules": {"simulator": ["Any", "Simulator", "np"], "geo": ["OBB", "Ray"]},
+        "geo": {"FRONT": "Vector(-0, -0, -1)"},
+        "utils.common": ["quat_from_coeffs"],
+    }
+
+
+def write_walks_of_a_stub(folder: Path) -> None:
+    """lab/streamvln_stub.json, of this module: two walks down the room, the second to and fro."""
+    texts = ["go ↑↑↑↑", "STOP", "↑↑↑↑", "↑↑↑↑", "←" * 12, "↑↑↑↑", "none"]
+    goals, told = ([-2.0, 0.0, -1.0], [-2.0, 0.0, 1.0]), ("Walk on.", "Walk to and fro.")
+    episodes = [
+        {
+            "episode_id": k + 7,
+            "scene_id": "mp3d/tiny/tiny.glb",
+            "start_position": [-2.0, 0.0, 2.0],
+            "start_rotation": [0.0, 0.0, 0.0, 1.0],
+            "goals": [{"position": goal, "radius": 3.0}],
+            "instruction": {"instruction_text": words},
+        }
+        for k, (goal, words) in enumerate(zip(goals, told))
+    ]
+    (folder / "scenes/vlnce").mkdir()
+    other = {**episodes[0], "episode_id": 8}  # the second's id, in another split
+    for split, some in (("train", [other]), ("val", episodes)):
+        with gzip.open(folder / f"scenes/vlnce/{split}.json.gz", "wt") as file:
+            json.dump({"episodes": some}, file)
+    job = check_scenes.Job(folder, "streamvln", folder / "scenes")
+    answers, results = iter(texts), []
+    for episode in episodes:
+        wanted = {"scene_id": "tiny", "episode_id": episode["episode_id"]}
+        results.append(streamvln._result(job, wanted, episode, streamvln._actions(answers)))
+    (folder / "lab").mkdir()
+    (folder / "lab/streamvln_stub.json").write_text(json.dumps({"texts": texts, "results": results}))
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small recording of this module itself, and its scene in scenes/."""
@@ -165,6 +222,8 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     np.savez_compressed(folder / "nav/tiny_r2r-ce_queries.npz", **queries(finder))
     (folder / "walks").mkdir()
     np.savez_compressed(folder / "walks/tiny_walks.npz", **walk(scene))
+    (folder / "api.json").write_text(json.dumps(api()))
+    write_walks_of_a_stub(folder)
     return folder
 
 
@@ -179,6 +238,8 @@ def test_equal_answers_are_no_mismatches(recorded: Path) -> None:
     assert values > 300 and mismatches == 0
     assert "follower: not recorded here" in done.stdout
     assert "nav: done" in done.stderr
+    assert "api: 31 values, 0 mismatches; 2 names left out on purpose" in done.stdout
+    assert "streamvln: 16 values, 0 mismatches" in done.stdout
 
 
 def test_a_part_that_cannot_run_is_left_out(recorded: Path) -> None:
@@ -225,14 +286,115 @@ def test_a_changed_number_is_found(recorded: Path, file: str, name: str, at: tup
     assert f"{file}: {name}[{', '.join(map(str, index))}]: wanted" in done.stdout
 
 
+def check_changed(recorded: Path, name: str, change: Any) -> Tally:
+    """What is found after a change of a JSON file."""
+    file = recorded / name
+    text = file.read_text()
+    known = json.loads(text)
+    change(known)
+    file.write_text(json.dumps(known))
+    section = "api" if name == "api.json" else "streamvln"
+    tally = Tally()
+    try:
+        for part in SECTIONS[section].parts(file.parent):
+            tally.add(check_part(check_scenes.Job(recorded, section, recorded / "scenes"), part))
+    finally:
+        file.write_text(text)
+    return tally
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        (("CameraSensorSpec", "channels"), 3, "CameraSensorSpec.channels: wanted 3, found 4"),
+        (("CameraSensorSpec", "hfov"), "Deg(60)", "CameraSensorSpec.hfov: wanted Deg(60), found Deg(90)"),
+        (("NavMeshSettings.set_defaults", "agent_radius"), 0.1, "set_defaults.agent_radius: wanted 0.1, "),
+        (("AgentConfiguration", "colour"), "red", "AgentConfiguration.colour: wanted red, found missing"),
+        (("AgentConfiguration", "action_space", "turn_left", 1), 15.0, "action_space.turn_left"),
+        (("SensorSubType", "FISHEYE"), 9, "SensorSubType.FISHEYE: wanted 9, found 4"),
+        (("SensorSubType", "LIDAR"), 9, "SensorSubType.LIDAR: wanted 9, found None"),
+        (("methods", "Agent", 0), "fly", "methods.Agent.fly: wanted there, found missing"),
+        (("methods", "Pilot"), ["act"], "methods.Pilot.act: wanted there, found missing"),
+        (("modules", "geo", 0), "np", "modules.geo.np: wanted there, found missing"),
+        (("utils.common", 0), "quat", "utils.common.quat: wanted there, found missing"),
+        (("move_functions", 0), "swim", "move_functions.swim: wanted there, found missing: "),
+        (("AgentState",), "", "AgentState: wanted , found AgentState("),
+        (("geo", "FRONT"), "Vector(0, 0, 1)", "geo.FRONT: wanted Vector(0, 0, 1), "),
+        (("built_with_bullet",), True, "built_with_bullet: wanted True, found False"),
+    ],
+)
+def test_a_changed_name_or_default_is_found(
+    recorded: Path, place: tuple[Any, ...], value: Any, words: str
+) -> None:
+    def change(known: Any) -> None:
+        for key in place[:-1]:
+            known = known[key]
+        known[place[-1]] = value
+
+    found = check_changed(recorded, "api.json", change)
+    assert found.mismatches == 1 and words in found.shown[0]
+
+
+def test_a_member_that_was_not_recorded_is_found(recorded: Path) -> None:
+    found = check_changed(recorded, "api.json", lambda known: known["SensorSubType"].pop("FISHEYE"))
+    assert found.shown == ["api.json: SensorSubType.FISHEYE: wanted None, found 4"]
+
+
+def test_a_name_refused_without_words_is_not_there() -> None:
+    from habitat_sim import _check_api as names
+    from habitat_sim._missing import RefusedAttribute
+
+    class Owner:
+        silent, told = RefusedAttribute(" "), RefusedAttribute("use another")
+
+    tally = Tally()
+    names._names("methods.Owner", ["silent", "told"], Owner, tally)
+    assert (tally.values, tally.mismatches) == (2, 1)
+    assert tally.shown == ["api.json: methods.Owner.silent: wanted there, found refused without words"]
+
+
+def test_a_stubs_walks_are_measured(recorded: Path) -> None:
+    known = json.loads((recorded / "lab/streamvln_stub.json").read_text())
+    first, second = known["results"]
+    # One metre of three; two metres, turned around, and one back: to the goal, which lay at one.
+    assert (first["success"], first["os"], first["spl"], first["steps"]) == (1, 1, 1, 5)
+    assert first["ne"] == pytest.approx(2, abs=0.02)
+    assert (second["success"], second["steps"]) == (1, 25)
+    assert second["ne"] == pytest.approx(0, abs=0.05) and second["spl"] == pytest.approx(1 / 3, abs=0.02)
+
+
+@pytest.mark.parametrize("field", ["success", "spl", "os", "ne", "steps"])
+def test_a_changed_result_is_found(recorded: Path, field: str) -> None:
+    def change(known: Any) -> None:
+        known["results"][1][field] += 1e-9 if isinstance(known["results"][1][field], float) else 1
+
+    found = check_changed(recorded, "lab/streamvln_stub.json", change)
+    assert found.mismatches == 1
+    assert found.shown[0].startswith(f"lab/streamvln_stub.json: results[1].{field}: wanted")
+
+
+def test_a_result_of_another_episode_is_found(recorded: Path) -> None:
+    def change(known: Any) -> None:
+        known["results"][0]["episode_id"] = 99
+
+    found = check_changed(recorded, "lab/streamvln_stub.json", change)
+    assert found.shown == ["lab/streamvln_stub.json: results[0].episode_id: wanted 99, found None"]
+
+
+def test_without_episodes_a_stub_is_left_out(recorded: Path, tmp_path: Path) -> None:
+    (tmp_path / "mp3d").symlink_to(recorded / "scenes/mp3d")
+    done = check(recorded, "--scenes", tmp_path, "--only", "streamvln")
+    assert done.returncode == 2 and "left out: there are no episodes in" in done.stdout
+
+
 def test_a_folder_that_is_none(tmp_path: Path) -> None:
     done = check(tmp_path)
     assert done.returncode == 2 and "no folder of recordings: it has no scenes.json" in done.stderr
     (tmp_path / "scenes.json").write_text('{"homes": {"a": {}}}')
     done = check(tmp_path)
-    assert done.returncode == 2 and "it has no recordings of nav" in done.stderr
+    assert done.returncode == 2 and "it has no recordings of api, nav" in done.stderr
     done = check(tmp_path, "--only", "nav,jumps")
-    assert done.returncode == 2 and "'jumps' is not one of nav" in done.stderr
+    assert done.returncode == 2 and "'jumps' is not one of api, nav" in done.stderr
 
 
 def test_other_scenes_are_refused(recorded: Path, tmp_path: Path) -> None:

@@ -45,7 +45,11 @@ def test_states_are_habitats(sim: Any) -> None:
     assert quat_to_coeffs(got.rotation).tolist() == [0, np.float32(0.6), 0, np.float32(0.8)]
     assert got.sensor_states["rgb"].position.tolist() == [1, 3.25, 3]
     assert np.allclose(quat_to_coeffs(got.sensor_states["rgb"].rotation), [0, 0.6, 0, 0.8])
-    assert agent.scene_node.translation == mn.Vector3(1, 2, 3)
+    node = agent.scene_node
+    assert node.translation == mn.Vector3(1, 2, 3) and node.parent is None
+    assert node.type == habitat_sim.SceneNodeType.AGENT and agent.sensors["rgb"].node.parent is node
+    with pytest.raises(TypeError, match="type 2: a SceneNodeType is wanted"):
+        node.type = 2
     agent.state = got
     assert agent.state.position.tolist() == [1, 2, 3]
     for position in ([math.nan, 0, 0], [0, math.inf, 0]):
@@ -136,10 +140,6 @@ def test_the_first_state_is_random_by_the_seed_and_reset_goes_back(rooms: Path) 
     assert first(0)[:3] == first(1)[:3]  # as of the C library
 
 
-def test_the_follower_leads_to_its_goal(sim: Any) -> None:
-    goal = sim.pathfinder.snap_point([0.0, 0.0, -3.5])
-    put(sim, sim.pathfinder.snap_point([0.0, 0.0, 0.0]))
-    follower = sim.make_greedy_follower(0, 0.3, stop_key=0, forward_key=1, left_key=2, right_key=3)
 def test_turns_are_radians_in_double_and_then_float(sim: Any) -> None:
     """7.2 and 8.6 degrees are no float32: as one they would turn by another angle."""
     agent = sim.get_agent(0)
@@ -158,6 +158,10 @@ def test_turns_are_radians_in_double_and_then_float(sim: Any) -> None:
         assert sine_of(degrees) != sine_of(float(np.float32(degrees)))
 
 
+def test_the_follower_leads_to_its_goal(sim: Any) -> None:
+    goal = sim.pathfinder.snap_point([0.0, 0.0, -3.5])
+    put(sim, sim.pathfinder.snap_point([0.0, 0.0, 0.0]))
+    follower = sim.make_greedy_follower(0, 0.3, stop_key=0, forward_key=1, left_key=2, right_key=3)
     planned = follower.find_path(goal)
     assert planned[-1] == 0 and set(planned) == {0, 1, 2, 3}
     for _ in range(200):
@@ -183,6 +187,18 @@ def test_turns_are_radians_in_double_and_then_float(sim: Any) -> None:
 
 
 # --- the simulator --------------------------------------------------------------------------------
+
+
+def test_another_pathfinder_can_be_given(sim: Any) -> None:
+    walked = []
+    for finder in (sim.pathfinder, habitat_sim.PathFinder()):
+        sim.pathfinder = finder
+        assert sim.pathfinder is finder
+        put(sim, [0.0, 0.0, -1.9])  # before the wall
+        walked.append(sim.step(1)["collided"])
+    assert walked == [True, False]  # without a mesh there are no walls
+    with pytest.raises(TypeError, match="pathfinder None: a PathFinder is wanted"):
+        sim.pathfinder = None
 
 
 def test_simulators_can_be_inherited_beside_another_class(rooms: Path) -> None:

@@ -72,12 +72,12 @@ class Ground:
     """Where agents may go: the floor of a simulator's pathfinder."""
 
     def __init__(self, pathfinder: Any = None, slide: bool = True) -> None:
-        self._pathfinder, self.slide = pathfinder, slide
+        self.pathfinder, self.slide = pathfinder, slide
 
     @property
     def floor(self) -> Optional[native.Floor]:
         """None: everywhere."""
-        return None if self._pathfinder is None else self._pathfinder._floor
+        return None if self.pathfinder is None else self.pathfinder._floor
 
 
 class Agent:
@@ -93,7 +93,7 @@ class Agent:
         ground: Optional[Ground] = None,
     ) -> None:
         scene_node.type = SceneNodeType.AGENT
-        self.scene_node = scene_node
+        self._scene_node = scene_node
         self.agent_config = agent_config or AgentConfiguration()
         self.initial_state = AgentState()
         self._ground = ground or Ground()
@@ -115,6 +115,11 @@ class Agent:
         if sensor.uuid in self._sensors:
             raise ValueError(f"uuid '{sensor.uuid}': another sensor of the agent has this name")
         self._sensors[sensor.uuid] = sensor
+
+    @property
+    def scene_node(self) -> SceneNode:
+        """The body's pose."""
+        return self._scene_node
 
     @property
     def sensors(self) -> dict[str, Sensor]:
