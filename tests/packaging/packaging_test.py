@@ -39,6 +39,8 @@ class Packaging(unittest.TestCase):
         self.assertEqual(version, first(r'^version = "(.*)"', "packaging/learn/pyproject.toml"))
         self.assertEqual(version, first(r'"enfilade==(.*?)"', "packaging/learn/pyproject.toml"))
         self.assertEqual(version, first(r'^  version: "(.*)"', "packaging/conda/recipe.yaml"))
+        self.assertEqual(version, first(r'^version = "(.*)"', "packaging/habitat/pyproject.toml"))
+        self.assertEqual(version, first(r'"enfilade==(.*?)"', "packaging/habitat/pyproject.toml"))
 
     def test_wheels_have_a_static_library_for_each_that_cmake_wants(self):
         script = text("packaging/libraries.sh")
@@ -73,6 +75,23 @@ class Packaging(unittest.TestCase):
                    (((3, 14), True), ((3, 14), False), ((3, 12), False), ((3, 9), False))]  # fmt: skip
         made = release.builders(sorted(pythons, key=lambda p: (p.version, p.free_threaded)))
         self.assertEqual([p.name for p in made], ["3.9", "3.12", "3.14t"])
+
+    def test_the_drop_in_habitat_sim_is_in_its_own_wheel_alone(self):
+        whole, own = "enfilade-0.1.0-cp312-abi3-linux_x86_64.whl", "enfilade_habitat-0.1.0-py3-none-any.whl"
+        described = ["enfilade-0.1.0.dist-info/METADATA", "enfilade-0.1.0.data/scripts/enfilade"]
+        release.check_packages(whole, ["enfilade/__init__.py", "MatterSim/__init__.py", *described])
+        dropped = [f"{name}/__init__.py" for name in ("corrade", "habitat_sim", "magnum")]
+        release.check_packages(own, [*dropped, "habitat_sim/nav/__init__.py", "enfilade_habitat-0.1.0.dist-info/WHEEL"])
+        for wheel, files in ((whole, ["enfilade/__init__.py", "magnum/__init__.py"]), (own, dropped[:2]),
+                             (own, [*dropped, "enfilade/__init__.py"]), (own, [])):  # fmt: skip
+            with self.subTest(wheel=wheel, files=files), self.assertRaisesRegex(SystemExit, wheel):
+                release.check_packages(wheel, files)
+
+    def test_its_wheel_is_built_with_the_release_s_tools(self):
+        (wanted,) = re.findall(r'^requires = \["(.*)"\]$', text("packaging/habitat/pyproject.toml"), re.M)
+        self.assertIn(wanted, release.TOOLS)
+        packages = re.findall(r'^"\.\./\.\./python/(\w+)" = "(\w+)"$', text("packaging/habitat/pyproject.toml"), re.M)
+        self.assertEqual({a for a, b in packages if a == b}, release.HABITAT)
 
     def test_what_builds_is_read_from_pyproject(self):
         wanted = release.build_requirements(text("pyproject.toml"))
