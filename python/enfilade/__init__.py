@@ -44,6 +44,8 @@ if TYPE_CHECKING:
         EpisodeStatus,
         ExpertWalk,
         continuous_episodes,
+        from_habitat,
+        to_habitat,
     )
     from enfilade._dataset import Dataset, Part, SeenObject
     from enfilade._episodes import Episode, Episodes, Score, SubInstruction, TimedWord, Turn
@@ -71,6 +73,8 @@ _LATER = {
     "EpisodeStatus": "_continuous",
     "ExpertWalk": "_continuous",
     "continuous_episodes": "_continuous",
+    "from_habitat": "_continuous",
+    "to_habitat": "_continuous",
     "Candidate": "_simulator",
     "CandidateTable": "_simulator",
     "Simulator": "_simulator",
@@ -89,7 +93,7 @@ _LATER = {
     "write_small_dataset": "synth",
 }
 
-_MODULES = ("agents", "camera", "eyes", "features", "goals", "habitat", "torch_data")
+_MODULES = ("agents", "camera", "eyes", "features", "goals", "torch_data")
 
 __all__ = [
     "Arena",
@@ -129,10 +133,12 @@ __all__ = [
     "arena",
     "backends",
     "continuous_episodes",
+    "from_habitat",
     "metrics",
     "open_panoramas",
     "score_paths",
     "scorers",
+    "to_habitat",
     "tokenize",
     "write_small_dataset",
 ]

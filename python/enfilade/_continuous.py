@@ -20,6 +20,18 @@ Point = Tuple[float, float, float]
 MOST_AGENTS = 2**20  # more would be a mistake, and fill the memory
 
 
+def to_habitat(points: ArrayLike) -> NDArray[Any]:
+    """Points (..., 3) of our world frame in Habitat's, y up: (x, y, z) becomes (x, z, -y)."""
+    p = np.asarray(points)
+    return np.stack([p[..., 0], p[..., 2], -p[..., 1]], axis=-1)
+
+
+def from_habitat(points: ArrayLike) -> NDArray[Any]:
+    """The inverse of to_habitat(): (x, y, z) becomes (x, -z, y)."""
+    p = np.asarray(points)
+    return np.stack([p[..., 0], -p[..., 2], p[..., 1]], axis=-1)
+
+
 class ContinuousAction(enum.IntEnum):
     """Actions, with VLN-CE's numbers. R2R-CE has the first four, RxR-CE all."""
 

@@ -1,5 +1,5 @@
-"""Continuous navigation: the simulator, episodes, Gymnasium environments, and Habitat's interface, in model homes
-(SYNTHETIC) that `enfilade homes` and `enfilade continuous` make."""
+"""Continuous navigation: the simulator, episodes and Gymnasium environments, in model homes (SYNTHETIC)
+that `enfilade homes` and `enfilade continuous` make."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ from programs import run
 np = pytest.importorskip("numpy")
 
 import enfilade  # noqa: E402
-from enfilade import habitat  # noqa: E402
 from enfilade import ContinuousAction, ContinuousSimulator, EpisodeStatus, continuous_episodes  # noqa: E402
 
 STOP, FORWARD, LEFT, RIGHT, LOOK_UP, LOOK_DOWN = ContinuousAction
@@ -62,7 +61,8 @@ def test_episodes_have_what_their_files_have(free: Path) -> None:
         assert np.array_equal(episode.reference_path[0], episode.start)
         assert np.array_equal(episode.reference_path[-1], episode.goals[0].position)
         assert episode.goals[0].radius == 3
-        turn = habitat.Quaternion(*(episode.rotation[k] for k in (3, 0, 1, 2))).heading
+        _, y, _, w = episode.rotation  # about Habitat's y axis, to the left
+        turn = -2 * math.atan2(y, w)
         assert abs(math.remainder(turn - episode.heading, 2 * math.pi)) < 1e-6
         assert episodes.find(episode.id) == place == episodes.find(int(episode.id))
         expert = episodes.expert(place)
@@ -342,128 +342,13 @@ def test_homes_have_light_that_is_kept(free: Path, tmp_path: Path, one: enfilade
         eyes.open("nowhere")
 
 
-# --- Habitat's interface --------------------------------------------------------------------------
+# --- Habitat's frame ------------------------------------------------------------------------------
 
 
-def test_an_evaluator_of_vln_ce_walks_through_the_split(free: Path) -> None:
-    """The loop of an evaluator as VLN-CE's are written: experts' actions, metrics at each episode's end."""
-    env = habitat.Env(habitat.Config(free, "r2r-ce", "val_unseen"))
-    experts = continuous_episodes(free, "r2r-ce", "val_unseen")
-    assert env.episode_over and env.number_of_episodes == len(env.episodes) == len(experts)
-    env.episodes = env.episodes[:5]
-    stats: dict[str, dict[str, float]] = {}
-    while len(stats) < env.number_of_episodes:
-        seen = env.reset()
-        episode = env.current_episode
-        assert seen["instruction"]["text"] == episode.instruction.instruction_text
-        assert np.allclose(env.sim.get_agent_state().position, episode.start_position, atol=1e-6)
-        assert env.get_metrics()["path_length"] == 0
-        expert = experts.expert(episode.index)
-        assert expert is not None
-        for action in expert.actions:
-            assert not env.episode_over
-            seen = env.step(int(action))
-            assert np.array_equal(seen["position"], env.sim.get_agent_state().position)
-        assert env.episode_over
-        metrics = env.get_metrics()
-        assert len(metrics["position"]["position"]) == len(expert.actions) + 1
-        last = env.sim.geodesic_distance(seen["position"], [g.position for g in episode.goals or []])
-        assert math.isclose(metrics["position"]["distance"][-1], last, abs_tol=1e-5)
-        assert math.isclose(metrics["distance_to_goal"], last, abs_tol=1e-5)
-        stats[episode.episode_id] = metrics
-    assert len(stats) == 5
-    assert all(one["success"] == 1 and one["ndtw"] > 0.999 for one in stats.values())
-    with pytest.raises(enfilade.ArgumentError, match="reset"):
-        env.step(1)
-    assert env.reset() and env.current_episode.episode_id == next(iter(stats))  # the first once more
-
-
-def test_the_state_is_in_habitats_frame(free: Path) -> None:
-    env = habitat.Env(habitat.Config(free, "r2r-ce", "train"))
-    with pytest.raises(enfilade.ArgumentError, match="reset"):
-        env.sim.get_agent_state()
-    seen = env.reset()
-    episode, state = env.current_episode, env.sim.get_agent_state()
-    x, y, z, w = episode.start_rotation
-    same = habitat.Quaternion(w, x, y, z)
-    assert abs(abs(float(same.components @ state.rotation.components)) - 1) < 1e-9
-    # Where it looks is where it walks: -z, turned by the quaternion.
-    for _ in range(3):
-        env.step("TURN_LEFT")
-    state = env.sim.get_agent_state()
-    ahead = (state.rotation * habitat.Quaternion(0, 0, 0, -1) * state.rotation.inverse()).imag
-    env.step({"action": "MOVE_FORWARD"})
-    moved = env.sim.get_agent_state().position - state.position
-    if not env.sim.previous_step_collided:
-        assert np.allclose(moved, 0.25 * ahead, atol=0.01)
-    turned = env.step("TURN_RIGHT")["heading"][0] - seen["heading"][0]
-    assert abs(math.remainder(turned - math.radians(30), 2 * math.pi)) < 1e-5
+def test_points_are_converted_to_habitats_frame_and_back() -> None:
     ours = np.array([[1.0, 2, 3], [4, 5, 6]])
-    assert np.array_equal(habitat.from_habitat(habitat.to_habitat(ours)), ours)
-    assert habitat.to_habitat((1, 2, 3)).tolist() == [1, 3, -2]
-
-
-def test_a_body_can_be_put_elsewhere(free: Path) -> None:
-    env = habitat.Env(habitat.Config(free, "r2r-ce", "train", max_episode_steps=3))
-    env.reset()
-    episode = env.current_episode
-    assert episode.reference_path is not None and episode.goals is not None
-    goal = episode.goals[0].position
-    before = env.sim.get_agent_state()
-    assert not env.sim.set_agent_state([0, 99, 0], before.rotation)
-    assert np.array_equal(env.sim.get_agent_state().position, before.position)
-    assert env.sim.set_agent_state(goal, [0, 1, 0, 0])  # half a turn
-    state = env.sim.get_agent_state()
-    assert np.allclose(state.position, goal) and math.isclose(state.rotation.heading, math.pi)
-    assert env.sim.is_navigable(goal) and not env.sim.is_navigable([0, 99, 0])
-    assert np.allclose(env.sim.snap_point(goal), goal, atol=0.3)
-    assert np.isnan(env.sim.snap_point([0, 99, 0])).all()
-    ways = env.sim.get_straight_shortest_path_points(episode.start_position, goal)
-    assert len(ways) >= 2 and np.allclose(ways[-1], goal, atol=0.3)
-    assert env.sim.get_straight_shortest_path_points(goal, [0, 99, 0]) == []
-    env.step("TURN_LEFT")
-    assert env.get_metrics()["oracle_success"] == 1 and not env.episode_over
-    env.step(0)
-    metrics = env.get_metrics()
-    assert env.episode_over and metrics["success"] == 1 and metrics["steps_taken"] == 2
-    assert metrics["collisions"] == {"count": 0, "is_collision": False}
-    env.current_episode = episode
-    env.reset()
-    assert env.current_episode is episode
-    for _ in range(3):
-        env.step(2)
-    assert env.episode_over and env.get_metrics()["success"] == 0
-    env.reset()
-    for wrong in (4, -1, "FLY"):
-        with pytest.raises(enfilade.ArgumentError):
-            env.step(wrong)
-    for turn in ([0, 0, 0, 0], [1, 0, 0]):
-        with pytest.raises(enfilade.ArgumentError, match="rotation"):
-            env.sim.set_agent_state(goal, turn)
-    with pytest.raises(enfilade.ArgumentError, match="one agent"):
-        env.sim.get_agent_state(1)
-    with pytest.raises(enfilade.ArgumentError, match="none"):
-        env.episodes = []
-    spoken = habitat.Env(habitat.Config(free, "rxr-ce", "train"))
-    with spoken:
-        spoken.reset()
-        spoken.step("LOOK_DOWN")
-        assert math.isclose(spoken.sim.native.state.elevation[0], -math.radians(30))
-
-
-def test_sensors_are_in_the_observations(free: Path, boxes: Path) -> None:
-    config = habitat.Config(free, split="train", sensors=("rgb", "depth"), eyes={"meshes": boxes},
-                            sizes={"rgb": (40, 30)}, max_depth=100)  # fmt: skip
-    env = habitat.Env(config)
-    seen = env.reset()
-    assert seen["rgb"].shape == (30, 40, 3) and seen["depth"].shape == (256, 256, 1)
-    assert 0.05 < seen["depth"].min() < seen["depth"].max() <= 1
-    turned = env.step("TURN_LEFT")
-    assert not np.array_equal(turned["depth"], seen["depth"])
-    near = habitat.Env(habitat.Config(free, split="train", sensors=("depth",), eyes={"meshes": boxes}))
-    assert (near.reset()["depth"] == 1).mean() > 0.5  # 10 m are the most
-    with pytest.raises(enfilade.ArgumentError, match="rgb, depth"):
-        habitat.Env(habitat.Config(free, sensors=("lidar",)))
+    assert np.array_equal(enfilade.from_habitat(enfilade.to_habitat(ours)), ours)
+    assert enfilade.to_habitat((1, 2, 3)).tolist() == [1, 3, -2]
 
 
 # --- Gymnasium ------------------------------------------------------------------------------------

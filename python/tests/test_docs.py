@@ -85,10 +85,10 @@ def test_the_pages_python_runs(
 
 def test_everything_public_says_what_it_is() -> None:
     gym = pytest.importorskip("enfilade.gym", reason="Gymnasium is not installed")
-    from enfilade import camera, eyes, features, goals, habitat, synth
+    from enfilade import camera, eyes, features, goals, synth
 
     silent = []
-    for module in (enfilade, MatterSim, gym, camera, eyes, features, goals, habitat, synth):
+    for module in (enfilade, MatterSim, gym, camera, eyes, features, goals, synth):
         own = [name for name, it in vars(module).items()
                if getattr(it, "__module__", "") == module.__name__]  # fmt: skip
         for name in getattr(module, "__all__", own):
