@@ -15,6 +15,7 @@
 #include "apps/common/program.h"
 #include "apps/enfilade/advice.h"
 #include "apps/enfilade/learning/learn.h"
+#include "apps/enfilade/python_report.h"
 #include "apps/enfilade/verbs.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/proxy.h"
@@ -175,6 +176,37 @@ void examine_networks(Report& report) {
              torch->connects ? "" : "to train in more than one: docs/scale.md");
 }
 
+// Which habitat_sim code gets that imports it: the drop-in, or Habitat-Sim itself.
+void examine_python(Report& report) {
+  using Module = PythonReport::Module;
+  report.begin("Python");
+  const PythonReport python = report_of_python(python_of_this_machine());
+  if (!python.error.empty()) {
+    report.add("interpreter", false, fmt::format("{}: {}", python.program, python.error),
+               "only `import enfilade` and its drop-ins need it: a python3 that starts, on PATH");
+    return;
+  }
+  report.fact("interpreter", fmt::format("{} {}", python.program, python.version));
+  switch (python.module) {
+    case Module::kNone:
+      report.fact("habitat_sim", "none is installed");
+      break;
+    case Module::kOurs:
+      report.fact("habitat_sim",
+                  "Enfilade's drop-in, as " + python.module_version + ": " + python.path);
+      break;
+    case Module::kHabitats:
+      report.fact("habitat_sim",
+                  "Habitat-Sim itself, " + python.module_version + ": " + python.path);
+      break;
+    case Module::kBroken:
+      report.add("habitat_sim", false,
+                 python.path + (python.path.empty() ? "" : ": ") + python.fault,
+                 "install what it lacks, or uninstall it: docs/python_habitat_sim.md");
+      break;
+  }
+}
+
 // What is written where, and how much the demo, the largest of the verbs' usual jobs, writes there.
 void examine_space(Report& report) {
   report.begin("disk");
@@ -287,6 +319,7 @@ int examine(const Arguments& arguments) {
   examine_gl(report, devices);
   examine_cuda(report, cuda);
   examine_networks(report);
+  examine_python(report);
   examine_space(report);
   examine_network(report);
   examine_data(report, arguments.data);
