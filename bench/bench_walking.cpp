@@ -79,7 +79,7 @@ std::vector<continuous::FloorPoint> points() {
 // not.
 void geodesic_distance(benchmark::State& state) {
   const auto from = points();
-  const continuous::Geodesics& ways = building()->ways(0);
+  const continuous::Floor& ways = building()->floor(0);
   std::vector<double> micros;
   std::size_t k = 0;
   for (auto _ : state) {
@@ -99,7 +99,7 @@ BENCHMARK(geodesic_distance)->Unit(benchmark::kMicrosecond);
 // What a simulator asks at every step: the same goal, another place.
 void distance_field(benchmark::State& state) {
   const auto from = points();
-  const continuous::DistanceField field = building()->ways(0).field(from[0]);
+  const continuous::DistanceField field = building()->floor(0).field(from[0]);
   std::size_t k = 0;
   for (auto _ : state) benchmark::DoNotOptimize(field.distance(from[k++ & 1023U]));
 }
@@ -111,7 +111,7 @@ void open_building(benchmark::State& state) {
   continuous::save_navigation_mesh(floor(), folder.path() / "home.navmesh");
   for (auto _ : state) {
     const continuous::Buildings opened(folder.path());
-    benchmark::DoNotOptimize(opened.ways(0).bends());
+    benchmark::DoNotOptimize(opened.floor(0).areas());
   }
 }
 BENCHMARK(open_building)->Unit(benchmark::kMillisecond);

@@ -60,9 +60,9 @@ class ForwardOnly final : public ContinuousAgent {
   std::vector<std::uint32_t> turns_;  // by slot
 };
 
-// The shortest paths of a building; the agent's runner keeps them alive.
-std::shared_ptr<const continuous::Geodesics> ways_of(const ContinuousObservation& seen) {
-  return {std::shared_ptr<const void>(), &seen.buildings->ways(seen.building)};
+// The floor of a building; the agent's runner keeps it alive.
+std::shared_ptr<const continuous::Floor> floor_of(const ContinuousObservation& seen) {
+  return {std::shared_ptr<const void>(), &seen.buildings->floor(seen.building)};
 }
 
 // Where a point of an episode is on the floor; the agent's own place if it is off every floor.
@@ -90,7 +90,7 @@ class Follower final : public ContinuousAgent {
     if (followers_.size() <= slot) followers_.resize(slot + 1);
     std::vector<continuous::FloorPoint> points;
     for (const Vec3d point : points_of_(*seen.episode)) points.push_back(on_floor(seen, point));
-    followers_[slot].emplace(ways_of(seen), std::move(points), config, distances_);
+    followers_[slot].emplace(floor_of(seen), std::move(points), config, distances_);
   }
   void act(std::span<const ContinuousObservation> batch, std::span<Action> actions) override {
     for (std::size_t a = 0; a < batch.size(); ++a) {

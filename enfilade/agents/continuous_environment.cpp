@@ -70,7 +70,7 @@ void ContinuousEnvironment::begin_one(std::size_t agent, std::size_t index) {
   const tasks::ContinuousEpisode& episode = world_.episodes->episodes[index];
   const std::size_t building = world_.buildings->at(episode.scan());
   std::optional<continuous::DistanceField> field;
-  if (!episode.goal_hidden()) field = goal_field(episode, world_.buildings->ways(building));
+  if (!episode.goal_hidden()) field = goal_field(episode, world_.buildings->floor(building));
   simulator_.new_episode(agent, start_of(episode, building));
   Slot& slot = slots_[agent];
   slot = {};
@@ -120,16 +120,16 @@ const tasks::ContinuousResult& ContinuousEnvironment::walk(std::size_t agent) co
 }
 
 void ContinuousEnvironment::make_teacher(Slot& slot, ContinuousExpert rule) const {
-  const continuous::Geodesics& ways = world_.buildings->ways(slot.building);
+  const continuous::Floor& floor = world_.buildings->floor(slot.building);
   std::vector<continuous::FloorPoint> points;
   for (const Vec3d point : points_of(episode_of(slot), rule)) {
-    if (const auto found = ways.mesh().nearest(to_float(point), {1, 1})) points.push_back(*found);
+    if (const auto found = floor.nearest(to_float(point), {1, 1})) points.push_back(*found);
   }
   if (points.empty()) throw ArgumentError("expert: no floor within 1 m of the reference path");
   const bool shortest = rule == ContinuousExpert::kShortest;
   // The buildings outlive the teacher.
   slot.teacher.emplace(
-      std::shared_ptr<const continuous::Geodesics>(std::shared_ptr<const void>(), &ways),
+      std::shared_ptr<const continuous::Floor>(std::shared_ptr<const void>(), &floor),
       std::move(points), simulator_.config(),
       continuous::FollowerConfig{.reached = 0.5, .last_reached = shortest ? 0.25 : 0.5});
   slot.rule = rule;
@@ -141,7 +141,7 @@ std::optional<Action> ContinuousEnvironment::expert(std::size_t agent, Continuou
   if (simulator_.state().episode[agent] != EpisodeState::kWalking) return Action::kStop;
   Slot& own = slots_[agent];
   if (!own.teacher || own.rule != rule) make_teacher(own, rule);
-  const continuous::NavigationMesh& floor = world_.buildings->floor(own.building);
+  const continuous::Floor& floor = world_.buildings->floor(own.building);
   for (; own.followed < own.walk.positions.size(); ++own.followed) {
     const bool now = own.followed + 1 == own.walk.positions.size();
     const auto at = now ? std::optional(simulator_.floor_point(agent))

@@ -176,7 +176,7 @@ void check_goals(const tasks::ContinuousEpisodes& episodes, const Buildings& bui
   for (const std::size_t e : which) {
     const tasks::ContinuousEpisode& episode = episodes.episodes.at(e);
     if (episode.goal_hidden()) continue;
-    const continuous::NavigationMesh& floor = buildings.floor(buildings.at(episode.scan()));
+    const continuous::Floor& floor = buildings.floor(buildings.at(episode.scan()));
     const bool any = std::ranges::any_of(*episode.goals, [&](const tasks::ContinuousGoal& goal) {
       return floor.nearest(to_float(goal.position), {1, 1}).has_value();
     });
@@ -190,10 +190,10 @@ void check_goals(const tasks::ContinuousEpisodes& episodes, const Buildings& bui
 }
 
 continuous::DistanceField goal_field(const tasks::ContinuousEpisode& episode,
-                                     const continuous::Geodesics& ways) {
+                                     const continuous::Floor& floor) {
   std::vector<continuous::FloorPoint> goals;
   for (const tasks::ContinuousGoal& goal : *episode.goals) {
-    if (const auto found = ways.mesh().nearest(to_float(goal.position), {1, 1})) {
+    if (const auto found = floor.nearest(to_float(goal.position), {1, 1})) {
       goals.push_back(*found);
     }
   }
@@ -201,7 +201,7 @@ continuous::DistanceField goal_field(const tasks::ContinuousEpisode& episode,
     throw ArgumentError(fmt::format("episode {}: no floor of {} within 1 m of its goal",
                                     tasks::text_of(episode.id), episode.scan()));
   }
-  return ways.field(goals);
+  return floor.field(goals);
 }
 
 std::vector<tasks::ContinuousResult> run_continuous(ContinuousAgent& agent,
@@ -237,15 +237,15 @@ tasks::ExpertWalks record_experts(const tasks::ContinuousEpisodes& episodes,
 std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
                                    const tasks::ContinuousEpisode& episode,
                                    const Buildings& buildings) {
-  const continuous::Geodesics& ways = buildings.ways(buildings.at(episode.scan()));
-  const continuous::DistanceField field = goal_field(episode, ways);
+  const continuous::Floor& floor = buildings.floor(buildings.at(episode.scan()));
+  const continuous::DistanceField field = goal_field(episode, floor);
   std::vector<double> distances;
   for (std::size_t k = 0; k < walk.positions.size(); ++k) {
     if (k > 0 && walk.positions[k] == walk.positions[k - 1]) {
       distances.push_back(distances.back());
       continue;
     }
-    const auto at = ways.mesh().nearest(walk.positions[k], {1, 1});
+    const auto at = floor.nearest(walk.positions[k], {1, 1});
     distances.push_back(at ? field.distance(*at) : std::numeric_limits<double>::infinity());
   }
   return distances;
@@ -294,7 +294,10 @@ tasks::ScoreTable compute_score(std::span<const tasks::ContinuousResult> walks,
                     std::span(values).subspan(k * width, width));
     if (progress) progress(k + 1, walks.size());
   }
-  return tasks::make_score_table(benchmark, scorer, walks, episodes, std::move(values));
+  tasks::ScoreTable table =
+      tasks::make_score_table(benchmark, scorer, walks, episodes, std::move(values));
+  table.floor = buildings.floor_name();
+  return table;
 }
 
 tasks::ContinuousScore score_continuous_walk(const tasks::ContinuousResult& walk,

@@ -56,10 +56,10 @@ tasks::ExpertWalks record_experts(const tasks::ContinuousEpisodes& episodes,
                                   const ContinuousRunOptions& options = {},
                                   const Progress& progress = {});
 
-/// How far it is to the nearest goal of an episode. \param ways  of the episode's building
+/// How far it is to the nearest goal of an episode. \param floor  of the episode's building
 /// \pre the goals are not hidden \throws ArgumentError if no floor is within 1 m of any goal
 continuous::DistanceField goal_field(const tasks::ContinuousEpisode& episode,
-                                     const continuous::Geodesics& ways);
+                                     const continuous::Floor& floor);
 /// Geodesic distances of all poses of a walk to the nearest goal. \pre the goals are not hidden
 std::vector<double> goal_distances(const tasks::ContinuousResult& walk,
                                    const tasks::ContinuousEpisode& episode,

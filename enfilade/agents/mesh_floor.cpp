@@ -36,16 +36,16 @@ tasks::WalkedNodes MeshFloor::walk(const graph::NavGraph& graph,
                                    std::span<const Vec3d> nodes) const {
   const auto building = buildings_->find(graph.scan());
   if (!building) return {.obstacle = "its building has no navigation mesh"};
-  const continuous::Geodesics& ways = buildings_->ways(*building);
+  const continuous::Floor& floor = buildings_->floor(*building);
   std::vector<FloorPoint> points;
   for (const Vec3d node : nodes) {
-    const auto point = ways.mesh().nearest(to_float(node), {0.05F, 0.05F});
+    const auto point = floor.nearest(to_float(node), {0.05F, 0.05F});
     if (!point) return {.obstacle = "a node is not on the floor"};
     points.push_back(*point);
   }
   for (std::size_t k = 1; k < points.size(); ++k) {
     const double straight = length(nodes[k] - nodes[k - 1]);
-    const double way = ways.distance(points[k - 1], points[k]);
+    const double way = floor.distance(points[k - 1], points[k]);
     if (way == std::numeric_limits<double>::infinity()) {
       return {.obstacle =
                   fmt::format("there is no way from viewpoint {} to {} of the path", k, k + 1)};
@@ -57,7 +57,7 @@ tasks::WalkedNodes MeshFloor::walk(const graph::NavGraph& graph,
                               k, k + 1, way, straight)};
     }
   }
-  return {.obstacle = {}, .geodesic_distance = ways.distance(points.front(), points.back())};
+  return {.obstacle = {}, .geodesic_distance = floor.distance(points.front(), points.back())};
 }
 
 namespace {

@@ -3,11 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
 #include <mutex>
 #include <utility>
 
+#include "enfilade/continuous/geodesics.h"
+#include "enfilade/continuous/habitat/habitat_floor.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
+#include "enfilade/core/file.h"
 
 namespace enfilade::continuous {
 
@@ -21,17 +27,43 @@ struct Buildings::Entry {
   std::string scan;
   std::filesystem::path file;  // empty: made by other means
   mutable std::mutex mutex;
-  mutable std::unique_ptr<const Geodesics> ways;
+  mutable std::shared_ptr<const Floor> floor;
 
-  const Geodesics& open() const {
+  const Floor& open() const {
     const std::lock_guard lock(mutex);
-    if (!ways) {
-      ways = std::make_unique<Geodesics>(
-          std::make_shared<const NavigationMesh>(load_navigation_mesh(file)));
-    }
-    return *ways;
+    if (!floor) floor = load_floor(file);
+    return *floor;
   }
 };
+
+Building::Building(std::string name, std::shared_ptr<const Floor> of)
+    : scan(std::move(name)), floor(std::move(of)) {}
+
+Building::Building(std::string name, const std::shared_ptr<const NavigationMesh>& mesh)
+    : scan(std::move(name)), floor(mesh ? std::make_shared<const Geodesics>(mesh) : nullptr) {}
+
+FloorKind floor_kind_of(const std::filesystem::path& file) noexcept {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(file, unknown)) return FloorKind::kEnfilade;
+  std::array<char, sizeof(std::int32_t)> start{};
+  std::ifstream(file, std::ios::binary).read(start.data(), start.size());
+  return habitat::is_nav_mesh_file({start.data(), start.size()}) ? FloorKind::kHabitat
+                                                                 : FloorKind::kEnfilade;
+}
+
+habitat::NavMesh load_habitat_mesh(const std::filesystem::path& file) {
+  const std::string bytes = read_file(file);
+  const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  return habitat::parse_nav_mesh({data, bytes.size()}, file.string());
+}
+
+std::shared_ptr<const Floor> load_floor(const std::filesystem::path& file) {
+  if (floor_kind_of(file) == FloorKind::kEnfilade) {
+    return std::make_shared<const Geodesics>(
+        std::make_shared<const NavigationMesh>(load_navigation_mesh(file)));
+  }
+  return std::make_shared<const habitat::HabitatFloor>(load_habitat_mesh(file));
+}
 
 std::string navigation_mesh_name(std::string_view scan) {
   return fmt::format("{}{}", scan, kSuffix);
@@ -52,6 +84,15 @@ Buildings::Buildings(const std::filesystem::path& folder) {
                                 folder.string(), kSuffix));
   }
   std::ranges::sort(entries_, {}, [](const auto& entry) { return entry->scan; });
+  kind_ = floor_kind_of(entries_.front()->file);
+  for (const auto& entry : entries_) {
+    if (floor_kind_of(entry->file) == kind_) continue;
+    throw InvalidInput(
+        {{Severity::kError, entry->file.string(), "", "mixed-floors",
+          fmt::format("another floor than {} has; `enfilade continuous` with or without "
+                      "--navmesh habitat makes all of one kind",
+                      entries_.front()->file.filename().string())}});
+  }
 }
 
 Buildings::Buildings(std::vector<Building> made) {
@@ -60,7 +101,7 @@ Buildings::Buildings(std::vector<Building> made) {
     if (!building.floor) throw ArgumentError(fmt::format("{}: its floor is null", building.scan));
     auto entry = std::make_unique<Entry>();
     entry->scan = std::move(building.scan);
-    entry->ways = std::make_unique<Geodesics>(std::move(building.floor));
+    entry->floor = std::move(building.floor);
     entries_.push_back(std::move(entry));
   }
   const auto name = [](const auto& entry) -> const std::string& { return entry->scan; };
@@ -68,6 +109,13 @@ Buildings::Buildings(std::vector<Building> made) {
   const auto twice = std::ranges::adjacent_find(entries_, {}, name);
   if (twice != entries_.end()) {
     throw ArgumentError(fmt::format("buildings: \"{}\" is there twice", (*twice)->scan));
+  }
+  kind_ = entries_.front()->floor->kind();
+  for (const auto& entry : entries_) {
+    if (entry->floor->kind() == kind_) continue;
+    throw ArgumentError(
+        fmt::format("buildings: the floor of \"{}\" is of another kind than that of \"{}\"",
+                    entry->scan, entries_.front()->scan));
   }
 }
 
@@ -96,11 +144,11 @@ std::size_t Buildings::at(std::string_view scan) const {
   return *found;
 }
 
-const Geodesics& Buildings::ways(std::size_t building) const {
+std::string_view Buildings::floor_name() const noexcept { return name_of(kind_); }
+
+const Floor& Buildings::floor(std::size_t building) const {
   EN_CHECK_LT(building, entries_.size());
   return entries_[building]->open();
 }
-
-const NavigationMesh& Buildings::floor(std::size_t building) const { return ways(building).mesh(); }
 
 }  // namespace enfilade::continuous

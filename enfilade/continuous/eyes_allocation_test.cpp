@@ -1,4 +1,5 @@
-// Drawing does not touch the heap, once the camera, the batch and the panoramas are known.
+// Drawing and stepping do not touch the heap, once the camera, the batch and the panoramas are
+// known.
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -8,9 +9,13 @@
 #include <vector>
 
 #include "enfilade/continuous/eyes.h"
+#include "enfilade/continuous/habitat/habitat_floor.h"
 #include "enfilade/continuous/habitat/sensors.h"
+#include "enfilade/continuous/simulator.h"
 #include "enfilade/core/enum_names.h"
+#include "tests/support/flat_floor.h"
 #include "tests/support/lit_rooms.h"
+#include "tests/support/made_meshes.h"
 
 // GCC defines __SANITIZE_*__, clang tells through __has_feature.
 #if defined(__has_feature)
@@ -111,6 +116,31 @@ TEST(Sensors, DrawingAllocatesNothing) {
     const std::size_t before = allocations;
     for (const float x : {0.1F, 0.2F, 0.3F}) draw(x);
     EXPECT_EQ(allocations, before) << enum_name(lens);
+  }
+#endif
+}
+
+TEST(ContinuousSimulator, StepsAllocateNothing) {
+#if EN_TEST_SANITIZED
+  GTEST_SKIP() << "the sanitizer's own allocator is not counted";
+#else
+  const mesh::RayTracer room(
+      std::make_shared<const mesh::Mesh>(mesh::testing::Maker().room(0, 0, 5, 4).mesh));
+  const auto ours = std::make_shared<const NavigationMesh>(make_floor_polygons(room));
+  const auto habitats = std::make_shared<const habitat::HabitatFloor>(
+      habitat::make_nav_mesh(habitat::testing::flat_triangles({{0, -4, 5, 0}})));
+  for (const Building& building : {Building("room", ours), Building("room", habitats)}) {
+    SimulatorConfig config;
+    config.batch_size = 2;
+    Simulator simulator(std::make_shared<const Buildings>(std::vector{building}), config);
+    const EpisodeStart start{.building = 0, .pose = {{2, 2, 0}, {}, {}}};
+    simulator.new_episodes(std::vector(2, start));
+    const std::vector<Action> walk{Action::kForward, Action::kForward};
+    const std::vector<Action> turn{Action::kLeft, Action::kRight};
+    simulator.step(walk);
+    const std::size_t before = allocations;
+    for (int k = 0; k < 30; ++k) simulator.step(k % 10 == 0 ? turn : walk);
+    EXPECT_EQ(allocations, before) << name_of(building.floor->kind());
   }
 #endif
 }

@@ -14,14 +14,14 @@ constexpr double kNearer = 0.01;  // metres that count as nearer
 
 }  // namespace
 
-ReferenceFollower::ReferenceFollower(std::shared_ptr<const Geodesics> ways,
+ReferenceFollower::ReferenceFollower(std::shared_ptr<const Floor> floor,
                                      std::vector<FloorPoint> points,
                                      const SimulatorConfig& simulator, const FollowerConfig& config)
-    : ways_(std::move(ways)),
+    : floor_(std::move(floor)),
       points_(std::move(points)),
       turn_(simulator.turn.value),
       config_(config) {
-  if (!ways_) throw ArgumentError("ways: null");
+  if (!floor_) throw ArgumentError("floor: null");
   if (points_.empty()) throw ArgumentError("points: none, at least one");
   check_range("reached", config.reached, 1e-6, 1e6);
   check_range("last_reached", config.last_reached, 1e-6, 1e6);
@@ -45,7 +45,7 @@ bool ReferenceFollower::advance(const FloorPoint& at) {
 Action ReferenceFollower::next(const FloorPoint& at, Radians heading) {
   if (!advance(at)) return Action::kStop;
   if (fields_.empty()) {
-    fields_.push_back(ways_->field(points_[target_]));
+    fields_.push_back(floor_->field(points_[target_]));
     nearest_ = std::numeric_limits<double>::infinity();
   }
   const auto way = fields_.front().way(at);

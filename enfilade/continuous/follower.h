@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "enfilade/continuous/geodesics.h"
+#include "enfilade/continuous/floor.h"
 #include "enfilade/continuous/simulator.h"
 
 namespace enfilade::continuous {
@@ -27,7 +27,7 @@ class ReferenceFollower {
  public:
   /// \pre points is not empty; all are of the building
   /// \throws ArgumentError for no point, or distances that are not positive
-  ReferenceFollower(std::shared_ptr<const Geodesics> ways, std::vector<FloorPoint> points,
+  ReferenceFollower(std::shared_ptr<const Floor> floor, std::vector<FloorPoint> points,
                     const SimulatorConfig& simulator, const FollowerConfig& config = {});
 
   /// The next action of a body at this point. After kStop the episode is over.
@@ -36,7 +36,7 @@ class ReferenceFollower {
  private:
   bool advance(const FloorPoint& at);
 
-  std::shared_ptr<const Geodesics> ways_;
+  std::shared_ptr<const Floor> floor_;
   std::vector<FloorPoint> points_;
   std::vector<DistanceField> fields_;  // of the present point; at most one
   double turn_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "enfilade/continuous/detail/sight.h"
+#include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 
 namespace enfilade::continuous {
@@ -275,6 +276,29 @@ Geodesics::Geodesics(std::shared_ptr<const NavigationMesh> mesh) {
 }
 
 const NavigationMesh& Geodesics::mesh() const noexcept { return *impl_->mesh; }
+std::size_t Geodesics::areas() const noexcept { return mesh().areas(); }
+double Geodesics::area_m2(std::size_t area) const { return mesh().area_m2(area); }
+const mesh::FloorPolygons& Geodesics::polygons() const noexcept { return mesh().floor(); }
+
+std::optional<FloorPoint> Geodesics::nearest(Vec3f point, Reach reach) const {
+  return mesh().nearest(point, reach);
+}
+
+std::size_t Geodesics::area_of(const FloorPoint& at) const {
+  EN_CHECK_LT(at.polygon, polygons().polygons.size());
+  return polygons().polygons[at.polygon].area;
+}
+
+FloorPoint Geodesics::random_point(Rng& rng, std::optional<std::uint32_t> area) const {
+  return mesh().random_point(rng, area);
+}
+
+Walked Geodesics::move(Walker& walker, const FloorPoint& from, Vec3d by, Walls walls) const {
+  const Vec3f towards{static_cast<float>(from.point.x + by.x),
+                      static_cast<float>(from.point.y + by.y), from.point.z};
+  return mesh().walk(walker, from, towards, walls);
+}
+
 std::size_t Geodesics::bends() const noexcept { return impl_->bends.list.size(); }
 
 double Geodesics::distance(const FloorPoint& a, const FloorPoint& b) const {
@@ -294,15 +318,17 @@ std::optional<std::vector<Vec3f>> Geodesics::path(const FloorPoint& a, const Flo
   return path;
 }
 
-struct DistanceField::Impl {
-  std::shared_ptr<const Geodesics::Impl> building;
+struct Geodesics::Goals final : DistanceField::Goals {
+  std::shared_ptr<const Impl> building;
   std::vector<FloorPoint> goals;
   std::vector<double> to_goal;  // metres from each bend
+
+  std::optional<DistanceField::Way> way(const FloorPoint& from) const override;
 };
 
 DistanceField Geodesics::field(std::span<const FloorPoint> goals) const {
   if (goals.empty()) throw ArgumentError("goals: none, at least one");
-  auto field = std::make_shared<DistanceField::Impl>();
+  auto field = std::make_shared<Goals>();
   field->building = impl_;
   field->goals.assign(goals.begin(), goals.end());
   Search& search = own_search();
@@ -325,29 +351,29 @@ DistanceField Geodesics::field(std::span<const FloorPoint> goals) const {
   return DistanceField(std::move(field));
 }
 
-std::optional<DistanceField::Way> DistanceField::way(const FloorPoint& from) const {
-  const Geodesics::Impl& building = *impl_->building;
+std::optional<DistanceField::Way> Geodesics::Goals::way(const FloorPoint& from) const {
+  const Impl& own = *building;
   const Vec3d start = to_double(from.point);
   const Flat eye = flat(from.point);
-  Way best{kFar, {}};
+  DistanceField::Way best{kFar, {}};
   const auto bend = [&](std::uint32_t b) {
-    const Vec3d place = building.place(b);
-    const double metres = building.metres(start, place) + impl_->to_goal[b];
+    const Vec3d place = own.place(b);
+    const double metres = own.metres(start, place) + to_goal[b];
     // A bend where one stands is no direction to walk in; those that it sees are seen from here.
     if (metres < best.metres && norm(Flat{place.x, place.y} - eye) > Cone::kSlack) {
       best = {metres, to_float(place)};
     }
   };
-  const auto bends = building.bend_finder(eye, bend);
+  const auto bends = own.bend_finder(eye, bend);
   const auto visit = [&](std::uint32_t polygon, const Cone& cone) {
-    for (const FloorPoint& goal : impl_->goals) {
+    for (const FloorPoint& goal : goals) {
       if (goal.polygon != polygon || !cone.holds(flat(goal.point) - eye)) continue;
-      const double metres = building.metres(start, to_double(goal.point));
+      const double metres = own.metres(start, to_double(goal.point));
       if (metres <= best.metres) best = {metres, goal.point};
     }
     bends(polygon, cone);
   };
-  FloorSight(building.floor, eye, visit).look_from(from.polygon);
+  FloorSight(own.floor, eye, visit).look_from(from.polygon);
   if (best.metres == kFar) return std::nullopt;
   return best;
 }

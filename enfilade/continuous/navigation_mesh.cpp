@@ -236,7 +236,7 @@ std::optional<FloorPoint> NavigationMesh::nearest(Vec3f point, Reach reach) cons
   const dtStatus status =
       impl_->query.findNearestPoly(centre.data(), extent.data(), &impl_->filter, &found, at.data());
   if (dtStatusFailed(status) || found == 0) return {};
-  const FloorPoint result{from_detour(at.data()), impl_->polygon(found)};
+  const FloorPoint result{from_detour(at.data()), impl_->polygon(found), point};
   // Detour looks for polygons whose box is in reach.
   const Vec3f off = result.point - point;
   if (std::hypot(off.x, off.y) > reach.aside || std::abs(off.z) > reach.above_below) return {};

@@ -20,6 +20,8 @@ namespace enfilade::continuous {
 struct FloorPoint {
   Vec3f point;                ///< world, metres
   std::uint32_t polygon = 0;  ///< of the navigation mesh that it lies on
+  /// Where it was looked for. Habitat's paths and steps begin there; ours begin at `point`.
+  Vec3f asked = {};
 };
 
 /// Search radius of nearest().

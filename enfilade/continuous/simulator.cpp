@@ -52,12 +52,12 @@ void validate(const SimulatorConfig& c) {
   if (c.threads < 0) throw ArgumentError(fmt::format("threads: {}, at least 0", c.threads));
 }
 
-StartCheck check_start(const NavigationMesh& floor, Vec3f position, Reach reach) {
+StartCheck check_start(const Floor& floor, Vec3f position, Reach reach) {
   StartCheck check;
   check.floor = floor.nearest(position, reach);
   if (!check.floor) return check;
   check.off_floor = length(to_double(check.floor->point) - to_double(position));
-  check.area_m2 = floor.area_m2(floor.floor().polygons[check.floor->polygon].area);
+  check.area_m2 = floor.area_m2(floor.area_of(*check.floor));
   return check;
 }
 
@@ -66,7 +66,7 @@ struct Simulator::Impl {
   SimulatorConfig config;
   std::vector<Walker> walkers;  // one for each chunk of agents that a thread steps
   std::vector<std::uint8_t> has_episode;
-  std::vector<const NavigationMesh*> floors;
+  std::vector<const Floor*> floors;
   std::vector<FloorPoint> at;
 
   // Turns are counted, so that twenty-four turns of 15 degrees are none.
@@ -109,14 +109,15 @@ FloorPoint Simulator::Impl::find_floor(std::size_t agent, const EpisodeStart& st
                                          agent, p.x, p.y, p.z, start.pose.heading.value,
                                          start.pose.elevation.value));
   }
-  const NavigationMesh& floor = buildings->floor(start.building);
+  const Floor& floor = buildings->floor(start.building);
   if (const auto found = floor.nearest(p, config.start_reach)) return *found;
-  const auto far = floor.nearest(p, {20, 20});
+  const Reach widest = floor.widest_reach();
+  const auto far = floor.nearest(p, widest);
   const std::string nearest =
       far ? fmt::format("the nearest is {:.2f} m aside and {:.2f} m {}",
                         std::hypot(far->point.x - p.x, far->point.y - p.y),
                         std::abs(far->point.z - p.z), far->point.z < p.z ? "below" : "above")
-          : std::string("none within 20 m either");
+          : fmt::format("none within {} m either", widest.aside);
   throw ActionError(
       agent, fmt::format("agent {}: no floor of {} within {} m of its start ({}, {}, {}) and {} m "
                          "above or below; {}",
@@ -143,10 +144,8 @@ void Simulator::Impl::begin(std::size_t agent, const EpisodeStart& start, const 
 
 void Simulator::Impl::walk(std::size_t agent, Walker& walker) {
   const double h = heading[agent];
-  const Vec3f from = at[agent].point;
-  const Vec3f towards{static_cast<float>(from.x + config.forward * std::sin(h)),
-                      static_cast<float>(from.y + config.forward * std::cos(h)), from.z};
-  const Walked walked = floors[agent]->walk(walker, at[agent], towards, config.walls);
+  const Vec3d by{config.forward * std::sin(h), config.forward * std::cos(h), 0};
+  const Walked walked = floors[agent]->move(walker, at[agent], by, config.walls);
   at[agent] = walked.end;
   position[agent] = walked.end.point;
   collided[agent] = walked.at_wall ? 1 : 0;

@@ -1,5 +1,5 @@
 /// \file  The batched simulator of continuous environments: VLN-CE's actions (Krantz et al., ECCV
-/// 2020) on navigation meshes, without Habitat.
+/// 2020) on navigation meshes, our own or Habitat's (Floor).
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -89,7 +89,7 @@ struct StartCheck {
   double off_floor = 0;             ///< metres to it
   double area_m2 = 0;               ///< of the floor that can be reached from there
 };
-StartCheck check_start(const NavigationMesh& floor, Vec3f position, Reach reach);
+StartCheck check_start(const Floor& floor, Vec3f position, Reach reach);
 
 /// Walks a batch of bodies through buildings. Needs no picture and no GPU. Same start and actions
 /// give the same bytes at any batch size and thread count. step() allocates nothing with one

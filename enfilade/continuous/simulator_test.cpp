@@ -206,10 +206,10 @@ TEST(ContinuousSimulator, IsTheSameInAnyBatchWithAnyThreads) {
   Rng rng(9);
   std::vector<EpisodeStart> starts;
   for (std::size_t a = 0; a < kAgents; ++a) {
-    starts.push_back(
-        {.building = 0,
-         .pose = {
-             buildings->floor(0).random_point(rng).point, Radians(rng.uniform() * 2 * kPi), {}}});
+    starts.push_back({.building = 0,
+                      .pose = {buildings->floor(0).random_point(rng, std::nullopt).point,
+                               Radians(rng.uniform() * 2 * kPi),
+                               {}}});
   }
   std::vector<std::vector<Action>> actions(100, std::vector<Action>(kAgents));
   for (auto& list : actions) {

@@ -27,8 +27,8 @@ namespace {
 
 using namespace nb::literals;
 using continuous::Buildings;
+using continuous::Floor;
 using continuous::FloorPoint;
-using continuous::NavigationMesh;
 
 std::shared_ptr<const Buildings> open_buildings(const std::filesystem::path& folder) {
   const nb::gil_scoped_release unlocked;
@@ -42,7 +42,7 @@ std::size_t checked(const Buildings& buildings, std::size_t building) {
 }
 
 // The floor points of those rows of an array that have floor within reach.
-std::vector<FloorPoint> on_floor(const NavigationMesh& floor, const PointRows& points,
+std::vector<FloorPoint> on_floor(const Floor& floor, const PointRows& points,
                                  continuous::Reach reach) {
   std::vector<FloorPoint> found;
   for (std::size_t i = 0; i < points.shape(0); ++i) {
@@ -55,30 +55,29 @@ nb::tuple tuple_of(Vec3f p) { return nb::make_tuple(p.x, p.y, p.z); }
 
 nb::object floor_nearest(const Buildings& self, std::size_t building, const PointRows& point,
                          float aside, float above_below) {
-  const NavigationMesh& floor = self.floor(checked(self, building));
+  const Floor& floor = self.floor(checked(self, building));
   const auto found = on_floor(floor, point, {aside, above_below});
   if (found.empty()) return nb::none();
-  const std::uint32_t area = floor.floor().polygons[found[0].polygon].area;
-  return nb::make_tuple(tuple_of(found[0].point), area);
+  return nb::make_tuple(tuple_of(found[0].point), floor.area_of(found[0]));
 }
 
 double floor_distance(const Buildings& self, std::size_t building, const PointRows& from,
                       const PointRows& goals, float reach) {
-  const continuous::Geodesics& ways = self.ways(checked(self, building));
-  const auto starts = on_floor(ways.mesh(), from, {reach, reach});
-  const auto ends = on_floor(ways.mesh(), goals, {reach, reach});
+  const Floor& floor = self.floor(checked(self, building));
+  const auto starts = on_floor(floor, from, {reach, reach});
+  const auto ends = on_floor(floor, goals, {reach, reach});
   if (starts.empty() || ends.empty()) return std::numeric_limits<double>::infinity();
-  if (ends.size() == 1) return ways.distance(starts[0], ends[0]);
-  return ways.field(ends).distance(starts[0]);
+  if (ends.size() == 1) return floor.distance(starts[0], ends[0]);
+  return floor.field(ends).distance(starts[0]);
 }
 
 nb::object floor_path(const Buildings& self, std::size_t building, const PointRows& from,
                       const PointRows& to, float reach) {
-  const continuous::Geodesics& ways = self.ways(checked(self, building));
-  const auto starts = on_floor(ways.mesh(), from, {reach, reach});
-  const auto ends = on_floor(ways.mesh(), to, {reach, reach});
+  const Floor& floor = self.floor(checked(self, building));
+  const auto starts = on_floor(floor, from, {reach, reach});
+  const auto ends = on_floor(floor, to, {reach, reach});
   if (starts.empty() || ends.empty()) return nb::none();
-  const auto found = ways.path(starts[0], ends[0]);
+  const auto found = floor.path(starts[0], ends[0]);
   if (!found) return nb::none();
   std::vector<float> numbers;
   for (const Vec3f p : *found) numbers.insert(numbers.end(), {p.x, p.y, p.z});
@@ -87,11 +86,11 @@ nb::object floor_path(const Buildings& self, std::size_t building, const PointRo
 
 nb::tuple floor_point(const Buildings& self, std::size_t building, std::uint64_t seed) {
   Rng rng(seed);
-  return tuple_of(self.floor(checked(self, building)).random_point(rng).point);
+  return tuple_of(self.floor(checked(self, building)).random_point(rng, std::nullopt).point);
 }
 
 std::vector<double> floor_areas(const Buildings& self, std::size_t building) {
-  const NavigationMesh& floor = self.floor(checked(self, building));
+  const Floor& floor = self.floor(checked(self, building));
   std::vector<double> found;
   for (std::size_t area = 0; area < floor.areas(); ++area) found.push_back(floor.area_m2(area));
   return found;
@@ -147,15 +146,14 @@ class BatchContinuous {
   void follow(std::size_t agent, const PointRows& points, double reached, double last_reached) {
     const Busy busy(busy_);
     check_walking(agent);
-    const continuous::Geodesics& ways = buildings_->ways(native_.state().building[agent]);
-    auto found = on_floor(ways.mesh(), points, {1, 1});
+    const Floor& floor = buildings_->floor(native_.state().building[agent]);
+    auto found = on_floor(floor, points, {1, 1});
     if (found.size() != points.shape(0)) {
       throw ArgumentError(fmt::format("points: {} of {} have no floor within 1 m",
                                       points.shape(0) - found.size(), points.shape(0)));
     }
     teachers_[agent].emplace(
-        std::shared_ptr<const continuous::Geodesics>(buildings_, &ways), std::move(found),
-        native_.config(),
+        std::shared_ptr<const Floor>(buildings_, &floor), std::move(found), native_.config(),
         continuous::FollowerConfig{.reached = reached, .last_reached = last_reached});
   }
   int expert_action(std::size_t agent) {
@@ -246,6 +244,7 @@ void bind_buildings(nb::module_& m) {
                      for (std::size_t i = 0; i < b.size(); ++i) names.push_back(b.scan(i));
                      return names;
                    })
+      .def_prop_ro("floor", [](const Buildings& b) { return std::string(b.floor_name()); })
       .def(
           "index", [](const Buildings& b, const std::string& scan) { return b.at(scan); }, "scan"_a)
       .def("nearest", floor_nearest, "building"_a, "point"_a, "aside"_a, "above_below"_a,

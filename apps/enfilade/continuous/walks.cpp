@@ -237,7 +237,7 @@ void draw_map(const Options& options) {
     map.title = scan;
   }
   if (data.synthetic()) map.title += " (SYNTHETIC)";
-  const std::string svg = top_down_svg(buildings.floor(buildings.at(scan)).floor(), lines, map);
+  const std::string svg = top_down_svg(buildings.floor(buildings.at(scan)).polygons(), lines, map);
   write_output(options.output, svg);
   if (options.output != "-") say("{}\n", options.output);
 }

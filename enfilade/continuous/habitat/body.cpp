@@ -129,6 +129,14 @@ bool moves_body(Motion motion) noexcept { return kind_of(motion).body; }
 float radians_of_turn(double degrees) { return static_cast<float>(degrees * kPi / 180); }
 
 bool act(Pose& pose, Motion motion, double amount, const Ground& ground) {
+bool filter_move(Vec3f& asked, Vec3f from, const Ground& ground) {
+  const Vec3f wanted = asked;
+  const Vec3f reached = ground.floor->step(from, wanted, ground.moves);
+  asked = (reached - wanted) + wanted;  // not always `reached`: Habitat adds the difference
+  return square_of_length(reached - from) + kCollisionSlack < square_of_length(wanted - from);
+}
+
+bool act(Pose& pose, Motion motion, float amount, const Ground& ground) {
   const MotionKind& kind = kind_of(motion);
   const Vec3f from = pose.position;
   if (kind.turns) {
@@ -139,7 +147,7 @@ bool act(Pose& pose, Motion motion, double amount, const Ground& ground) {
     pose.position = from + metres * turned_axis(pose.rotation, kind.axis);
   }
   // A turn is filtered, too: it puts a body onto the floor.
-  return kind.body && ground.floor != nullptr && filter_move(pose, from, ground);
+  return kind.body && ground.floor != nullptr && filter_move(pose.position, from, ground);
 }
 
 bool try_ahead(Pose& pose, double metres, const Ground& ground) {

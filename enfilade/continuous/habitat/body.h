@@ -68,6 +68,9 @@ struct Ground {
 /// The radians of an action's degrees: multiplied by pi and divided by 180 in double, then rounded
 /// to float, as Habitat's angles are. In float alone, 10 degrees would be another angle.
 float radians_of_turn(double degrees);
+/// Ends a move: `asked` becomes the place that a body reaches. \pre ground.floor is not null
+/// \returns whether the body was stopped by a wall
+bool filter_move(Vec3f& asked, Vec3f from, const Ground& ground);
 
 /// Does one action. \param amount  metres, or degrees
 /// \returns whether the body was stopped by a wall

@@ -88,6 +88,8 @@ struct NavMesh {
 NavMesh make_nav_mesh(const Triangles& triangles, const NavMeshSettings& settings = {},
                       Navigation navigation = Navigation::kLatest);
 
+/// Whether a file that begins so is Habitat's `.navmesh`. \param start  4 bytes at least
+bool is_nav_mesh_file(std::string_view start) noexcept;
 /// The bytes of Habitat's `.navmesh` file, version 2.
 std::string to_nav_mesh_file(const NavMesh& mesh);
 /// Reads such a file: version 1 (without settings, so they are the defaults), or 2 (with three or

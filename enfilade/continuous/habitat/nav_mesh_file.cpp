@@ -282,6 +282,13 @@ std::string to_nav_mesh_file(const NavMesh& mesh) {
   return out;
 }
 
+bool is_nav_mesh_file(std::string_view start) noexcept {
+  std::int32_t magic = 0;
+  if (start.size() < sizeof magic) return false;
+  std::memcpy(&magic, start.data(), sizeof magic);
+  return magic == kMagic;
+}
+
 NavMesh parse_nav_mesh(std::span<const std::uint8_t> bytes, const std::string& name) {
   Reader in(bytes, name);
   if (in.number<std::int32_t>("its head") != kMagic) {

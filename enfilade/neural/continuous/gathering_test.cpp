@@ -250,7 +250,7 @@ TEST_F(SeesTwoBuildings, ABuildingIsOpenedOnceHoweverManyAreLookedAtAtOnce) {
   in.episodes.clear();
   const std::size_t bare = world_->buildings->at("bare");
   for (const char* scan : {"a", "b", "c", "d", "e", "f"}) {
-    made.push_back({scan, std::shared_ptr<const enfilade::continuous::NavigationMesh>(
+    made.push_back({scan, std::shared_ptr<const enfilade::continuous::Floor>(
                               world_->buildings, &world_->buildings->floor(bare))});
     in.episodes.push_back(episode(1, scan, "", {.5, 2.5, 0}, 90, {2, 2.5, 0}, {2.5, 2.5, 0}));
   }

@@ -155,7 +155,7 @@ Json map_of(const ChosenEpisode& one, const std::vector<const ScoredRun*>& agent
                               synthetic ? " (SYNTHETIC)" : "");
   options.note = episode.instruction.text;
   const std::string svg =
-      draw::top_down_svg(buildings.floor(buildings.at(scan)).floor(), lines, options);
+      draw::top_down_svg(buildings.floor(buildings.at(scan)).polygons(), lines, options);
   return {{"scan", scan},
           {"episode", tasks::text_of(episode.id)},
           {"kind", one.kind},

@@ -240,6 +240,14 @@ ordered_json Roaming::floor_json(ScanIndex scan) const {
                     "data set's buildings that have a mesh",
                     name));
   }
+  if (continuous::floor_kind_of(file) == continuous::FloorKind::kHabitat) {
+    throw detail::Refusal(
+        detail::Reason::kNotFound,
+        fmt::format(
+            "scan {} has Habitat's floor, on which browsers cannot walk: `enfilade continuous "
+            "DATA` makes ours",
+            name));
+  }
   const mesh::FloorPolygons floor = continuous::load_navigation_mesh(file);
   const continuous::SimulatorConfig& walker = setup().simulator;
   ordered_json out{
