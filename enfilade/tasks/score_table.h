@@ -37,6 +37,8 @@ struct ScoreTable {
   std::vector<double> values;    ///< (n, metrics), row-major; empty if from_json() found none
   std::vector<std::string> ids;  ///< of the episodes, (n); likewise
   std::vector<std::string> languages = {};  ///< (n); empty if the benchmark has none
+  std::string floor =
+      {};  ///< continuous space: that distances are of, "enfilade" or "habitat 0.3.3"
   /// As the scorer prints them (MeanRule, scale), in the order of its metrics; intervals of 95 %
   /// have the same scale. Those of MeanRule::kNone are NaN. Episodes that the rule leaves out are
   /// out of intervals, too.
@@ -96,7 +98,7 @@ bool goals_hidden(const EpisodeSet& episodes) noexcept;
 /// "split", "episodes": n, "means": {name: {"mean", "low", "high"}}, each without an interval if
 /// there was no bootstrap; with `per_episode` "per_episode": {id: {metric: value}}. Public scorers
 /// add "task", "scorer" and "source", own_scorer() adds "options", continuous space
-/// "trajectories" (groups). What is not finite is null.
+/// "trajectories" (groups) and "floor". What is not finite is null.
 /// @{
 
 /// The JSON of a table. \param per_episode  whether it has the values of each episode

@@ -41,6 +41,7 @@ Json summary_json(const ScoreTable& table, bool named) {
     all["split"] = table.split;
     all["episodes"] = table.episodes;
     all["trajectories"] = table.groups;
+    if (!table.floor.empty()) all["floor"] = table.floor;
   } else if (is_own(table)) {
     if (named) all = {{"task", table.benchmark->name}, {"scorer", table.scorer->name}};
     all["split"] = table.split;
@@ -78,6 +79,7 @@ ScoreTable read(const Json& all) {
   table.split = all.at("split").get<std::string>();
   table.episodes = all.at("episodes").get<std::size_t>();
   if (floor) table.groups = all.at("trajectories").get<std::size_t>();
+  table.floor = all.value("floor", std::string());
   if (all.contains("options")) {
     const Json& options = all.at("options");
     table.options.metrics.success_distance = options.at("success_distance").get<double>();
@@ -156,6 +158,7 @@ std::string floor_table(const ScoreTable& table) {
   }
   text += fmt::format("{} episodes of {} trajectories\n{:<22}{:>9}   95 % interval\n",
                       table.episodes, table.groups, "", "mean");
+  if (!table.floor.empty()) text += fmt::format("{:<22}{:>9}\n", "floor", table.floor);
   for (const Line& line : kFloorLines) {
     const auto& metrics = table.scorer->metrics;
     const bool has = std::ranges::any_of(

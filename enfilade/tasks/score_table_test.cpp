@@ -281,6 +281,17 @@ TEST(ScoreTable, JsonAndTablesAreWhatTheyWere) {
   EXPECT_EQ(to_table(two_walks()), kFloorTable);
 }
 
+TEST(ScoreTable, NamesTheFloorOfItsDistances) {
+  ScoreTable table = two_walks();
+  table.floor = "habitat 0.3.3";
+  EXPECT_THAT(to_table(table), HasSubstr("floor                 habitat 0.3.3\n"));
+  for (const std::string& json : {to_json(table), to_record(table)}) {
+    EXPECT_THAT(nlohmann::json::parse(json).at("floor"), "habitat 0.3.3");
+    EXPECT_EQ(from_json(json).floor, "habitat 0.3.3");
+  }
+  EXPECT_EQ(from_json(to_json(two_walks())).floor, "");  // as files from before have it
+}
+
 void expect_same(const ScoreTable& read, const ScoreTable& table) {
   EXPECT_EQ(read.benchmark, table.benchmark);
   EXPECT_EQ(read.scorer, table.scorer);

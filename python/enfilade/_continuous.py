@@ -226,6 +226,8 @@ class ContinuousSimulator:
         task: "r2r-ce" or "rxr-ce"; sets the defaults below: body, steps and turns.
         batch_size: agents, n; at most 2**20.
         navigation: a folder of navigation meshes instead of the data set's.
+        navmesh: "enfilade" or "habitat", the floor that the folder must have, by `enfilade continuous
+            --navmesh`; None: either.
         options: forward (metres, 0.25), turn (radians, 15 or 30 degrees), look (radians, 30 degrees),
             most_elevation (radians, 60 degrees), slide (along walls; otherwise agents stop there),
             eye_height (metres above the floor), most_steps (500), start_reach (metres that a start may
@@ -246,13 +248,21 @@ class ContinuousSimulator:
         batch_size: int = 1,
         *,
         navigation: Optional[PathLike] = None,
+        navmesh: Optional[str] = None,
         **options: Any,
     ) -> None:
         folder = navigation if navigation is not None else Path(_data_folder(data), "navmesh", task)
         if task not in TASKS:
             raise ArgumentError(f"task '{task}': one of {', '.join(TASKS)} is wanted")
+        if navmesh not in (None, "enfilade", "habitat"):
+            raise ArgumentError(f"navmesh {navmesh!r}: 'enfilade', 'habitat' or None is wanted")
         self._floors = FloorSet(os.fspath(folder))
-        self._arguments = (data, task, batch_size, navigation, options)
+        if navmesh is not None and navmesh != self.floor.split()[0]:
+            raise ArgumentError(
+                f"navmesh '{navmesh}': {os.fspath(folder)} has the floor {self.floor}; "
+                f"`enfilade continuous DATA --navmesh {navmesh}` makes that one"
+            )
+        self._arguments = (data, task, batch_size, navigation, navmesh, options)
         self._core = BatchContinuous(
             self._floors, task, whole("batch_size", batch_size, MOST_AGENTS), options
         )
@@ -265,6 +275,11 @@ class ContinuousSimulator:
     def scans(self) -> list[str]:
         """Names of the buildings with a navigation mesh."""
         return self._floors.scans
+
+    @property
+    def floor(self) -> str:
+        """The floor's name, as in scores: "enfilade" or "habitat 0.3.3"."""
+        return self._floors.floor
 
     def new_episodes(
         self,
@@ -391,9 +406,11 @@ TASKS: tuple[str, ...] = tuple(row[0] for row in continuous_benchmarks())
 
 def _again(
     data: Optional[PathLike], task: str, batch_size: int, navigation: Optional[PathLike],
-    options: dict[str, Any],
+    navmesh: Optional[str], options: dict[str, Any],
 ) -> ContinuousSimulator:  # fmt: skip
-    return ContinuousSimulator(data, task, batch_size, navigation=navigation, **options)
+    return ContinuousSimulator(
+        data, task, batch_size, navigation=navigation, navmesh=navmesh, **options
+    )
 
 
 def _data_folder(data: Optional[PathLike]) -> str:

@@ -16,6 +16,9 @@
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/agents/mesh_floor.h"
 #include "enfilade/continuous/buildings.h"
+#include "enfilade/continuous/habitat/habitat_floor.h"
+#include "enfilade/continuous/navigation_mesh.h"
+#include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/core/output_folder.h"
@@ -31,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data, task = "r2r-ce", headings = "path", dropped;
+  std::string data, task = "r2r-ce", headings = "path", navmesh = "enfilade", dropped;
   MeshSource meshes;
   std::uint64_t seed = 1;
   int threads = 0;
@@ -49,6 +52,22 @@ mesh::Box around(const graph::NavGraph& graph) {
   return {box.low - Vec3f{kAside, kAside, kBelow}, box.high + Vec3f{kAside, kAside, kAbove}};
 }
 
+// Habitat's floor of a mesh as its file has it, in the file's order.
+std::string habitat_floor(const mesh::Mesh& mesh, mesh::UpAxis up, const mesh::Body& body) {
+  namespace habitat = continuous::habitat;
+  const auto upright = up == mesh::UpAxis::kZ ? habitat::Upright::kZ : habitat::Upright::kY;
+  return habitat::to_nav_mesh_file(habitat::make_nav_mesh(habitat::triangles_of(mesh, upright),
+                                                          habitat::settings_of(body),
+                                                          habitat::Navigation::kV033));
+}
+
+// glTF's axis where nothing else is said, as a scene dataset of Habitat has it.
+mesh::UpAxis axis_of(const dataset::MeshFile& found) {
+  if (found.up != mesh::UpAxis::kFormat) return found.up;
+  const std::string suffix = found.file.extension().string();
+  return suffix == ".glb" || suffix == ".gltf" ? mesh::UpAxis::kY : mesh::UpAxis::kZ;
+}
+
 mesh::FloorPolygons floor_of_file(const dataset::MeshFile& found, const graph::NavGraph& graph,
                                   const mesh::Body& body) {
   const mesh::RayTracer tracer(
@@ -61,9 +80,9 @@ mesh::FloorPolygons floor_of_file(const dataset::MeshFile& found, const graph::N
 
 // Counts of a data set's buildings.
 struct FloorsReport {
-  std::size_t made = 0, kept = 0;
-  std::vector<std::string> without_mesh;  // scans
-  std::vector<Diagnostic> faults;         // of meshes, a scan each
+  std::size_t made = 0, kept = 0, replaced = 0;  // replaced: of another kind, among those made
+  std::vector<std::string> without_mesh;         // scans
+  std::vector<Diagnostic> faults;                // of meshes, a scan each
 };
 
 // Makes the navigation mesh of each scan that has a mesh: a synthetic home's own, made again from
@@ -71,10 +90,11 @@ struct FloorsReport {
 class FloorMaker {
  public:
   FloorMaker(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
-             const MeshSource& source)
+             const MeshSource& source, continuous::FloorKind kind)
       : data_(data),
         setup_(setup),
         source_(source),
+        kind_(kind),
         out_(data.folder()),
         folder_(setup.navigation_folder().string()) {
     if (!source.folder.empty() && !fs::is_directory(source.folder)) {
@@ -109,6 +129,7 @@ class FloorMaker {
   void make(const std::string& scan, std::size_t index) {
     const std::string file = folder_ + "/" + continuous::navigation_mesh_name(scan);
     if (is_there(out_.path() / file)) return count(report_.kept);
+    const bool other = is_of_other_kind(out_.path() / file);
     const auto home = homes_.find(scan);
     const auto found = home == homes_.end() ? find_mesh_file(data_.folder(), source_, scan)
                                             : std::optional<dataset::MeshFile>();
@@ -118,15 +139,21 @@ class FloorMaker {
       return;
     }
     try {
-      const graph::NavGraph& graph =
-          data_.graphs()->graph(ScanIndex(static_cast<std::uint32_t>(index)));
-      continuous::save_navigation_mesh(
-          home == homes_.end()
-              ? floor_of_file(*found, graph, setup_.body)
-              : homes::make_home_floor(
-                    homes::build_home(home->second.plan, homes::HomeSurfaces::kPlain), setup_.body),
-          out_.file(file));
+      const homes::PlanOptions* plan = home == homes_.end() ? nullptr : &home->second.plan;
+      if (kind_ == continuous::FloorKind::kHabitat) {
+        out_.write(file,
+                   plan != nullptr ? habitat_floor_of_home(*plan) : habitat_floor_of_file(*found));
+      } else {
+        const ScanIndex scan_index(static_cast<std::uint32_t>(index));
+        continuous::save_navigation_mesh(
+            plan != nullptr
+                ? homes::make_home_floor(homes::build_home(*plan, homes::HomeSurfaces::kPlain),
+                                         setup_.body)
+                : floor_of_file(*found, data_.graphs()->graph(scan_index), setup_.body),
+            out_.file(file));
+      }
       count(report_.made);
+      if (other) count(report_.replaced);
     } catch (const InvalidInput& error) {  // the other buildings are made all the same
       const std::lock_guard lock(mutex_);
       Diagnostic fault = error.diagnostics().front();
@@ -135,8 +162,28 @@ class FloorMaker {
     }
   }
 
+  // By way of a GLB, so that triangles have the order of the home's mesh file.
+  std::string habitat_floor_of_home(const homes::PlanOptions& plan) const {
+    const homes::BuiltHome built = homes::build_home(plan, homes::HomeSurfaces::kPlain);
+    return habitat_floor(mesh::parse_mesh(mesh::to_glb(built.home.mesh), "home.glb").mesh,
+                         mesh::UpAxis::kY, setup_.body);
+  }
+
+  std::string habitat_floor_of_file(const dataset::MeshFile& found) const {
+    const mesh::UpAxis up = axis_of(found);
+    return habitat_floor(read_mesh_file(found.file, {.up = up}), up, setup_.body);
+  }
+
+  bool is_of_other_kind(const fs::path& file) const {
+    return file_exists(file) && continuous::floor_kind_of(file) != kind_;
+  }
+
   bool is_there(const fs::path& file) const {
-    if (!file_exists(file)) return false;
+    if (!file_exists(file) || is_of_other_kind(file)) return false;
+    if (kind_ == continuous::FloorKind::kHabitat) {
+      return continuous::load_habitat_mesh(file).settings ==
+             continuous::habitat::settings_of(setup_.body);
+    }
     const mesh::Body have = continuous::load_navigation_mesh(file).body;
     const mesh::Body& want = setup_.body;
     return have.radius == want.radius && have.height == want.height && have.step == want.step &&
@@ -151,6 +198,7 @@ class FloorMaker {
   const dataset::Dataset& data_;
   const agents::ContinuousSetup& setup_;
   const MeshSource& source_;
+  continuous::FloorKind kind_;
   OutputFolder out_;
   std::string folder_;
   std::map<std::string, homes::HomeEntry> homes_;
@@ -164,6 +212,20 @@ struct SplitReport {
   std::vector<tasks::DroppedPath> dropped;
 };
 
+// The file names Habitat's floor. Ours is that of files without a name.
+tasks::DerivedEpisodes derive_on_floor(
+    const tasks::Annotations& annotations, const graph::GraphSet& graphs,
+    const std::shared_ptr<const continuous::Buildings>& buildings,
+    const tasks::DeriveOptions& options) {
+  tasks::DerivedEpisodes derived =
+      tasks::derive_continuous(annotations, graphs, agents::MeshFloor(buildings), options);
+  const std::string_view floor = buildings->floor_name();
+  if (floor != continuous::name_of(continuous::FloorKind::kEnfilade)) {
+    derived.episodes.others.emplace_back("floor", fmt::format("\"{}\"", floor));
+  }
+  return derived;
+}
+
 SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                          const std::shared_ptr<const continuous::Buildings>& buildings,
                          const std::string& split, const Options& options) {
@@ -172,7 +234,7 @@ SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousS
   derive.seed = options.seed;
   if (options.headings == "random") derive.start_headings = tasks::StartHeadings::kRandom;
   const tasks::DerivedEpisodes derived =
-      tasks::derive_continuous(annotations, *data.graphs(), agents::MeshFloor(buildings), derive);
+      derive_on_floor(annotations, *data.graphs(), buildings, derive);
   const OutputFolder out(data.folder());
   const auto write = [&out](const fs::path& file, const std::string& text) {
     out.write(file.string(), gzip(text, 6));
@@ -191,10 +253,17 @@ SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousS
 
 FloorsReport make_and_tell(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
                            const Options& options) {
+  const auto kind = find_enum<continuous::FloorKind>(options.navmesh).value();
   FloorsReport report =
-      FloorMaker(data, setup, options.meshes).run(options.threads, progress_bar("floors"));
+      FloorMaker(data, setup, options.meshes, kind).run(options.threads, progress_bar("floors"));
   const fs::path folder = data.folder() / setup.navigation_folder();
-  say("{}: navigation meshes: {} made, {} were there\n", folder.string(), report.made, report.kept);
+  say("{}: navigation meshes: {} made, {} were there{}\n", folder.string(), report.made,
+      report.kept,
+      kind == continuous::FloorKind::kHabitat ? fmt::format(" (floor: {})", name_of(kind)) : "");
+  if (report.replaced > 0) {
+    say(stderr, "note: {} of the other kind replaced; results on those have other scores here\n",
+        counted(report.replaced, "floor"));
+  }
   if (!report.without_mesh.empty()) {
     say(stderr, "note: no mesh of {}, such as {}; see --meshes\n",
         counted(report.without_mesh.size(), "scan"), report.without_mesh.front());
@@ -252,6 +321,9 @@ void add(CLI::App& app, int& status) {
   add_setting(verb, "--up", options->meshes.up, "AXIS",
               "Up axis; format: y for glTF, else z (also mp3d/, hm3d/)",
               CLI::IsMember({"format", "y", "z"}));
+  add_setting(verb, "--navmesh", options->navmesh, "FLOOR",
+              "Floor: enfilade, or habitat as Habitat-Sim 0.3.3 makes it",
+              CLI::IsMember(enum_names<continuous::FloorKind>()));
   add_setting(verb, "--start-headings", options->headings, "RULE",
               "Start headings: path (the annotation's, as VLN-CE since v1-3) or random",
               CLI::IsMember({"path", "random"}));
@@ -264,6 +336,7 @@ void add(CLI::App& app, int& status) {
   add_threads_option(verb, options->threads);
   set_examples(verb, {"enfilade continuous homes", "enfilade continuous homes --light",
                       "enfilade continuous data --meshes glb --dropped dropped.tsv",
+                      "enfilade continuous homes --navmesh habitat",
                       "enfilade run --task r2r-ce --data homes --agent shortest"});
   verb.callback([options, &status] { status = make(*options); });
 }
