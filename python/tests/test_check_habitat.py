@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+pytest.importorskip("quaternion", reason="numpy-quaternion is not installed: no habitat_sim")
 habitat_sim = pytest.importorskip("habitat_sim", reason="the drop-in habitat_sim is not there")
 check_scenes = pytest.importorskip("habitat_sim._check_scenes", reason="this habitat_sim has no check")
 

@@ -12,7 +12,8 @@ from typing import Any, Iterator
 import numpy as np
 import pytest
 
-hs = pytest.importorskip("habitat_sim", reason="no numpy-quaternion: pip install numpy-quaternion")
+pytest.importorskip("quaternion", reason="numpy-quaternion is not installed: no habitat_sim")
+hs = pytest.importorskip("habitat_sim", reason="the drop-in habitat_sim is not there")
 
 
 @pytest.fixture(params=["latest", "0.3.3"])

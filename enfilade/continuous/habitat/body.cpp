@@ -78,14 +78,6 @@ Vec3f turned_axis(const Rotation& q, Axis axis) {
   return {xz + yw, yz - xw, 1 - xx - yy};
 }
 
-// Ends a body's action that asks for a place. Returns whether a wall was in the way.
-bool filter_move(Pose& pose, Vec3f from, const Ground& ground) {
-  const Vec3f asked = pose.position;
-  const Vec3f reached = ground.floor->step(from, asked, ground.moves);
-  pose.position = (reached - asked) + asked;  // not always `reached`: Habitat adds the difference
-  return square_of_length(reached - from) + kCollisionSlack < square_of_length(asked - from);
-}
-
 using Axes = std::array<Vec3f, 3>;
 
 // The rotation that turns axes so.
@@ -128,7 +120,6 @@ bool moves_body(Motion motion) noexcept { return kind_of(motion).body; }
 
 float radians_of_turn(double degrees) { return static_cast<float>(degrees * kPi / 180); }
 
-bool act(Pose& pose, Motion motion, double amount, const Ground& ground) {
 bool filter_move(Vec3f& asked, Vec3f from, const Ground& ground) {
   const Vec3f wanted = asked;
   const Vec3f reached = ground.floor->step(from, wanted, ground.moves);
@@ -136,7 +127,7 @@ bool filter_move(Vec3f& asked, Vec3f from, const Ground& ground) {
   return square_of_length(reached - from) + kCollisionSlack < square_of_length(wanted - from);
 }
 
-bool act(Pose& pose, Motion motion, float amount, const Ground& ground) {
+bool act(Pose& pose, Motion motion, double amount, const Ground& ground) {
   const MotionKind& kind = kind_of(motion);
   const Vec3f from = pose.position;
   if (kind.turns) {
@@ -153,7 +144,7 @@ bool act(Pose& pose, Motion motion, float amount, const Ground& ground) {
 bool try_ahead(Pose& pose, double metres, const Ground& ground) {
   const Vec3f from = pose.position;
   pose.position = from + -static_cast<float>(metres) * z_axis_out_of_matrix(pose.rotation);
-  return ground.floor != nullptr && filter_move(pose, from, ground);
+  return ground.floor != nullptr && filter_move(pose.position, from, ground);
 }
 
 Pose in_world(const Pose& body, const Pose& sensor) {
