@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "enfilade/core/check.h"
+#include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
 #include "enfilade/image/tone.h"
 #include "enfilade/mesh/house.h"
@@ -20,9 +22,11 @@
 namespace enfilade::exports {
 namespace {
 
+constexpr std::int32_t kMostObject = 65535;
 constexpr std::string_view kScenesFolder = "scene_datasets/mp3d";
 
-// Where the labels lie: as the .glb and the .house file beside them, z up.
+// Where the labels lie: z up, as the .house file and Matterport3D's own. Habitat turns a .ply with
+// z up by itself, after it has turned it as the scene dataset says: there, by nothing (y up).
 Vec3f semantic_point(Vec3f world) { return world; }
 
 static_assert(std::endian::native == std::endian::little, "the PLY file is little-endian");
@@ -47,6 +51,12 @@ std::string habitat_scene_file(std::string_view scan, std::string_view ending) {
 std::string to_semantic_ply(const mesh::LabelledMesh& labels) {
   const mesh::Mesh& mesh = labels.mesh;
   EN_CHECK_EQ(labels.face_object.size(), mesh.triangles.size());
+  for (const std::int32_t object : labels.face_object) {
+    if (object > kMostObject) {
+      throw ArgumentError(fmt::format("object {}: Habitat's labels have 16 bits, so {} is the last",
+                                      object, kMostObject));
+    }
+  }
   std::string out = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\n"
       "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
@@ -63,7 +73,7 @@ std::string to_semantic_ply(const mesh::LabelledMesh& labels) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     put_number(out, std::uint8_t{3});
     for (const std::uint32_t corner : mesh.triangles[t]) put_number(out, corner);
-    put_number(out, labels.face_object[t]);
+    put_number(out, std::max(labels.face_object[t], 0));  // -1 would be 65535 to Habitat
   }
   return out;
 }
@@ -99,6 +109,8 @@ void write_habitat_dataset(const OutputFolder& data) {
     "default_attributes": {
       "up": [0, 0, 1],
       "front": [0, 1, 0],
+      "semantic_up": [0, 1, 0],
+      "semantic_front": [0, 0, -1],
       "nav_asset": "%%CONFIG_NAME_AS_ASSET_FILENAME%%.navmesh",
       "semantic_asset": "%%CONFIG_NAME_AS_ASSET_FILENAME%%_semantic.ply",
       "semantic_descriptor_filename": "%%CONFIG_NAME_AS_ASSET_FILENAME%%.house"

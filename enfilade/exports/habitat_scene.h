@@ -16,9 +16,11 @@ namespace enfilade::exports {
 /// "scene_datasets/mp3d/SCAN/SCAN.glb" for the ending ".glb".
 std::string habitat_scene_file(std::string_view scan, std::string_view ending);
 
-/// The `_semantic.ply` of Habitat's copies of Matterport3D: the mesh with the number of each face's
-/// object in the .house file; -1: none. Binary, little-endian.
+/// The `_semantic.ply` of Habitat's copies of Matterport3D: the mesh, z up, with the number of each
+/// face's object in the .house file. Faces of no object have 0, which Habitat reads where nothing
+/// is, too. Binary, little-endian.
 /// \pre labels.face_object has one number for each triangle
+/// \throws ArgumentError for an object beyond 65535
 std::string to_semantic_ply(const mesh::LabelledMesh& labels);
 
 /// Writes a scene:
@@ -35,8 +37,10 @@ continuous::HabitatSceneFloor write_habitat_scene(const OutputFolder& data, cons
                                                   const mesh::Mesh& mesh,
                                                   const capture::HouseFiles& house);
 
-/// Writes `scene_datasets/mp3d/mp3d.scene_dataset_config.json`, by which Habitat finds the scenes
-/// by their names, and knows that z is up. \throws FileError
+/// Writes `scene_datasets/mp3d/mp3d.scene_dataset_config.json`. By it Habitat finds the scenes by
+/// their names, and knows that z is up. It also brings the labels to where the mesh is.
+/// Habitat-Sim since v0.2.2 does not do that for a scene that is opened by its path.
+/// \throws FileError
 void write_habitat_dataset(const OutputFolder& data);
 
 }  // namespace enfilade::exports

@@ -89,10 +89,18 @@ TEST(HabitatScene, LabelsAreObjectsOfTheHouse) {
     EXPECT_EQ(ply[face], 3);
     EXPECT_EQ(number_at(face + 1, std::uint32_t{}), mesh.triangles[t][0]);
     const std::uint32_t object = object_of(mesh, t);
-    const std::int32_t wanted = object == mesh::kNoObject ? -1 : static_cast<std::int32_t>(object);
+    const std::int32_t wanted = object == mesh::kNoObject ? 0 : static_cast<std::int32_t>(object);
     EXPECT_EQ(number_at(face + 13, std::int32_t{}), wanted);
     EXPECT_LT(wanted, static_cast<std::int32_t>(files.house.objects.size()));
   }
+}
+
+TEST(HabitatScene, MoreObjectsThanHabitatsLabelsHoldAreRefused) {
+  capture::HouseFiles files = files_of(tests::furnished_rooms());
+  files.labels.face_object.front() = 65535;
+  EXPECT_NO_THROW(to_semantic_ply(files.labels));
+  files.labels.face_object.front() = 65536;
+  EXPECT_THROW(to_semantic_ply(files.labels), ArgumentError);
 }
 
 TEST(HabitatScene, AFloorIsKeptBesideItsOwnMeshOnly) {
@@ -120,6 +128,8 @@ TEST(HabitatScene, TheDatasetSaysThatZIsUp) {
   const nlohmann::json& defaults = json["stages"]["default_attributes"];
   EXPECT_EQ(defaults["up"], (nlohmann::json{0, 0, 1}));
   EXPECT_EQ(defaults["front"], (nlohmann::json{0, 1, 0}));
+  EXPECT_EQ(defaults["semantic_up"], (nlohmann::json{0, 1, 0}));  // of a .ply, before its own turn
+  EXPECT_EQ(defaults["semantic_front"], (nlohmann::json{0, 0, -1}));
   const std::string scene = "%%CONFIG_NAME_AS_ASSET_FILENAME%%";
   EXPECT_EQ(defaults["nav_asset"], scene + ".navmesh");
   EXPECT_EQ(defaults["semantic_asset"], scene + "_semantic.ply");
