@@ -184,37 +184,6 @@ std::vector<std::string> habitat_in(const fs::path& folder) {
   return words;
 }
 
-TEST(HomesForHabitat, AreTheSameAfterAKilledRunAndInShards) {
-  if (tests::is_emulated()) GTEST_SKIP() << "in emulation, floors of homes take an hour";
-  const Reference reference = run_whole(habitat_in);
-  const std::string scene = "habitat/scene_datasets/mp3d/home0002/home0002";
-  for (const std::string& file :
-       {scene + ".glb", scene + ".house", scene + "_semantic.ply", scene + ".navmesh",
-        std::string("habitat/scene_datasets/mp3d/mp3d.scene_dataset_config.json"),
-        std::string("habitat/datasets/vln/mp3d/r2r/v1/val_unseen/val_unseen.json.gz"),
-        std::string("habitat/datasets/pointnav/mp3d/v1/train/train.json.gz"),
-        std::string("habitat/datasets/objectnav/mp3d/v1/val/val.json.gz")}) {
-    EXPECT_THAT(reference.content, ::testing::Contains(::testing::Key(file)));
-  }
-  const TemporaryFolder killed("homes");
-  {
-    Process run(habitat_in(killed.path()));
-    EXPECT_TRUE(run.killed_when([&] { return fs::exists(killed.path() / (scene + ".glb")); }));
-  }
-  leave_halves(killed.path(), reference, {scene + ".glb", scene + ".navmesh"});
-  EXPECT_EQ(Process(habitat_in(killed.path())).wait(), 0);
-  expect_same(killed.path(), reference);
-
-  const TemporaryFolder shards("homes");
-  std::vector<std::string> second = habitat_in(shards.path());
-  second.insert(second.end(), {"--shard", "2/3"});
-  EXPECT_EQ(Process(second).wait(), 0);
-  EXPECT_TRUE(fs::exists(shards.path() / (scene + ".navmesh")));
-  EXPECT_FALSE(fs::exists(shards.path() / "habitat/datasets"));
-  EXPECT_EQ(Process(habitat_in(shards.path())).wait(), 0);
-  expect_same(shards.path(), reference);
-}
-
 TEST(HomesForHabitat, AreUprightByPathAndHaveEpisodesThatOurReaderReads) {
   if (tests::is_emulated()) GTEST_SKIP() << "in emulation, floors of homes take an hour";
   const TemporaryFolder folder("homes");

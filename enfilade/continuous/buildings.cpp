@@ -21,6 +21,12 @@ namespace {
 
 constexpr std::string_view kSuffix = ".navmesh";
 
+habitat::NavMesh load_habitat_mesh(const std::filesystem::path& file) {
+  const std::string bytes = read_file(file);
+  const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  return habitat::parse_nav_mesh({data, bytes.size()}, file.string());
+}
+
 }  // namespace
 
 struct Buildings::Entry {
@@ -51,10 +57,15 @@ FloorKind floor_kind_of(const std::filesystem::path& file) noexcept {
                                                                  : FloorKind::kEnfilade;
 }
 
-habitat::NavMesh load_habitat_mesh(const std::filesystem::path& file) {
-  const std::string bytes = read_file(file);
-  const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
-  return habitat::parse_nav_mesh({data, bytes.size()}, file.string());
+std::string make_habitat_floor(const mesh::Mesh& mesh, mesh::UpAxis up, const mesh::Body& body) {
+  const auto upright = up == mesh::UpAxis::kZ ? habitat::Upright::kZ : habitat::Upright::kY;
+  return habitat::to_nav_mesh_file(habitat::make_nav_mesh(habitat::triangles_of(mesh, upright),
+                                                          habitat::settings_of(body),
+                                                          habitat::Navigation::kV033));
+}
+
+bool is_habitat_floor_of(const std::filesystem::path& file, const mesh::Body& body) {
+  return load_habitat_mesh(file).settings == habitat::settings_of(body);
 }
 
 std::shared_ptr<const Floor> load_floor(const std::filesystem::path& file) {

@@ -46,7 +46,7 @@ class DistanceField {
     Goals(const Goals&) = delete;
     Goals& operator=(const Goals&) = delete;
     virtual ~Goals() = default;
-    virtual std::optional<Way> way(const FloorPoint& from) const = 0;
+    virtual std::optional<Way> way(const FloorPoint& from) const = 0;  ///< of the field
   };
   /// \pre goals is not null
   explicit DistanceField(std::shared_ptr<const Goals> goals) : goals_(std::move(goals)) {}
@@ -76,9 +76,9 @@ class Floor {
 
   /// The point of the floor that is nearest to any point; none within reach: no value.
   virtual std::optional<FloorPoint> nearest(Vec3f point, Reach reach) const = 0;
-  virtual std::size_t areas() const noexcept = 0;      ///< connected parts
-  virtual double area_m2(std::size_t area) const = 0;  ///< \pre area < areas()
-  virtual std::size_t area_of(const FloorPoint& at) const = 0;
+  virtual std::size_t areas() const noexcept = 0;               ///< connected parts
+  virtual double area_m2(std::size_t area) const = 0;           ///< \pre area < areas()
+  virtual std::size_t area_of(const FloorPoint& at) const = 0;  ///< < areas()
   /// A point drawn uniformly from one connected part or from all. \pre area < areas()
   virtual FloorPoint random_point(Rng& rng, std::optional<std::uint32_t> area) const = 0;
   /// Moves straight by an offset in the world frame, whose height does not count. Allocates nothing

@@ -45,7 +45,7 @@ def check_streamvln(job: Job, _: str, tally: Tally) -> None:
 
 
 def _actions(texts: Iterator[str]) -> list[Optional[str]]:
-    """The actions of one episode: to the stop, which is None. The rest of an answer is dropped."""
+    """The actions of one episode, to the stop, None. The rest of an answer is dropped."""
     actions: list[Optional[str]] = []
     for text in texts:
         letters = re.findall("|".join(ACTIONS), text)

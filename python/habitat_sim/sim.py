@@ -106,7 +106,8 @@ class SimulatorBackend:
     @property
     def pathfinder(self) -> PathFinder:
         """The pathfinder with the scene's navigation mesh, on which agents move. It can be set."""
-        return self._ground.pathfinder
+        found: PathFinder = self._ground.pathfinder
+        return found
 
     @pathfinder.setter
     def pathfinder(self, pathfinder: PathFinder) -> None:

@@ -44,7 +44,7 @@ class FloorHomes:
 
     def mesh(self, scan: str) -> Path:
         """The home's own mesh, y up."""
-        return next(self.data.glob(f"v1/scans/{scan}/matterport_mesh/*/{scan}.glb"))
+        return next(self.data.glob(f"v1/scans/{scan}/matterport_mesh/*/*.glb"))
 
     def navmesh(self, scan: str) -> Path:
         return self.data / "navmesh" / "r2r-ce" / f"{scan}.navmesh"

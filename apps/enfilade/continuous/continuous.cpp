@@ -16,7 +16,6 @@
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/agents/mesh_floor.h"
 #include "enfilade/continuous/buildings.h"
-#include "enfilade/continuous/habitat/habitat_floor.h"
 #include "enfilade/continuous/navigation_mesh.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
@@ -50,15 +49,6 @@ mesh::Box around(const graph::NavGraph& graph) {
     box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
   }
   return {box.low - Vec3f{kAside, kAside, kBelow}, box.high + Vec3f{kAside, kAside, kAbove}};
-}
-
-// Habitat's floor of a mesh as its file has it, in the file's order.
-std::string habitat_floor(const mesh::Mesh& mesh, mesh::UpAxis up, const mesh::Body& body) {
-  namespace habitat = continuous::habitat;
-  const auto upright = up == mesh::UpAxis::kZ ? habitat::Upright::kZ : habitat::Upright::kY;
-  return habitat::to_nav_mesh_file(habitat::make_nav_mesh(habitat::triangles_of(mesh, upright),
-                                                          habitat::settings_of(body),
-                                                          habitat::Navigation::kV033));
 }
 
 // glTF's axis where nothing else is said, as a scene dataset of Habitat has it.
@@ -165,13 +155,14 @@ class FloorMaker {
   // By way of a GLB, so that triangles have the order of the home's mesh file.
   std::string habitat_floor_of_home(const homes::PlanOptions& plan) const {
     const homes::BuiltHome built = homes::build_home(plan, homes::HomeSurfaces::kPlain);
-    return habitat_floor(mesh::parse_mesh(mesh::to_glb(built.home.mesh), "home.glb").mesh,
-                         mesh::UpAxis::kY, setup_.body);
+    return continuous::make_habitat_floor(
+        mesh::parse_mesh(mesh::to_glb(built.home.mesh), "home.glb").mesh, mesh::UpAxis::kY,
+        setup_.body);
   }
 
   std::string habitat_floor_of_file(const dataset::MeshFile& found) const {
     const mesh::UpAxis up = axis_of(found);
-    return habitat_floor(read_mesh_file(found.file, {.up = up}), up, setup_.body);
+    return continuous::make_habitat_floor(read_mesh_file(found.file, {.up = up}), up, setup_.body);
   }
 
   bool is_of_other_kind(const fs::path& file) const {
@@ -181,8 +172,7 @@ class FloorMaker {
   bool is_there(const fs::path& file) const {
     if (!file_exists(file) || is_of_other_kind(file)) return false;
     if (kind_ == continuous::FloorKind::kHabitat) {
-      return continuous::load_habitat_mesh(file).settings ==
-             continuous::habitat::settings_of(setup_.body);
+      return continuous::is_habitat_floor_of(file, setup_.body);
     }
     const mesh::Body have = continuous::load_navigation_mesh(file).body;
     const mesh::Body& want = setup_.body;
