@@ -62,7 +62,8 @@ class Buildings {
 /// file that cannot be read; load_floor() says why.
 FloorKind floor_kind_of(const std::filesystem::path& file) noexcept;
 /// The bytes of Habitat's file for a mesh, as 0.3.3 makes it, in seconds. \param up  of the mesh's
-/// file, whose order of triangles counts \throws InvalidInput `no-floor`
+/// file: the order of its triangles counts.
+/// \throws InvalidInput `no-floor`
 std::string make_habitat_floor(const mesh::Mesh& mesh, mesh::UpAxis up, const mesh::Body& body);
 /// Whether Habitat's file was made for the body. \throws FileError; InvalidInput for another file
 bool is_habitat_floor_of(const std::filesystem::path& file, const mesh::Body& body);

@@ -95,7 +95,7 @@ class Drawer:
                 picture = pictures[sensor.specification().sensor_type]
                 if sensor._noise is not None:
                     picture = sensor._noise(picture)
-                elif id(picture) in map(id, seen.values()):
+                if id(picture) in map(id, seen.values()):
                     picture = picture.copy()
                 seen[sensor.uuid] = picture
         return seen

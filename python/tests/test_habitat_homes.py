@@ -123,7 +123,7 @@ def walk(homes: Path, config: str, task: str, split: str, near: float) -> Any:
     from habitat.tasks.nav.shortest_path_follower import ShortestPathFollower
 
     options = [
-        f"habitat.dataset.data_path={homes}/datasets/{task}/v1/{{split}}/{{split}}.json.gz",
+        f"habitat.dataset.data_path='{homes}/datasets/{task}/v1/{{split}}/{{split}}.json.gz'",
         f"habitat.dataset.split={split}", f"habitat.dataset.scenes_dir={homes}/scene_datasets",
         "habitat.simulator.habitat_sim_v0.gpu_device_id=-1",
         "habitat.environment.iterator_options.shuffle=False",

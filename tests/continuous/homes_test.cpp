@@ -12,6 +12,7 @@
 #include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/mesh_floor.h"
 #include "enfilade/agents/run.h"
+#include "enfilade/continuous/geodesics.h"
 #include "enfilade/continuous/simulator.h"
 #include "enfilade/dataset/dataset.h"
 #include "enfilade/homes/built_home.h"
