@@ -1,17 +1,9 @@
 #include "apps/enfilade/python_report.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <chrono>
-#include <csignal>
-#include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -19,12 +11,12 @@
 #include <vector>
 
 #include "apps/common/program.h"
+#include "enfilade/core/child_process.h"
 #include "enfilade/core/names.h"
 
 namespace enfilade::apps {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Module = PythonReport::Module;
 
 // In front of each line that is an answer: a module may print when it is imported.
@@ -52,76 +44,35 @@ except BaseException as e:
     tell(fault="%s: %s" % (type(e).__name__, e))
 )";
 
-/// How a process ended.
-struct Ending {
-  bool in_time = true;
-  int status = 0;  // as of waitpid()
-};
+constexpr ChildProcess::Settings kWithErrors{.reads_errors = true, .own_group = true};
 
-// Its standard output and errors go to `output`; it has a group of its own, which dies with it.
-int spawn(pid_t& child, std::vector<std::string> words, int output) {
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&files, output, STDERR_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  const int error =
-      posix_spawnp(&child, arguments[0], &files, &attributes, arguments.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
-  return error;
+// Runs it to its end, or for so many seconds. `text`: the first of what it prints.
+ChildEnd run_for(const std::vector<std::string>& words, double seconds, std::string& text) {
+  using Clock = ChildProcess::Clock;
+  ChildProcess child(words, kWithErrors);
+  if (child.start_error() != 0) return {ChildEnd::How::kNotStarted, child.start_error()};
+  const auto until =
+      Clock::now() + std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(seconds));
+  std::string more;
+  while (Clock::now() < until && child.read_some(more, until).value_or(false)) {
+    if (text.size() < kMostText) text += more;
+    more.clear();
+  }
+  return child.end_by(until);
 }
 
-// All that comes until the end, or until then. False if it went on.
-bool read_all(int from, std::string& text, Clock::time_point until) {
-  for (;;) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
-    pollfd wanted{from, POLLIN, 0};
-    const int ready =
-        poll(&wanted, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000)));
-    if (ready < 0 && errno == EINTR) continue;
-    if (ready <= 0) return false;
-    std::array<char, 4096> buffer{};
-    const ssize_t count = read(from, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return true;
-    if (text.size() < kMostText) text.append(buffer.data(), static_cast<std::size_t>(count));
+std::string words_of(const ChildEnd& end, double seconds) {
+  switch (end.how) {
+    case ChildEnd::How::kSilent:
+      return fmt::format("no answer for {:g} s", seconds);
+    case ChildEnd::How::kKilled:
+      return fmt::format("it crashed (signal {})", end.code);
+    case ChildEnd::How::kNotStarted:
+      return std::strerror(end.code);
+    case ChildEnd::How::kExited:
+      break;
   }
-}
-
-// Runs it to its end, or for so many seconds. \returns errno: it did not start
-int run_for(const std::vector<std::string>& words, double seconds, std::string& text,
-            Ending& ending) {
-  std::array<int, 2> pipes{};
-  if (pipe2(pipes.data(), O_CLOEXEC) != 0) return errno;
-  pid_t child = 0;
-  const int error = spawn(child, words, pipes[1]);
-  close(pipes[1]);
-  if (error == 0) {
-    const auto until =
-        Clock::now() + std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(seconds));
-    ending.in_time = read_all(pipes[0], text, until);
-    if (!ending.in_time) kill(-child, SIGKILL);
-    while (waitpid(child, &ending.status, 0) < 0 && errno == EINTR) {
-    }
-  }
-  close(pipes[0]);
-  return error;
-}
-
-std::string words_of(const Ending& ending, double seconds) {
-  if (!ending.in_time) return fmt::format("no answer for {:g} s", seconds);
-  if (WIFSIGNALED(ending.status)) {
-    return fmt::format("it crashed (signal {})", WTERMSIG(ending.status));
-  }
-  return fmt::format("it ended with exit status {}", WEXITSTATUS(ending.status));
+  return fmt::format("it ended with exit status {}", end.code);
 }
 
 /// What it told, and the last line that is no answer.
@@ -162,15 +113,10 @@ PythonReport report_of_python(const std::string& program, double seconds) {
   PythonReport report;
   report.program = program;
   std::string text;
-  Ending ending;
-  const int error = run_for({program, "-c", kCode}, seconds, text, ending);
-  if (error != 0) {
-    report.error = std::strerror(error);
-    return report;
-  }
+  const ChildEnd end = run_for({program, "-c", kCode}, seconds, text);
   const Told told = told_in(text);
   const std::string why =
-      words_of(ending, seconds) + (told.last_line.empty() ? "" : ": " + told.last_line);
+      words_of(end, seconds) + (told.last_line.empty() ? "" : ": " + told.last_line);
   report.version = told.text("version");
   if (report.version.empty()) {
     report.error = why;

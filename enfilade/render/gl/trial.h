@@ -7,25 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "enfilade/core/child_process.h"
 #include "enfilade/render/devices.h"
 
 namespace enfilade::render::gl {
 
-/// How a program that may crash or hang ended.
-struct ChildEnd {
-  enum class How {
-    kExited,      ///< by itself; code: its exit status, -1 if already collected
-    kKilled,      ///< code: the signal
-    kSilent,      ///< it printed nothing for too long, and was killed
-    kNotStarted,  ///< code: errno; ENOENT where the system does not say
-  };
-  How how = How::kNotStarted;
-  int code = 0;
-};
-
-/// Runs such a program and waits for its end. It has no input, its errors are discarded, and it
-/// inherits no handler or mask of signals. Safe with any number of threads: the child receives this
-/// process's environment and nothing else.
+/// Runs a program as ChildProcess does, without its errors, and waits for its end.
 /// \param seconds  limit until each next line that counts \param command  file and arguments
 /// \param line  called with each line that it prints; returns whether it counts
 ChildEnd run_child(const std::vector<std::string>& command, double seconds,
