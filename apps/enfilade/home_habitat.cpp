@@ -114,7 +114,8 @@ class HabitatWriter {
                         {.up = mesh::UpAxis::kZ})
             .mesh;
     const auto own = exports::habitat_island(
-        continuous::HabitatSceneFloor::of_mesh(of_file, exports::kObjectNavBody), graph);
+        continuous::HabitatSceneFloor::of_mesh(of_file, mesh::UpAxis::kZ, exports::kObjectNavBody),
+        graph);
     if (!made.island || !own) return {};
     const exports::HabitatDraws draws{options_.per_home, options_.seed};
     made.points = exports::draw_point_goals(scan, *made.island, draws);

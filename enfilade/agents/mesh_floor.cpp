@@ -15,6 +15,31 @@ namespace enfilade::agents {
 
 using continuous::FloorPoint;
 
+tasks::WalkedNodes walk_nodes(std::span<const Vec3d> nodes, const DetourLimit& limit,
+                              const std::function<double(std::size_t, std::size_t)>& metres) {
+  for (std::size_t k = 1; k < nodes.size(); ++k) {
+    const double straight = length(nodes[k] - nodes[k - 1]);
+    const double way = metres(k - 1, k);
+    if (way == std::numeric_limits<double>::infinity()) {
+      return {.obstacle =
+                  fmt::format("there is no way from viewpoint {} to {} of the path", k, k + 1)};
+    }
+    if (way > limit.times * straight && way > straight + limit.metres) {
+      return {.obstacle =
+                  fmt::format("from viewpoint {} to {} of the path the way is {:.1f} m, in a "
+                              "straight line {:.1f} m",
+                              k, k + 1, way, straight)};
+    }
+  }
+  return {.obstacle = {}, .geodesic_distance = metres(0, nodes.size() - 1)};
+}
+
+Vec3f foot_of(const graph::NavGraph& graph, ViewpointIndex viewpoint) {
+  Vec3f foot = graph.position(viewpoint);
+  foot.z -= graph.height(viewpoint);
+  return foot;
+}
+
 MeshFloor::MeshFloor(std::shared_ptr<const continuous::Buildings> buildings,
                      const DetourLimit& limit)
     : buildings_(std::move(buildings)), limit_(limit) {
@@ -25,9 +50,7 @@ std::optional<Vec3d> MeshFloor::node_of(const graph::NavGraph& graph,
                                         ViewpointIndex viewpoint) const {
   const auto building = buildings_->find(graph.scan());
   if (!building) return std::nullopt;
-  Vec3f below = graph.position(viewpoint);
-  below.z -= graph.height(viewpoint);
-  const auto found = buildings_->floor(*building).nearest(below, kReach);
+  const auto found = buildings_->floor(*building).nearest(foot_of(graph, viewpoint), kReach);
   if (!found) return std::nullopt;
   return to_double(found->point);
 }
@@ -43,21 +66,9 @@ tasks::WalkedNodes MeshFloor::walk(const graph::NavGraph& graph,
     if (!point) return {.obstacle = "a node is not on the floor"};
     points.push_back(*point);
   }
-  for (std::size_t k = 1; k < points.size(); ++k) {
-    const double straight = length(nodes[k] - nodes[k - 1]);
-    const double way = floor.distance(points[k - 1], points[k]);
-    if (way == std::numeric_limits<double>::infinity()) {
-      return {.obstacle =
-                  fmt::format("there is no way from viewpoint {} to {} of the path", k, k + 1)};
-    }
-    if (way > limit_.times * straight && way > straight + limit_.metres) {
-      return {.obstacle =
-                  fmt::format("from viewpoint {} to {} of the path the way is {:.1f} m, in a "
-                              "straight line {:.1f} m",
-                              k, k + 1, way, straight)};
-    }
-  }
-  return {.obstacle = {}, .geodesic_distance = floor.distance(points.front(), points.back())};
+  return walk_nodes(nodes, limit_, [&](std::size_t from, std::size_t to) {
+    return floor.distance(points[from], points[to]);
+  });
 }
 
 namespace {

@@ -1,6 +1,8 @@
 /// \file  The floor of continuous episodes, from navigation meshes, and graph agents' trajectories
 /// on it: the loss between the two worlds.
 #pragma once
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,6 +22,13 @@ struct DetourLimit {
   double times = 2;
   double metres = 3;  ///< ... and this much longer: the edge leads over an obstacle
 };
+
+/// Whether a body can walk from node to node. \param metres  length of the shortest path from one
+/// node to another, by their places in `nodes`; +inf: there is none
+tasks::WalkedNodes walk_nodes(std::span<const Vec3d> nodes, const DetourLimit& limit,
+                              const std::function<double(std::size_t, std::size_t)>& metres);
+/// Where the connectivity file has the floor below a viewpoint.
+Vec3f foot_of(const graph::NavGraph& graph, ViewpointIndex viewpoint);
 
 /// Nodes on the navigation meshes of buildings. Any thread.
 class MeshFloor final : public tasks::EpisodeFloor {

@@ -57,13 +57,6 @@ FloorKind floor_kind_of(const std::filesystem::path& file) noexcept {
                                                                  : FloorKind::kEnfilade;
 }
 
-std::string make_habitat_floor(const mesh::Mesh& mesh, mesh::UpAxis up, const mesh::Body& body) {
-  const auto upright = up == mesh::UpAxis::kZ ? habitat::Upright::kZ : habitat::Upright::kY;
-  return habitat::to_nav_mesh_file(habitat::make_nav_mesh(habitat::triangles_of(mesh, upright),
-                                                          habitat::settings_of(body),
-                                                          habitat::Navigation::kV033));
-}
-
 bool is_habitat_floor_of(const std::filesystem::path& file, const mesh::Body& body) {
   return load_habitat_mesh(file).settings == habitat::settings_of(body);
 }

@@ -10,8 +10,6 @@
 
 #include "enfilade/continuous/floor.h"
 #include "enfilade/continuous/navigation_mesh.h"
-#include "enfilade/mesh/mesh.h"
-#include "enfilade/mesh/read_mesh.h"
 #include "enfilade/mesh/walkable.h"
 
 namespace enfilade::continuous {
@@ -61,10 +59,6 @@ class Buildings {
 /// The kind of a floor's file, by its first bytes: kEnfilade for anything but Habitat's. Also for a
 /// file that cannot be read; load_floor() says why.
 FloorKind floor_kind_of(const std::filesystem::path& file) noexcept;
-/// The bytes of Habitat's file for a mesh, as 0.3.3 makes it, in seconds. \param up  of the mesh's
-/// file: the order of its triangles counts.
-/// \throws InvalidInput `no-floor`
-std::string make_habitat_floor(const mesh::Mesh& mesh, mesh::UpAxis up, const mesh::Body& body);
 /// Whether Habitat's file was made for the body. \throws FileError; InvalidInput for another file
 bool is_habitat_floor_of(const std::filesystem::path& file, const mesh::Body& body);
 /// The floor of such a file. Habitat's files do not name their recipe; steps are those of 0.3.3.

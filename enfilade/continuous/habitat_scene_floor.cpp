@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "enfilade/continuous/habitat/habitat_floor.h"
 #include "enfilade/continuous/habitat/nav_mesh.h"
 #include "enfilade/continuous/habitat/path_finder.h"
 #include "enfilade/core/check.h"
@@ -25,12 +26,11 @@ HabitatSceneFloor::~HabitatSceneFloor() = default;
 HabitatSceneFloor::HabitatSceneFloor(HabitatSceneFloor&&) noexcept = default;
 HabitatSceneFloor& HabitatSceneFloor::operator=(HabitatSceneFloor&&) noexcept = default;
 
-HabitatSceneFloor HabitatSceneFloor::of_mesh(const mesh::Mesh& mesh, const HabitatBodySize& body) {
-  habitat::NavMeshSettings settings;
-  settings.agent_radius = body.radius;
-  settings.agent_height = body.height;
-  habitat::NavMesh made = habitat::make_nav_mesh(habitat::triangles_of(mesh, habitat::Upright::kZ),
-                                                 settings, kPublished);
+HabitatSceneFloor HabitatSceneFloor::of_mesh(const mesh::Mesh& mesh, mesh::UpAxis up,
+                                             const mesh::Body& body) {
+  const auto upright = up == mesh::UpAxis::kZ ? habitat::Upright::kZ : habitat::Upright::kY;
+  habitat::NavMesh made = habitat::make_nav_mesh(habitat::triangles_of(mesh, upright),
+                                                 habitat::settings_of(body), kPublished);
   return HabitatSceneFloor(
       std::make_unique<Impl>(Impl{habitat::PathFinder(std::move(made), kPublished)}));
 }
@@ -83,14 +83,7 @@ std::optional<NearestGoal> HabitatSceneFloor::nearest_goal(Vec3f start,
 
 std::vector<std::array<Vec3f, 3>> HabitatSceneFloor::triangles(int island) const {
   EN_CHECK(island >= 0 && static_cast<std::size_t>(island) < islands());
-  const std::vector<Vec3f> corners = impl_->finder.vertices(island);
-  std::vector<std::array<Vec3f, 3>> made;
-  made.reserve(corners.size() / 3);
-  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
-    made.push_back(
-        {from_habitat(corners[k]), from_habitat(corners[k + 1]), from_habitat(corners[k + 2])});
-  }
-  return made;
+  return habitat::world_triangles(impl_->finder, island);
 }
 
 }  // namespace enfilade::continuous

@@ -13,13 +13,10 @@
 #include "enfilade/continuous/navigation_mesh.h"
 #include "enfilade/geometry/vec.h"
 #include "enfilade/mesh/mesh.h"
+#include "enfilade/mesh/read_mesh.h"
+#include "enfilade/mesh/walkable.h"
 
 namespace enfilade::continuous {
-
-/// Size of the body that walks there, metres. The defaults are Habitat's.
-struct HabitatBodySize {
-  float radius = 0.1F, height = 1.5F;
-};
 
 /// One of several goals.
 struct NearestGoal {
@@ -33,9 +30,10 @@ struct NearestGoal {
 /// navigation_mesh.h has the exact floor, and docs/continuous.md the differences.
 class HabitatSceneFloor {
  public:
-  /// Makes it, in seconds. \param mesh  as read from the scene's file, which is z up
+  /// Makes it, in seconds. \param mesh  as read from the scene's file: the order of its triangles
+  /// counts \param up  of the file \param body  kRoomToRoomBody has Habitat's default settings
   /// \throws InvalidInput `no-floor`; ArgumentError for a body that Habitat's settings do not allow
-  static HabitatSceneFloor of_mesh(const mesh::Mesh& mesh, const HabitatBodySize& body = {});
+  static HabitatSceneFloor of_mesh(const mesh::Mesh& mesh, mesh::UpAxis up, const mesh::Body& body);
   /// \param bytes  of a `.navmesh` file  \param name  for messages
   /// \throws InvalidInput for other bytes
   static HabitatSceneFloor of_file(std::span<const std::uint8_t> bytes, const std::string& name);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/continuous/simulator.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/geometry/vec.h"
 #include "tests/support/made_meshes.h"
@@ -27,7 +28,8 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 constexpr float kCell = 0.2F;  // metres that Habitat rounds heights up by, at most
 
 TEST(HabitatSceneFloor, LiesWhereTheMeshIs) {
-  const HabitatSceneFloor floor = HabitatSceneFloor::of_mesh(two_levels());
+  const HabitatSceneFloor floor =
+      HabitatSceneFloor::of_mesh(two_levels(), mesh::UpAxis::kZ, kRoomToRoomBody);
   ASSERT_EQ(floor.islands(), 2U);
   const std::array points{Vec3f{3, 2, 0.1F}, Vec3f{21, 1, 5}, Vec3f{1, 1, 0}, Vec3f{90, 90, 0}};
   const std::optional<int> main = floor.island_of(points);
@@ -42,7 +44,8 @@ TEST(HabitatSceneFloor, LiesWhereTheMeshIs) {
 }
 
 TEST(HabitatSceneFloor, PathsAreStraightWhereNothingIsInTheWay) {
-  const HabitatSceneFloor floor = HabitatSceneFloor::of_mesh(two_levels());
+  const HabitatSceneFloor floor =
+      HabitatSceneFloor::of_mesh(two_levels(), mesh::UpAxis::kZ, kRoomToRoomBody);
   EXPECT_NEAR(floor.distance({1, 1, 0}, {4, 1, 0}), 3, 1e-5);
   EXPECT_EQ(floor.distance({1, 1, 0}, {21, 1, 5}), std::numeric_limits<double>::infinity());
   const std::array goals{Vec3f{21, 1, 5}, Vec3f{4, 1, 0}, Vec3f{2, 1, 0}};
@@ -54,7 +57,8 @@ TEST(HabitatSceneFloor, PathsAreStraightWhereNothingIsInTheWay) {
 }
 
 TEST(HabitatSceneFloor, TrianglesCoverAnIsland) {
-  const HabitatSceneFloor floor = HabitatSceneFloor::of_mesh(two_levels());
+  const HabitatSceneFloor floor =
+      HabitatSceneFloor::of_mesh(two_levels(), mesh::UpAxis::kZ, kRoomToRoomBody);
   double area = 0;
   const int main = floor.island_of(std::array{Vec3f{3, 2, 0}}).value();
   for (const auto& [a, b, c] : floor.triangles(main)) {
@@ -65,13 +69,14 @@ TEST(HabitatSceneFloor, TrianglesCoverAnIsland) {
 }
 
 TEST(HabitatSceneFloor, ItsFileGivesTheSameFloor) {
-  const HabitatSceneFloor floor = HabitatSceneFloor::of_mesh(two_levels(), {0.2F, 1});
+  const HabitatSceneFloor floor = HabitatSceneFloor::of_mesh(
+      two_levels(), mesh::UpAxis::kZ, {.radius = 0.2, .height = 1, .step = 0.2, .slope = 45});
   const std::string file = floor.file();
   const HabitatSceneFloor again = HabitatSceneFloor::of_file(bytes_of(file), "a.navmesh");
   EXPECT_EQ(again.file(), file);
   EXPECT_EQ(again.islands(), 2U);
   EXPECT_THROW(HabitatSceneFloor::of_file(bytes_of("no mesh"), "a.navmesh"), InvalidInput);
-  EXPECT_THROW(HabitatSceneFloor::of_mesh({}), InvalidInput);
+  EXPECT_THROW(HabitatSceneFloor::of_mesh({}, mesh::UpAxis::kZ, kRoomToRoomBody), InvalidInput);
 }
 
 }  // namespace EN_UNIT

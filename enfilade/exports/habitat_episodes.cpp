@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -20,12 +19,6 @@ constexpr float kOneStorey = 0.5F;
 constexpr std::size_t kTries = 200;
 
 std::string scene_id(const std::string& scan) { return tasks::scene_of_scan(scan, "mp3d"); }
-
-Vec3f below(const graph::NavGraph& graph, ViewpointIndex viewpoint) {
-  Vec3f point = graph.position(viewpoint);
-  point.z -= graph.height(viewpoint);
-  return point;
-}
 
 // Length of the path between two points that Habitat's generator takes for an episode.
 std::optional<double> length_of_episode(const HabitatIsland& island, Vec3f start, Vec3f goal,
@@ -46,7 +39,7 @@ std::optional<HabitatIsland> habitat_island(continuous::HabitatSceneFloor floor,
   std::vector<Vec3f> points;
   for (std::size_t v = 0; v < graph.size(); ++v) {
     const ViewpointIndex viewpoint(static_cast<std::uint32_t>(v));
-    if (graph.included(viewpoint)) points.push_back(below(graph, viewpoint));
+    if (graph.included(viewpoint)) points.push_back(agents::foot_of(graph, viewpoint));
   }
   const std::optional<int> island = floor.island_of(points);
   if (!island) return std::nullopt;
@@ -58,7 +51,8 @@ std::optional<Vec3d> HabitatEpisodeFloor::node_of(const graph::NavGraph& graph,
   const auto found = islands_.find(graph.scan());
   if (found == islands_.end()) return std::nullopt;
   const auto& [floor, island] = found->second;
-  const auto point = floor.nearest(below(graph, viewpoint), island, agents::MeshFloor::kReach);
+  const auto point =
+      floor.nearest(agents::foot_of(graph, viewpoint), island, agents::MeshFloor::kReach);
   return point ? std::optional(to_double(*point)) : std::nullopt;
 }
 
@@ -67,23 +61,9 @@ tasks::WalkedNodes HabitatEpisodeFloor::walk(const graph::NavGraph& graph,
   const auto found = islands_.find(graph.scan());
   if (found == islands_.end()) return {.obstacle = "its building has no floor of Habitat's"};
   const continuous::HabitatSceneFloor& floor = found->second.floor;
-  constexpr agents::DetourLimit kLimit;
-  for (std::size_t k = 1; k < nodes.size(); ++k) {
-    const double way = floor.distance(to_float(nodes[k - 1]), to_float(nodes[k]));
-    const double straight = length(nodes[k] - nodes[k - 1]);
-    if (way == std::numeric_limits<double>::infinity()) {
-      return {.obstacle =
-                  fmt::format("there is no way from viewpoint {} to {} of the path", k, k + 1)};
-    }
-    if (way > kLimit.times * straight && way > straight + kLimit.metres) {
-      return {.obstacle =
-                  fmt::format("from viewpoint {} to {} of the path the way is {:.1f} m, in a "
-                              "straight line {:.1f} m",
-                              k, k + 1, way, straight)};
-    }
-  }
-  return {.obstacle = {},
-          .geodesic_distance = floor.distance(to_float(nodes.front()), to_float(nodes.back()))};
+  return agents::walk_nodes(nodes, {}, [&](std::size_t from, std::size_t to) {
+    return floor.distance(to_float(nodes[from]), to_float(nodes[to]));
+  });
 }
 
 std::vector<PointGoalEpisode> draw_point_goals(const std::string& scan, const HabitatIsland& island,

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "enfilade/continuous/simulator.h"
 #include "enfilade/exports/habitat_objects.h"
 #include "enfilade/mesh/ray_tracer.h"
 #include "tests/support/furnished_room.h"
@@ -24,6 +25,11 @@ namespace EN_UNIT {
 using Json = nlohmann::json;
 using continuous::HabitatSceneFloor;
 
+HabitatSceneFloor floor_of(const mesh::Mesh& mesh,
+                           const mesh::Body& body = continuous::kRoomToRoomBody) {
+  return HabitatSceneFloor::of_mesh(mesh, mesh::UpAxis::kZ, body);
+}
+
 // Two furnished rooms, and their floors to Habitat.
 struct Rooms {
   std::shared_ptr<const mesh::Mesh> mesh =
@@ -31,9 +37,8 @@ struct Rooms {
   mesh::RayTracer tracer{mesh};
   scan::Connectivity connectivity = tests::furnished_room_graph();
   graph::NavGraph graph{connectivity};
-  HabitatIsland island = habitat_island(HabitatSceneFloor::of_mesh(*mesh), graph).value();
-  HabitatIsland own =
-      habitat_island(HabitatSceneFloor::of_mesh(*mesh, kObjectNavBody), graph).value();
+  HabitatIsland island = habitat_island(floor_of(*mesh), graph).value();
+  HabitatIsland own = habitat_island(floor_of(*mesh, kObjectNavBody), graph).value();
   mesh::House house = make_house_files(*mesh, connectivity, tests::furnished_room_list()).house;
 
   ObjectGoalScene objects(const HabitatDraws& draws = {}) const {
@@ -55,13 +60,12 @@ TEST(HabitatIsland, IsWhereTheViewpointsStand) {
   EXPECT_TRUE(is_on(rooms().island, {2.3F, 2.6F, 0}));
   EXPECT_FALSE(is_on(rooms().island, {2.3F, 2.6F, 2.7F})) << "the roof";
   const mesh::Mesh elsewhere = mesh::testing::Maker().level(50, 50, 60, 60, 0).mesh;
-  EXPECT_FALSE(habitat_island(HabitatSceneFloor::of_mesh(elsewhere), rooms().graph).has_value());
+  EXPECT_FALSE(habitat_island(floor_of(elsewhere), rooms().graph).has_value());
 }
 
 TEST(HabitatEpisodeFloor, NodesAreBelowTheirViewpoints) {
   std::map<std::string, HabitatIsland> islands;
-  islands.emplace("rooms",
-                  habitat_island(HabitatSceneFloor::of_mesh(*rooms().mesh), rooms().graph).value());
+  islands.emplace("rooms", habitat_island(floor_of(*rooms().mesh), rooms().graph).value());
   const HabitatEpisodeFloor floor(islands);
   const auto a = floor.node_of(rooms().graph, ViewpointIndex(0)),
              b = floor.node_of(rooms().graph, ViewpointIndex(1));

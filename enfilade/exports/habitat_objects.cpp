@@ -133,7 +133,7 @@ class ObjectFinder {
   }
 
   void add_view(Vec3f at, Vec3f middle, std::size_t object, std::vector<ObjectView>& views) const {
-    const Vec3f eye{at.x, at.y, at.z + kObjectNavBody.height};
+    const Vec3f eye{at.x, at.y, at.z + static_cast<float>(kObjectNavBody.height)};
     const double iou = iou_from(eye, middle, static_cast<std::uint32_t>(object), tracer_);
     if (iou < kWellSeen) return;
     const Radians heading(

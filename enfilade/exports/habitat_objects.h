@@ -11,12 +11,14 @@
 #include "enfilade/geometry/vec.h"
 #include "enfilade/mesh/house.h"
 #include "enfilade/mesh/ray_tracer.h"
+#include "enfilade/mesh/walkable.h"
 #include "enfilade/tasks/continuous_episodes.h"
 
 namespace enfilade::exports {
 
 /// The body of ObjectNav on Matterport3D, in habitat-lab's settings; its eyes are as high as it is.
-inline constexpr continuous::HabitatBodySize kObjectNavBody{0.18F, 0.88F};
+inline constexpr mesh::Body kObjectNavBody{
+    .radius = 0.18, .height = 0.88, .step = 0.2, .slope = 45};
 
 /// A place from which an object is well in view.
 struct ObjectView {

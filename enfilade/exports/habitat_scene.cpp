@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "enfilade/continuous/simulator.h"
 #include "enfilade/core/check.h"
 #include "enfilade/core/errors.h"
 #include "enfilade/core/file.h"
@@ -97,7 +98,8 @@ continuous::HabitatSceneFloor write_habitat_scene(const OutputFolder& data, cons
   }
   // Made of the file's triangles, in their order, as Habitat does.
   continuous::HabitatSceneFloor floor = continuous::HabitatSceneFloor::of_mesh(
-      mesh::parse_mesh(glb, scan + ".glb", {.up = mesh::UpAxis::kZ}).mesh);
+      mesh::parse_mesh(glb, scan + ".glb", {.up = mesh::UpAxis::kZ}).mesh, mesh::UpAxis::kZ,
+      continuous::kRoomToRoomBody);
   data.write(name(".navmesh"), floor.file());
   return floor;
 }

@@ -118,7 +118,7 @@ TEST(WriteGlb, ZUpHasTheSameNumbersTurned) {
   const Mesh usual = parse_mesh(to_glb(made), "still.glb").mesh;
   EXPECT_EQ(upright.mesh.positions, usual.positions);
   EXPECT_EQ(upright.mesh.triangles, usual.triangles);
-  // Who believes glTF sees it lying on its back.
+  // By glTF's own axes it lies on its back.
   const Mesh lying = parse_mesh(z_up, "still.glb").mesh;
   const Vec3f p = usual.positions.front();
   EXPECT_EQ(lying.positions.front(), (Vec3f{p.x, -p.z, p.y}));

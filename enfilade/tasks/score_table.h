@@ -37,8 +37,8 @@ struct ScoreTable {
   std::vector<double> values;    ///< (n, metrics), row-major; empty if from_json() found none
   std::vector<std::string> ids;  ///< of the episodes, (n); likewise
   std::vector<std::string> languages = {};  ///< (n); empty if the benchmark has none
-  std::string floor =
-      {};  ///< continuous space: that distances are of, "enfilade" or "habitat 0.3.3"
+  /// The floor of the distances, for continuous space: "enfilade" or "habitat 0.3.3".
+  std::string floor = {};
   /// As the scorer prints them (MeanRule, scale), in the order of its metrics; intervals of 95 %
   /// have the same scale. Those of MeanRule::kNone are NaN. Episodes that the rule leaves out are
   /// out of intervals, too.

@@ -16,6 +16,7 @@
 #include "enfilade/agents/continuous_setup.h"
 #include "enfilade/agents/mesh_floor.h"
 #include "enfilade/continuous/buildings.h"
+#include "enfilade/continuous/habitat_scene_floor.h"
 #include "enfilade/continuous/navigation_mesh.h"
 #include "enfilade/core/enum_names.h"
 #include "enfilade/core/file.h"
@@ -155,14 +156,14 @@ class FloorMaker {
   // By way of a GLB, so that triangles have the order of the home's mesh file.
   std::string habitat_floor_of_home(const homes::PlanOptions& plan) const {
     const homes::BuiltHome built = homes::build_home(plan, homes::HomeSurfaces::kPlain);
-    return continuous::make_habitat_floor(
-        mesh::parse_mesh(mesh::to_glb(built.home.mesh), "home.glb").mesh, mesh::UpAxis::kY,
-        setup_.body);
+    const mesh::Mesh of_file = mesh::parse_mesh(mesh::to_glb(built.home.mesh), "home.glb").mesh;
+    return continuous::HabitatSceneFloor::of_mesh(of_file, mesh::UpAxis::kY, setup_.body).file();
   }
 
   std::string habitat_floor_of_file(const dataset::MeshFile& found) const {
     const mesh::UpAxis up = axis_of(found);
-    return continuous::make_habitat_floor(read_mesh_file(found.file, {.up = up}), up, setup_.body);
+    const mesh::Mesh mesh = read_mesh_file(found.file, {.up = up});
+    return continuous::HabitatSceneFloor::of_mesh(mesh, up, setup_.body).file();
   }
 
   bool is_of_other_kind(const fs::path& file) const {

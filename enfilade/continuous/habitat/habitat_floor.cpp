@@ -99,6 +99,17 @@ Vec3f asked_of(const FloorPoint& at) { return to_habitat(at.asked); }
 
 }  // namespace
 
+std::vector<std::array<Vec3f, 3>> world_triangles(const PathFinder& finder, int island) {
+  const std::vector<Vec3f> corners = finder.vertices(island);
+  std::vector<std::array<Vec3f, 3>> triangles;
+  triangles.reserve(corners.size() / 3);
+  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
+    triangles.push_back(
+        {from_habitat(corners[k]), from_habitat(corners[k + 1]), from_habitat(corners[k + 2])});
+  }
+  return triangles;
+}
+
 NavMeshSettings settings_of(const mesh::Body& body) {
   NavMeshSettings settings;
   settings.agent_radius = static_cast<float>(body.radius);
@@ -156,6 +167,12 @@ class HabitatFloor::Finders {
   mutable std::size_t made_ = 1;
 };
 
+// The triangles of islands that points were drawn from.
+struct HabitatFloor::Draws {
+  std::mutex mutex;
+  std::map<int, const TriangleDraw> of_island;
+};
+
 struct HabitatFloor::Goals final : DistanceField::Goals {
   std::shared_ptr<const Finders> finders;
   std::vector<Vec3f> goals;  // Habitat's frame
@@ -177,7 +194,7 @@ struct HabitatFloor::Goals final : DistanceField::Goals {
   }
 };
 
-HabitatFloor::HabitatFloor(NavMesh mesh) {
+HabitatFloor::HabitatFloor(NavMesh mesh) : draws_(std::make_unique<Draws>()) {
   const FloorQuery floor(mesh);
   polygons_ = Outlines(mesh, floor).made();
   finders_ = std::make_shared<const Finders>(std::move(mesh));
@@ -214,28 +231,18 @@ std::size_t HabitatFloor::area_of(const FloorPoint& at) const {
   return static_cast<std::size_t>(island);
 }
 
+const TriangleDraw& HabitatFloor::draw_of(int island) const {
+  const std::lock_guard lock(draws_->mutex);
+  const auto known = draws_->of_island.find(island);
+  if (known != draws_->of_island.end()) return known->second;
+  auto triangles =
+      finders_->ask([&](const PathFinder& finder) { return world_triangles(finder, island); });
+  return draws_->of_island.try_emplace(island, std::move(triangles)).first->second;
+}
+
 FloorPoint HabitatFloor::random_point(Rng& rng, std::optional<std::uint32_t> area) const {
   EN_CHECK_LT(area.value_or(0), areas());
-  const int island = area ? static_cast<int>(*area) : kAnyIsland;
-  const std::vector<Vec3f> corners =
-      finders_->ask([&](const PathFinder& finder) { return finder.vertices(island); });
-  std::vector<double> up_to{0};  // m2 of all triangles before
-  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
-    const Vec3f across = cross(corners[k + 1] - corners[k], corners[k + 2] - corners[k]);
-    up_to.push_back(up_to.back() + length(across) / 2);
-  }
-  const double drawn = rng.uniform() * up_to.back();
-  const auto after = std::upper_bound(up_to.begin() + 1, up_to.end() - 1, drawn);
-  const auto first = static_cast<std::size_t>(after - up_to.begin() - 1) * 3;
-  double s = rng.uniform(), t = rng.uniform();
-  if (s + t > 1) {
-    s = 1 - s;
-    t = 1 - t;
-  }
-  const Vec3f a = corners[first];
-  const Vec3f drawn_point = a + static_cast<float>(s) * (corners[first + 1] - a) +
-                            static_cast<float>(t) * (corners[first + 2] - a);
-  const Vec3f point = from_habitat(drawn_point);
+  const Vec3f point = draw_of(area ? static_cast<int>(*area) : kAnyIsland).draw(rng).value();
   return {point, 0, point};
 }
 

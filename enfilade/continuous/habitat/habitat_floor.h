@@ -1,5 +1,6 @@
 /// \file  Habitat-Sim's floor for everything that stands on a Floor: simulator, experts, scores.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -9,9 +10,15 @@
 
 #include "enfilade/continuous/floor.h"
 #include "enfilade/continuous/habitat/nav_mesh.h"
+#include "enfilade/geometry/triangle_draw.h"
 #include "enfilade/mesh/walkable.h"
 
 namespace enfilade::continuous::habitat {
+
+class PathFinder;
+
+/// The triangles of an island, or of all (kAnyIsland), in our world frame.
+std::vector<std::array<Vec3f, 3>> world_triangles(const PathFinder& finder, int island);
 
 /// The settings of a body, whose other numbers are Habitat's defaults.
 NavMeshSettings settings_of(const mesh::Body& body);
@@ -47,9 +54,13 @@ class HabitatFloor final : public Floor {
  private:
   class Finders;
   struct Goals;
+  struct Draws;
+  const TriangleDraw& draw_of(int island) const;
+
   std::shared_ptr<const Finders> finders_;
   mesh::FloorPolygons polygons_;
   std::vector<double> areas_m2_;
+  std::unique_ptr<Draws> draws_;
 };
 
 }  // namespace enfilade::continuous::habitat

@@ -1,7 +1,5 @@
 #include "enfilade/exports/detail/habitat_points.h"
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "enfilade/geometry/habitat_frame.h"
@@ -9,26 +7,11 @@
 namespace enfilade::exports::detail {
 
 IslandDraw::IslandDraw(const HabitatIsland& island)
-    : island_(island), triangles_(island.floor.triangles(island.island)) {
-  double sum = 0;
-  for (const auto& [a, b, c] : triangles_) {
-    sum += length(cross(to_double(b - a), to_double(c - a))) / 2;
-    up_to_.push_back(sum);
-  }
-}
+    : island_(island), triangles_(island.floor.triangles(island.island)) {}
 
 std::optional<Vec3f> IslandDraw::draw(Rng& rng) const {
-  if (triangles_.empty()) return std::nullopt;
-  const double at = rng.uniform() * up_to_.back();
-  const auto found = std::ranges::upper_bound(up_to_, at);
-  const std::size_t k =
-      std::min(static_cast<std::size_t>(found - up_to_.begin()), triangles_.size() - 1);
-  const auto& [a, b, c] = triangles_[k];
-  // Uniform over the triangle: the square root makes up for its narrow end.
-  const double out = std::sqrt(rng.uniform()), along = rng.uniform();
-  const Vec3d point =
-      to_double(a) + out * ((1 - along) * to_double(b - a) + along * to_double(c - a));
-  return on_island(island_, to_float(point));
+  const std::optional<Vec3f> point = triangles_.draw(rng);
+  return point ? on_island(island_, *point) : std::nullopt;
 }
 
 std::optional<Vec3f> on_island(const HabitatIsland& island, Vec3f point) {

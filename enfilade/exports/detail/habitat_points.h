@@ -2,13 +2,12 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
-#include <array>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "enfilade/core/rng.h"
 #include "enfilade/exports/habitat_episodes.h"
+#include "enfilade/geometry/triangle_draw.h"
 #include "enfilade/geometry/vec.h"
 #include "enfilade/tasks/continuous_episodes.h"
 
@@ -25,8 +24,7 @@ class IslandDraw {
 
  private:
   const HabitatIsland& island_;
-  std::vector<std::array<Vec3f, 3>> triangles_;
-  std::vector<double> up_to_;  // area of the triangles up to each
+  TriangleDraw triangles_;
 };
 
 /// The point of an island that a point is on already: within a centimetre beside it.
