@@ -23,8 +23,8 @@ struct DetourLimit {
   double metres = 3;  ///< ... and this much longer: the edge leads over an obstacle
 };
 
-/// Whether a body can walk from node to node. \param metres  length of the shortest path from one
-/// node to another, by their places in `nodes`; +inf: there is none
+/// Whether a body can walk from node to node.
+/// \param metres  length of the shortest path between two places in `nodes`; +inf: there is none
 tasks::WalkedNodes walk_nodes(std::span<const Vec3d> nodes, const DetourLimit& limit,
                               const std::function<double(std::size_t, std::size_t)>& metres);
 /// Where the connectivity file has the floor below a viewpoint.

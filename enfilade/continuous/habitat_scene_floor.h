@@ -30,8 +30,10 @@ struct NearestGoal {
 /// navigation_mesh.h has the exact floor, and docs/continuous.md the differences.
 class HabitatSceneFloor {
  public:
-  /// Makes it, in seconds. \param mesh  as read from the scene's file: the order of its triangles
-  /// counts \param up  of the file \param body  kRoomToRoomBody has Habitat's default settings
+  /// Makes it, in seconds.
+  /// \param mesh  as read from the scene's file: the order of its triangles counts
+  /// \param up  of the file
+  /// \param body  kRoomToRoomBody has Habitat's default settings
   /// \throws InvalidInput `no-floor`; ArgumentError for a body that Habitat's settings do not allow
   static HabitatSceneFloor of_mesh(const mesh::Mesh& mesh, mesh::UpAxis up, const mesh::Body& body);
   /// \param bytes  of a `.navmesh` file  \param name  for messages

@@ -9,6 +9,7 @@ namespace enfilade {
 
 /// How such a program ended.
 struct ChildEnd {
+  /// What was seen of its end.
   enum class How {
     kExited,      ///< by itself; code: its exit status, -1 if already collected
     kKilled,      ///< code: the signal
@@ -24,7 +25,9 @@ struct ChildEnd {
 /// Destroyed, it closes the pipe and leaves the program: call end_by() first.
 class ChildProcess {
  public:
+  /// The clock of its limits.
   using Clock = std::chrono::steady_clock;
+  /// What it shares with this process.
   struct Settings {
     bool reads_errors = false;  ///< its errors are read as its output; else they are discarded
     bool own_group = false;     ///< what it starts dies with it; Ctrl-C does not reach it

@@ -16,6 +16,7 @@ namespace enfilade {
 /// Draws from a list of triangles. Immutable: any thread.
 class TriangleDraw {
  public:
+  /// \param triangles  in any order and orientation
   explicit TriangleDraw(std::vector<std::array<Vec3f, 3>> triangles)
       : triangles_(std::move(triangles)) {
     double sum = 0;
