@@ -54,9 +54,10 @@ endif()
 #     HEADERS <ATen/ATen.h> ...     precompiled for it alone, in place of the shared ones
 #     COLD                          nothing here takes long when it runs: -O1, which compiles faster
 #     HOT kernels.cpp ...           of a COLD library: with its build type's options all the same
-#     TEST_LIBRARIES enfilade::homes ...)
+#     TEST_LIBRARIES enfilade::homes ...
+#     WHOLE                         its test program is one test (enfilade_test)
 function(enfilade_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE;HEADERS;HOT")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD;WHOLE" "" "SOURCES;TESTS;DEPENDS;PRIVATE;TEST_LIBRARIES;ALONE;HEADERS;HOT")
   set(target enfilade_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(enfilade::${name} ALIAS ${target})
@@ -91,7 +92,11 @@ function(enfilade_library name)
   file(GLOB headers CONFIGURE_DEPENDS *.h)
   install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/enfilade/${name})
   if(EN_BUILD_TESTS AND arg_TESTS)
-    enfilade_test(${name}_test SOURCES ${arg_TESTS} LIBRARIES ${target} ${arg_PRIVATE}
+    set(whole "")
+    if(arg_WHOLE)
+      set(whole WHOLE)
+    endif()
+    enfilade_test(${name}_test ${whole} SOURCES ${arg_TESTS} LIBRARIES ${target} ${arg_PRIVATE}
       ${arg_TEST_LIBRARIES})
   endif()
 endfunction()
@@ -139,9 +144,10 @@ function(enfilade_embed_text source)
 endfunction()
 
 # A GoogleTest program whose tests ctest runs one by one. SLOW: they are left out of a quick run
-# (`./enfilade.sh test --quick`), as are all tests with the label `slow`.
+# (`./enfilade.sh test --quick`), as are all tests with the label `slow`. WHOLE: the program is one test of ctest, as
+# its tests share what takes longer than they do: homes, or loading libtorch (a second each).
 function(enfilade_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SLOW" "" "SOURCES;LIBRARIES;DEFINITIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SLOW;WHOLE" "" "SOURCES;LIBRARIES;DEFINITIONS")
   add_executable(${name} ${arg_SOURCES})
   set(helpers ${arg_SOURCES})  # what is no test may have names that others call, and is compiled alone
   list(FILTER helpers EXCLUDE REGEX "_test\\.cpp$")
@@ -163,6 +169,12 @@ function(enfilade_test name)
   if(arg_SLOW)
     set(label LABELS slow COST 50)  # begun first, as no core should wait for the last one
     set(seconds 1200)  # two homes worth looking at take three minutes of two idle cores
+  endif()
+  if(arg_WHOLE)
+    math(EXPR timeout "1800 * ${EN_TIMEOUT_FACTOR}")
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} COST 40 ${label})
+    return()
   endif()
   math(EXPR timeout "${seconds} * ${EN_TIMEOUT_FACTOR}")
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${timeout} ${label})

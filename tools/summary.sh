@@ -26,27 +26,44 @@ skip_reasons() {
     /^Output:$/ { inside = 1; next }
     /^<end of output>$/ {
       if (name in skipped) print why != "" ? why : gtest ? "no reason given" : last
-      inside = gtest = after = 0
+      inside = gtest = after = whole = 0
     }
     !inside || /^-+$/ { next }
+    /^\[==========\] Running/ { whole = $3 > 1 }
     /^\[  SKIPPED \]/ { gtest = 1; after = 0 }
-    after && why == "" && NF { why = reason_of($0) }
+    after && NF { after = 0; if (whole) print reason_of($0); else if (why == "") why = reason_of($0) }
     /: Skipped$/ { after = 1 }
     / are skipped: / && why == "" { why = $0; sub(/.* are skipped: /, "", why) }
     NF { last = $0 }
   ' "$1" "$2"
 }
 
+# tests_inside LAST_TEST_LOG: tests, failed and skipped ones of programs that ctest runs as one test, beyond that one.
+tests_inside() {
+  awk '
+    /^\[==========\] Running/ { count = $3 }
+    /^\[  FAILED  \] [0-9]+ tests?, listed below/ { bad = $4 }
+    /^\[  SKIPPED \] [0-9]+ tests?, listed below/ { left = $4 }
+    /^<end of output>$/ {
+      if (count > 1) { total += count - 1; failed += bad > 1 ? bad - 1 : 0; skipped += left }
+      count = bad = left = 0
+    }
+    END { print total + 0, failed + 0, skipped + 0 }
+  ' "$1"
+}
+
 # summarize CTEST_OUTPUT LAST_TEST_LOG: nothing if ctest ran no test (as with -N).
 summarize() {
-  local counts total failed skipped disabled reasons
+  local counts total failed skipped disabled reasons more_tests more_failed more_skipped
   counts=$(sed -n 's/^[0-9]*% tests passed, \([0-9]*\) tests* failed out of \([0-9]*\).*/\1 \2/p' \
     "$1" | tail -n 1)
   [[ -n $counts ]] || return 0
   read -r failed total <<<"$counts"
+  read -r more_tests more_failed more_skipped < <(tests_inside "$2")
   reasons=$(skip_reasons "$1" "$2")
   skipped=$(grep -c '^'$'\t'' *[0-9]* - .* (Skipped)$' "$1") || true
   disabled=$(grep -c '^'$'\t'' *[0-9]* - .* (Disabled)$' "$1") || true
+  total=$((total + more_tests)) failed=$((failed + more_failed)) skipped=$((skipped + more_skipped))
   printf '\nSummary\n'
   printf '  passed  %6d\n  failed  %6d\n' $((total - failed - skipped)) "$failed"
   printf '  skipped %6d\n' $((skipped + disabled))

@@ -22,12 +22,12 @@ list(APPEND environment ${EN_PYTHON_ENVIRONMENT})
 
 add_test(NAME python.tests
   COMMAND ${Python_EXECUTABLE} ${pytest} ${chosen} ${CMAKE_CURRENT_LIST_DIR})
-set_tests_properties(python.tests PROPERTIES TIMEOUT 1800 LABELS slow COST 300 ENVIRONMENT "${environment}")
+set_tests_properties(python.tests PROPERTIES TIMEOUT 3600 LABELS slow COST 300 ENVIRONMENT "${environment}")
 
 set(EN_TORCH_PYTHON "" CACHE FILEPATH
   "Another Python of the same version, with PyTorch: python.torch tests what needs it")
 if(EN_TORCH_PYTHON AND NOT EN_SANITIZE)
   add_test(NAME python.torch COMMAND ${EN_TORCH_PYTHON} ${pytest}
     -k "torch or (test_examples and (extract or imitation or rl))" ${CMAKE_CURRENT_LIST_DIR})
-  set_tests_properties(python.torch PROPERTIES TIMEOUT 1800 LABELS slow COST 300 ENVIRONMENT "${environment}")
+  set_tests_properties(python.torch PROPERTIES TIMEOUT 3600 LABELS slow COST 300 ENVIRONMENT "${environment}")
 endif()

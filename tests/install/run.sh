@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs a build into a new folder, and builds and runs the project beside this script against it.
 # usage: run.sh BUILD_DIR     where BUILD_DIR is a finished build of Enfilade
+# ENFILADE_HEADERS_ALONE=1: each header is compiled alone too.
 set -euo pipefail
 
 (($# == 1)) || { echo "usage: run.sh BUILD_DIR" >&2; exit 2; }
@@ -27,7 +28,7 @@ if [[ -n $toolchain ]]; then
 fi
 cmake -S "$here" -B "$work/build" -G "$(cached CMAKE_GENERATOR)" \
   -DCMAKE_PREFIX_PATH="$work/prefix" \
-  -DCMAKE_BUILD_TYPE="$(cached CMAKE_BUILD_TYPE)" \
+  -DCMAKE_BUILD_TYPE="$(cached CMAKE_BUILD_TYPE)" -DEACH_ALONE="${ENFILADE_HEADERS_ALONE:-0}" \
   -DCMAKE_CXX_COMPILER="$(cached CMAKE_CXX_COMPILER)" \
   -DCMAKE_CXX_FLAGS="${sanitize:+-fsanitize=$sanitize}" ${cross[@]+"${cross[@]}"}
 cmake --build "$work/build"
