@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -11,8 +12,11 @@
 #include <utility>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/split_episodes.h"
 #include "apps/enfilade/home_pictures.h"
+#include "enfilade/agents/continuous_setup.h"
 #include "enfilade/capture/scan_files.h"
+#include "enfilade/continuous/buildings.h"
 #include "enfilade/core/gzip.h"
 #include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
@@ -25,7 +29,6 @@
 #include "enfilade/mesh/read_mesh.h"
 #include "enfilade/scan/connectivity.h"
 #include "enfilade/tasks/benchmark.h"
-#include "enfilade/tasks/derive_continuous.h"
 
 namespace enfilade::apps {
 namespace {
@@ -69,21 +72,24 @@ class HabitatWriter {
     say("{}: {}, all SYNTHETIC\n", out_.path().string(), counted(homes.size(), "scene"));
   }
 
+  /// VLN-CE's by the rules and on the floor of `enfilade continuous --navmesh habitat`.
   void write_episodes() {
-    std::map<std::string, HabitatIsland> islands;
-    for (auto& [scan, home] : made_) {
-      if (home.island) {
-        islands.emplace(scan, std::move(*home.island));
-      } else {
+    std::vector<continuous::Building> floors;
+    for (const auto& [scan, home] : made_) {
+      floors.emplace_back(scan, continuous::load_floor(
+                                    out_.path() / exports::habitat_scene_file(scan, ".navmesh")));
+      if (!home.island) {
         say(stderr, "note: {}: no viewpoint stands on Habitat's floor, so it has no episodes\n",
             scan);
       }
     }
-    const exports::HabitatEpisodeFloor floor(islands);
+    const auto buildings = std::make_shared<const continuous::Buildings>(std::move(floors));
+    const agents::ContinuousSetup& setup = agents::continuous_setup("r2r-ce");
     for (const std::string& split : data_.splits(tasks::benchmark(tasks::Task::kR2r))) {
       const tasks::Annotations paths = data_.annotations(split);
-      const tasks::DerivedEpisodes made = tasks::derive_continuous(paths, *data_.graphs(), floor);
-      write("vln/mp3d/r2r", split, to_json(made.episodes));
+      const auto [made, experts] = derive_split(paths, *data_.graphs(), buildings, setup, split);
+      if (experts) write(exports::habitat_vln_file(split, "_gt"), to_json(*experts));
+      write(exports::habitat_vln_file(split), to_json(made.episodes));
       say("VLN-CE, {}: {} of {}; {} cannot be walked\n", split,
           counted(made.episodes.episodes.size(), "episode"), counted(paths.paths.size(), "path"),
           made.dropped.size());
@@ -137,16 +143,18 @@ class HabitatWriter {
       finds += home.objects.episodes.size();
       objects.push_back(std::move(home.objects));
     }
-    write("pointnav/mp3d", split, exports::point_goals_json(points));
-    write("objectnav/mp3d", split, exports::object_goals_json(objects));
+    const auto file = [&split](const char* task) {
+      return fmt::format("datasets/{0}/mp3d/v1/{1}/{1}.json.gz", task, split);
+    };
+    write(file("pointnav"), exports::point_goals_json(points));
+    write(file("objectnav"), exports::object_goals_json(objects));
     say("PointNav and ObjectNav, {}: {} and {} in {}\n", split, counted(points.size(), "episode"),
         finds, counted(scans.size(), "home"));
   }
 
-  void write(const char* task, const std::string& split, const std::string& text) const {
-    const std::string folder = fmt::format("datasets/{}/v1/{}", task, split);
-    out_.remove_unfinished(folder);
-    out_.write(fmt::format("{}/{}.json.gz", folder, split), gzip(text, 6));
+  void write(const std::string& file, const std::string& text) const {
+    out_.remove_unfinished(fs::path(file).parent_path().string());
+    out_.write(file, gzip(text, 6));
   }
 
   dataset::Dataset data_;

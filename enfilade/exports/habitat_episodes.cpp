@@ -34,6 +34,10 @@ std::optional<double> length_of_episode(const HabitatIsland& island, Vec3f start
 
 }  // namespace
 
+std::string habitat_vln_file(std::string_view split, std::string_view ending) {
+  return fmt::format("datasets/vln/mp3d/r2r/v1/{0}/{0}{1}.json.gz", split, ending);
+}
+
 std::optional<HabitatIsland> habitat_island(continuous::HabitatSceneFloor floor,
                                             const graph::NavGraph& graph) {
   std::vector<Vec3f> points;
@@ -44,26 +48,6 @@ std::optional<HabitatIsland> habitat_island(continuous::HabitatSceneFloor floor,
   const std::optional<int> island = floor.island_of(points);
   if (!island) return std::nullopt;
   return HabitatIsland{std::move(floor), *island};
-}
-
-std::optional<Vec3d> HabitatEpisodeFloor::node_of(const graph::NavGraph& graph,
-                                                  ViewpointIndex viewpoint) const {
-  const auto found = islands_.find(graph.scan());
-  if (found == islands_.end()) return std::nullopt;
-  const auto& [floor, island] = found->second;
-  const auto point =
-      floor.nearest(agents::foot_of(graph, viewpoint), island, agents::MeshFloor::kReach);
-  return point ? std::optional(to_double(*point)) : std::nullopt;
-}
-
-tasks::WalkedNodes HabitatEpisodeFloor::walk(const graph::NavGraph& graph,
-                                             std::span<const Vec3d> nodes) const {
-  const auto found = islands_.find(graph.scan());
-  if (found == islands_.end()) return {.obstacle = "its building has no floor of Habitat's"};
-  const continuous::HabitatSceneFloor& floor = found->second.floor;
-  return agents::walk_nodes(nodes, {}, [&](std::size_t from, std::size_t to) {
-    return floor.distance(to_float(nodes[from]), to_float(nodes[to]));
-  });
 }
 
 std::vector<PointGoalEpisode> draw_point_goals(const std::string& scan, const HabitatIsland& island,

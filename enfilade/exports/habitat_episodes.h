@@ -1,22 +1,24 @@
-/// \file  Episodes for habitat-lab on the floors that Habitat-Sim has of buildings: VLN-CE and
-/// PointNav. Points are in our world frame here, and in Habitat's in files.
+/// \file  Episodes of PointNav for habitat-lab on the floors that Habitat-Sim has of buildings, and
+/// places of the files of its tasks. Points are in our world frame here, and in Habitat's in files.
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "enfilade/continuous/habitat_scene_floor.h"
-#include "enfilade/core/ids.h"
 #include "enfilade/geometry/vec.h"
 #include "enfilade/graph/nav_graph.h"
 #include "enfilade/tasks/continuous_episodes.h"
-#include "enfilade/tasks/derive_continuous.h"
 
 namespace enfilade::exports {
+
+/// The file of a split of VLN-CE, relative to the folder that habitat-lab calls `data`.
+/// \param ending  of the split's name: "_gt" for the experts' walks
+std::string habitat_vln_file(std::string_view split, std::string_view ending = {});
 
 /// The part of a floor that episodes are on: what the viewpoints of a building stand on, and not
 /// the ground outside or a roof.
@@ -27,24 +29,6 @@ struct HabitatIsland {
 /// No value if no viewpoint stands on the floor.
 std::optional<HabitatIsland> habitat_island(continuous::HabitatSceneFloor floor,
                                             const graph::NavGraph& graph);
-
-/// Nodes of VLN-CE's episodes on the islands of buildings, by scan. One thread at a time.
-class HabitatEpisodeFloor final : public tasks::EpisodeFloor {
- public:
-  /// \pre islands outlives this
-  explicit HabitatEpisodeFloor(const std::map<std::string, HabitatIsland>& islands)
-      : islands_(islands) {}
-
-  /// The point of the island nearest to the floor below the viewpoint. No value where it is too far
-  /// away (agents::MeshFloor::kReach), or where the building has no island.
-  std::optional<Vec3d> node_of(const graph::NavGraph& graph,
-                               ViewpointIndex viewpoint) const override;
-  tasks::WalkedNodes walk(const graph::NavGraph& graph,
-                          std::span<const Vec3d> nodes) const override;
-
- private:
-  const std::map<std::string, HabitatIsland>& islands_;
-};
 
 /// How many episodes of PointNav and ObjectNav are drawn.
 struct HabitatDraws {

@@ -63,26 +63,6 @@ TEST(HabitatIsland, IsWhereTheViewpointsStand) {
   EXPECT_FALSE(habitat_island(floor_of(elsewhere), rooms().graph).has_value());
 }
 
-TEST(HabitatEpisodeFloor, NodesAreBelowTheirViewpoints) {
-  std::map<std::string, HabitatIsland> islands;
-  islands.emplace("rooms", habitat_island(floor_of(*rooms().mesh), rooms().graph).value());
-  const HabitatEpisodeFloor floor(islands);
-  const auto a = floor.node_of(rooms().graph, ViewpointIndex(0)),
-             b = floor.node_of(rooms().graph, ViewpointIndex(1));
-  ASSERT_TRUE(a && b);
-  EXPECT_NEAR(a->x, 2.3, 1e-6);
-  EXPECT_NEAR(a->y, 2.6, 1e-6);
-  const std::array nodes{*a, *b};
-  const tasks::WalkedNodes walked = floor.walk(rooms().graph, nodes);
-  EXPECT_EQ(walked.obstacle, "");
-  EXPECT_GE(walked.geodesic_distance.value(), length(*b - *a) - 1e-5);
-  const std::array apart{*a, Vec3d{50, 2.6, 0}};  // where there is no floor
-  EXPECT_THAT(floor.walk(rooms().graph, apart).obstacle, ::testing::HasSubstr("there is no way"));
-  const graph::NavGraph other(tests::furnished_room_graph("other"));
-  EXPECT_FALSE(floor.node_of(other, ViewpointIndex(0)).has_value());
-  EXPECT_THAT(floor.walk(other, nodes).obstacle, ::testing::HasSubstr("no floor"));
-}
-
 TEST(PointGoals, AreOnTheFloorAndCanBeReached) {
   const auto episodes = draw_point_goals("rooms", rooms().island, {40, 3});
   ASSERT_EQ(episodes.size(), 40U);

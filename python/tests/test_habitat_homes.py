@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ def homes(program: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What habitat-lab calls `data`, of three small flats."""
     folder = tmp_path_factory.mktemp("homes")
     subprocess.run(
-        [program, "homes", "-o", str(folder), "--preset", "small", "--homes", "3", "--size", "0",
+        [program, "homes", "-o", str(folder), "--preset", "small", "--homes", "3", "--seed", "2", "--size", "0",
          "--paths", "6", "--tasks", "r2r", "--parts", "habitat"],
         check=True,
     )  # fmt: skip
@@ -115,6 +116,46 @@ def test_vln_paths_can_be_walked(homes: Path) -> None:
                 path.requested_start, path.requested_end = a, b
                 assert finder.is_navigable(a) and finder.find_path(path)
     assert "goals" not in read(homes, "vln/mp3d/r2r", "test")["episodes"][0]
+
+
+def test_vln_experts_walk_from_start_to_goal(homes: Path) -> None:
+    folder = homes / "datasets/vln/mp3d/r2r/v1"
+    with gzip.open(folder / "val_unseen/val_unseen_gt.json.gz", "rt") as file:
+        experts = json.load(file)
+    for episode in read(homes, "vln/mp3d/r2r", "val_unseen")["episodes"]:
+        expert = experts[str(episode["episode_id"])]
+        assert expert["locations"][0] == pytest.approx(episode["start_position"], abs=1e-5)
+        end = np.subtract(expert["locations"][-1], episode["goals"][0]["position"])
+        assert np.linalg.norm(end) < 0.5 and expert["actions"][-1] == STOP
+    assert not (folder / "test/test_gt.json.gz").exists(), "its goals are hidden"
+
+
+def test_scans_are_written_as_homes_are(homes: Path, program: str, tmp_path: Path) -> None:
+    data, scan = homes.parent, "home0002"
+    for name in ("connectivity", "r2r"):
+        shutil.copytree(data / name, tmp_path / name)
+    scene = f"scene_datasets/mp3d/{scan}/{scan}"
+    (tmp_path / "meshes").mkdir()
+    shutil.copy(homes / f"{scene}.glb", tmp_path / f"meshes/{scan}.glb")
+    words = [program, "continuous", str(tmp_path), "--parts", "habitat", "--up", "z"]
+    assert subprocess.run(words, check=False).returncode == 2, "on Habitat's floor alone"
+    assert not (tmp_path / "habitat").exists() and not (tmp_path / "navmesh").exists()
+    subprocess.run([*words, "--navmesh", "habitat"], check=True)
+    found = tmp_path / "habitat"
+    assert (found / f"{scene}.navmesh").read_bytes() == (homes / f"{scene}.navmesh").read_bytes()
+    sizes = [(folder / f"{scene}.glb").stat().st_size for folder in (found, homes)]
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.2), "the same mesh"
+    for ending in ("", "_gt"):
+        file = f"datasets/vln/mp3d/r2r/v1/val_unseen/val_unseen{ending}.json.gz"
+        assert json.loads(gzip.decompress((found / file).read_bytes())) == json.loads(
+            gzip.decompress((homes / file).read_bytes())
+        )
+    assert (found / "scene_datasets/mp3d/mp3d.scene_dataset_config.json").exists()
+    refused = subprocess.run(
+        [program, "continuous", str(data), "--navmesh", "habitat", "--parts", "habitat"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert refused.returncode == 2 and "enfilade homes" in refused.stderr
 
 
 def walk(homes: Path, config: str, task: str, split: str, near: float) -> Any:

@@ -10,11 +10,10 @@
 #include <utility>
 
 #include "apps/common/program.h"
+#include "apps/enfilade/continuous/split_episodes.h"
 #include "apps/enfilade/mesh_files.h"
 #include "apps/enfilade/verbs.h"
-#include "enfilade/agents/continuous_run.h"
 #include "enfilade/agents/continuous_setup.h"
-#include "enfilade/agents/mesh_floor.h"
 #include "enfilade/continuous/buildings.h"
 #include "enfilade/continuous/habitat_scene_floor.h"
 #include "enfilade/continuous/navigation_mesh.h"
@@ -23,6 +22,8 @@
 #include "enfilade/core/gzip.h"
 #include "enfilade/core/output_folder.h"
 #include "enfilade/core/threads.h"
+#include "enfilade/exports/habitat_episodes.h"
+#include "enfilade/exports/habitat_scene.h"
 #include "enfilade/graph/graph_set.h"
 #include "enfilade/homes/built_home.h"
 #include "enfilade/homes/home_set.h"
@@ -38,7 +39,8 @@ struct Options {
   MeshSource meshes;
   std::uint64_t seed = 1;
   int threads = 0;
-  bool floors_only = false, light = false;
+  std::vector<std::string> parts;
+  bool floors_only = false, light = false, habitat = false;
 };
 
 // Around the viewpoints: what lies farther cannot be part of an episode.
@@ -153,11 +155,14 @@ class FloorMaker {
     }
   }
 
-  // By way of a GLB, so that triangles have the order of the home's mesh file.
+  // By way of the GLB that `homes --parts habitat` writes: the order of triangles and the axis
+  // count.
   std::string habitat_floor_of_home(const homes::PlanOptions& plan) const {
     const homes::BuiltHome built = homes::build_home(plan, homes::HomeSurfaces::kPlain);
-    const mesh::Mesh of_file = mesh::parse_mesh(mesh::to_glb(built.home.mesh), "home.glb").mesh;
-    return continuous::HabitatSceneFloor::of_mesh(of_file, mesh::UpAxis::kY, setup_.body).file();
+    const mesh::Mesh of_file = mesh::parse_mesh(mesh::to_glb(built.home.mesh, mesh::UpAxis::kZ),
+                                                "home.glb", {.up = mesh::UpAxis::kZ})
+                                   .mesh;
+    return continuous::HabitatSceneFloor::of_mesh(of_file, mesh::UpAxis::kZ, setup_.body).file();
   }
 
   std::string habitat_floor_of_file(const dataset::MeshFile& found) const {
@@ -203,41 +208,25 @@ struct SplitReport {
   std::vector<tasks::DroppedPath> dropped;
 };
 
-// The file names Habitat's floor. Ours is that of files without a name.
-tasks::DerivedEpisodes derive_on_floor(
-    const tasks::Annotations& annotations, const graph::GraphSet& graphs,
-    const std::shared_ptr<const continuous::Buildings>& buildings,
-    const tasks::DeriveOptions& options) {
-  tasks::DerivedEpisodes derived =
-      tasks::derive_continuous(annotations, graphs, agents::MeshFloor(buildings), options);
-  const std::string_view floor = buildings->floor_name();
-  if (floor != continuous::name_of(continuous::FloorKind::kEnfilade)) {
-    derived.episodes.others.emplace_back("floor", fmt::format("\"{}\"", floor));
-  }
-  return derived;
-}
-
-SplitReport derive_split(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
-                         const std::shared_ptr<const continuous::Buildings>& buildings,
-                         const std::string& split, const Options& options) {
+SplitReport write_split(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
+                        const std::shared_ptr<const continuous::Buildings>& buildings,
+                        const std::string& split, const Options& options) {
   const tasks::Annotations annotations = data.annotations(setup.benchmark->task, split);
   tasks::DeriveOptions derive;
   derive.seed = options.seed;
   if (options.headings == "random") derive.start_headings = tasks::StartHeadings::kRandom;
-  const tasks::DerivedEpisodes derived =
-      derive_on_floor(annotations, *data.graphs(), buildings, derive);
+  const auto [derived, experts] =
+      derive_split(annotations, *data.graphs(), buildings, setup, split, derive);
+  const std::string text = gzip(to_json(derived.episodes), 6);
+  const std::string walks = experts ? gzip(to_json(*experts), 6) : std::string();
   const OutputFolder out(data.folder());
-  const auto write = [&out](const fs::path& file, const std::string& text) {
-    out.write(file.string(), gzip(text, 6));
-  };
-  if (!goals_hidden(derived.episodes)) {
-    const agents::ContinuousRunOptions run{
-        .batch_size = 64, .seed = 1, .simulator = setup.simulator};
-    const tasks::ExpertWalks experts =
-        agents::record_experts(derived.episodes, buildings, run, progress_bar("experts, " + split));
-    write(tasks::expert_places(*setup.benchmark, split).front(), to_json(experts));
+  if (experts) out.write(tasks::expert_places(*setup.benchmark, split).front().string(), walks);
+  out.write(tasks::episode_places(*setup.benchmark, split).front().string(), text);
+  if (options.habitat) {
+    const OutputFolder habitat = out.folder("habitat");
+    if (experts) habitat.write(exports::habitat_vln_file(split, "_gt"), walks);
+    habitat.write(exports::habitat_vln_file(split), text);
   }
-  write(tasks::episode_places(*setup.benchmark, split).front(), to_json(derived.episodes));
   return {derived.episodes.episodes.size(), annotations.paths.size() - derived.dropped.size(),
           derived.dropped};
 }
@@ -270,9 +259,47 @@ FloorsReport make_and_tell(const dataset::Dataset& data, const agents::Continuou
   return report;
 }
 
+// Scenes of buildings as Habitat opens them: z up, with their floors.
+void write_scenes(const dataset::Dataset& data, const agents::ContinuousSetup& setup,
+                  const Options& options) {
+  const OutputFolder out = OutputFolder(data.folder()).folder("habitat");
+  std::size_t written = 0;
+  const auto& scans = data.graphs()->scans();
+  const Progress progress = progress_bar("scenes");
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    const std::string& scan = scans[s];
+    const fs::path floor = setup.navigation_folder() / continuous::navigation_mesh_name(scan);
+    const auto found = find_mesh_file(data.folder(), options.meshes, scan);
+    if (!found || !file_exists(data.folder() / floor)) continue;
+    const mesh::Mesh mesh = read_mesh_file(found->file, {.up = axis_of(*found)});
+    out.write(exports::habitat_scene_file(scan, ".glb"), mesh::to_glb(mesh, mesh::UpAxis::kZ));
+    out.write(exports::habitat_scene_file(scan, ".navmesh"), read_file(data.folder() / floor));
+    ++written;
+    if (progress) progress(s + 1, scans.size());
+  }
+  exports::write_habitat_dataset(out);
+  say("{}: {}\n", out.path().string(), counted(written, "scene"));
+}
+
+// What has no Habitat's floor, or has scenes made otherwise, is refused before anything is made.
+void check_habitat(const dataset::Dataset& data, const Options& options) {
+  if (!options.habitat) return;
+  if (options.navmesh != "habitat" || options.task != "r2r-ce" || options.floors_only) {
+    throw UsageError(
+        "--parts habitat: wants --navmesh habitat and --task r2r-ce, and no --floors-only");
+  }
+  if (file_exists(data.folder() / "homes.json")) {
+    throw UsageError(
+        fmt::format("--parts habitat: {} has homes; `enfilade homes -o {} --parts "
+                    "habitat` writes theirs, with labels",
+                    data.folder().string(), data.folder().string()));
+  }
+}
+
 ExitCode make(const Options& options) {
   const agents::ContinuousSetup& setup = agents::continuous_setup(options.task);
   const dataset::Dataset data = open_data(options.data);
+  check_habitat(data, options);
   const FloorsReport floors = make_and_tell(data, setup, options);
   if (options.light) {
     const LightsReport lights = make_home_lights(data, options.threads);
@@ -281,10 +308,11 @@ ExitCode make(const Options& options) {
   }
   const ExitCode status = floors.faults.empty() ? kSuccess : kFaultsFound;
   if (options.floors_only || floors.made + floors.kept == 0) return status;
+  if (options.habitat) write_scenes(data, setup, options);
   const auto buildings = agents::open_buildings(*setup.benchmark, data.folder());
   std::string dropped;
   for (const std::string& split : data.splits(tasks::benchmark(setup.benchmark->task))) {
-    const SplitReport report = derive_split(data, setup, buildings, split, options);
+    const SplitReport report = write_split(data, setup, buildings, split, options);
     for (const tasks::DroppedPath& path : report.dropped) {
       dropped += fmt::format("{}\t{}\t{}\t{}\n", split, path.id, path.scan, path.why);
     }
@@ -315,6 +343,10 @@ void add(CLI::App& app, int& status) {
   add_setting(verb, "--navmesh", options->navmesh, "FLOOR",
               "Floor: enfilade, or habitat as Habitat-Sim 0.3.3 makes it",
               CLI::IsMember(enum_names<continuous::FloorKind>()));
+  verb.add_option("--parts", options->parts,
+                  "habitat: also DATA/habitat, scenes and episodes as Habitat's programs open them")
+      ->type_name("PART")
+      ->check(CLI::IsMember({"habitat"}));
   add_setting(verb, "--start-headings", options->headings, "RULE",
               "Start headings: path (the annotation's, as VLN-CE since v1-3) or random",
               CLI::IsMember({"path", "random"}));
@@ -328,8 +360,12 @@ void add(CLI::App& app, int& status) {
   set_examples(verb, {"enfilade continuous homes", "enfilade continuous homes --light",
                       "enfilade continuous data --meshes glb --dropped dropped.tsv",
                       "enfilade continuous homes --navmesh habitat",
+                      "enfilade continuous data --navmesh habitat --parts habitat",
                       "enfilade run --task r2r-ce --data homes --agent shortest"});
-  verb.callback([options, &status] { status = make(*options); });
+  verb.callback([options, &status] {
+    options->habitat = !options->parts.empty();
+    status = make(*options);
+  });
 }
 
 }  // namespace enfilade::apps::continuous_verb
