@@ -22,6 +22,7 @@ RaycastResults = refused("habitat_sim.physics.RaycastResults", PHYSICS)
 RigidConstraintSettings = refused("habitat_sim.physics.RigidConstraintSettings", PHYSICS)
 RigidConstraintType = refused("habitat_sim.physics.RigidConstraintType", PHYSICS)
 RigidObjectManager = refused("habitat_sim.physics.RigidObjectManager", PHYSICS)
+RigidState = refused("habitat_sim.RigidState", PHYSICS)
 VelocityControl = refused("habitat_sim.physics.VelocityControl", PHYSICS)
 
 __all__ = [
@@ -29,5 +30,5 @@ __all__ = [
     "JointMotorSettings", "JointMotorType", "JointType", "ManagedArticulatedObject",
     "ManagedBulletArticulatedObject", "ManagedBulletRigidObject", "ManagedRigidObject", "MotionType",
     "PhysicsSimulationLibrary", "RayHitInfo", "RaycastResults", "RigidConstraintSettings",
-    "RigidConstraintType", "RigidObjectManager", "VelocityControl",
+    "RigidConstraintType", "RigidObjectManager", "RigidState", "VelocityControl",
 ]  # fmt: skip

@@ -43,10 +43,8 @@ def tasks(rooms: Path) -> Path:
     return rooms
 
 
-def run(config: str, episodes: Path, actions: Iterable[int]) -> tuple[list[dict[str, Any]], Any]:
-    """Observations of an episode, and its metrics. Goes to the goal, and stops, after the actions."""
-    from habitat.tasks.nav.shortest_path_follower import ShortestPathFollower
-
+def configuration(config: str, episodes: Path) -> Any:
+    """habitat-lab's own, with these episodes and small pictures."""
     options = [
         f"habitat.dataset.data_path={episodes}", f"habitat.dataset.scenes_dir={episodes.parent}",
         "habitat.simulator.scene_dataset=default", "habitat.task.measurements.success.success_distance=0.5",
@@ -55,7 +53,14 @@ def run(config: str, episodes: Path, actions: Iterable[int]) -> tuple[list[dict[
     for sensor in ("rgb_sensor", "depth_sensor"):
         for side in ("width", "height"):
             options.append(f"habitat.simulator.agents.main_agent.sim_sensors.{sensor}.{side}=32")
-    with habitat.Env(config=habitat.get_config(config, overrides=options)) as env:
+    return habitat.get_config(config, overrides=options)
+
+
+def run(config: str, episodes: Path, actions: Iterable[int]) -> tuple[list[dict[str, Any]], Any]:
+    """Observations of an episode, and its metrics. Goes to the goal, and stops, after the actions."""
+    from habitat.tasks.nav.shortest_path_follower import ShortestPathFollower
+
+    with habitat.Env(config=configuration(config, episodes)) as env:
         seen = [env.reset()]
         seen += [env.step(action) for action in actions]
         follower = ShortestPathFollower(env.sim, 0.4, False)
@@ -83,3 +88,20 @@ def test_an_episode_of_pointnav(tasks: Path) -> None:
     assert np.allclose(goals[0], [3.5, 0], atol=1e-3)
     assert goals[:, 1].max() > 1  # the way leads around the wall's right end
     assert goals[-1, 0] < 0.5 and metrics["success"] == 1 and metrics["spl"] > 0.9
+
+
+@pytest.mark.parametrize("start", ["fork", "forkserver", "spawn"])
+def test_environments_in_processes_see_what_one_alone_sees(tasks: Path, start: str) -> None:
+    from habitat.core.vector_env import VectorEnv
+    from habitat.gym import make_gym_from_config
+
+    config = configuration("benchmark/nav/pointnav/pointnav_mp3d.yaml", tasks / "point.json.gz")
+    with habitat.Env(config=config) as env:
+        alone = [env.reset(), env.step(FORWARD)]
+    made = {"make_env_fn": make_gym_from_config, "env_fn_args": [(config,), (config,)]}
+    with VectorEnv(multiprocessing_start_method=start, **made) as envs:
+        seen = [envs.reset(), [result[0] for result in envs.step([FORWARD, FORWARD])]]
+    for expected, both in zip(alone, seen):
+        for found in both:
+            for name in ("rgb", "depth", "pointgoal_with_gps_compass"):
+                assert np.array_equal(expected[name], found[name]), name

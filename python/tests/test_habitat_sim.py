@@ -58,6 +58,8 @@ habitat_sim.utils.common.orthonormalize_rotation_shear habitat_sim.utils.profili
 habitat_sim.PyRobotNoisyActuationSpec habitat_sim.bindings.SensorFactory habitat_sim.errors.GreedyFollowerError
 habitat_sim.agent.agent.Agent habitat_sim.agent.controls.ActuationSpec habitat_sim.geo.FRONT
 habitat_sim.nav.greedy_geodesic_follower.GreedyGeodesicFollower habitat_sim.utils.quat_rotate_vector
+habitat_sim.utils.datasets_download.main habitat_sim.cuda_enabled habitat_sim.bindings.built_with_bullet
+habitat_sim.audio_enabled habitat_sim.RigidState
 """
 
 

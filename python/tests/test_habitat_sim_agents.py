@@ -30,6 +30,13 @@ pytest_plugins = ["habitat_rooms"]
 # --- agents ---------------------------------------------------------------------------------------
 
 
+def test_agents_have_the_numbers_of_older_versions() -> None:
+    body = habitat_sim.AgentConfiguration()
+    wanted = {"mass": 32.0, "linear_acceleration": 20.0, "linear_friction": 0.5, "angular_friction": 1.0}
+    assert {name: getattr(body, name) for name in wanted} == wanted
+    assert body.angular_acceleration == pytest.approx(12.566371) and body.coefficient_of_restitution == 0
+
+
 def test_states_are_habitats(sim: Any) -> None:
     agent = sim.get_agent(0)
     fresh = habitat_sim.AgentState()

@@ -11,3 +11,6 @@ from habitat_sim.physics import *  # noqa: F403
 from habitat_sim.scene import *  # noqa: F403
 from habitat_sim.sensor import *  # noqa: F403
 from habitat_sim.sim import *  # noqa: F403
+
+# Parts that Habitat may be built with.
+audio_enabled = built_with_bullet = cuda_enabled = False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, Optional
 
@@ -59,13 +60,22 @@ class AgentState:
 
 @dataclass
 class AgentConfiguration:
-    """An agent: its size in metres, its sensors and its actions by key."""
+    """An agent: its size in metres, its sensors and its actions by key.
+
+    The numbers from `mass` on are those of versions before 0.2.2, whose habitat-lab sets them. Nothing uses them.
+    """
 
     height: float = 1.5
     radius: float = 0.1
     sensor_specifications: list[SensorSpec] = field(default_factory=list)
     action_space: dict[Any, ActionSpec] = field(default_factory=_default_actions)
     body_type: str = "cylinder"
+    mass: float = 32.0
+    linear_acceleration: float = 20.0
+    angular_acceleration: float = 4 * math.pi
+    linear_friction: float = 0.5
+    angular_friction: float = 1.0
+    coefficient_of_restitution: float = 0.0
 
 
 class Ground:
