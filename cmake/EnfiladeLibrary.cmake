@@ -41,6 +41,11 @@ if(EN_SHARED_HEADERS AND EN_BUILD_TESTS)
   target_compile_options(enfilade_test_headers PRIVATE ${EN_TEST_OPTIONS})
   target_precompile_headers(enfilade_test_headers PRIVATE ${EN_STANDARD_HEADERS} <gmock/gmock.h> <gtest/gtest.h>)
 endif()
+if(EN_BUILD_TESTS)
+  add_library(enfilade_until OBJECT ${PROJECT_SOURCE_DIR}/tests/support/until.cpp)
+  target_compile_features(enfilade_until PRIVATE cxx_std_20)
+  target_link_libraries(enfilade_until PRIVATE enfilade_compile GTest::gtest)
+endif()
 
 # One folder of enfilade/ = one static library = one target enfilade::<name> = one test program.
 #
@@ -158,7 +163,7 @@ function(enfilade_test name)
     target_compile_definitions(${name} PRIVATE EN_UNIT=)
   endif()
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} enfilade_compile GTest::gmock
-    GTest::gtest_main fmt::fmt)
+    GTest::gtest_main fmt::fmt enfilade_until)
   target_compile_definitions(${name} PRIVATE EN_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     ${arg_DEFINITIONS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test)
@@ -167,7 +172,8 @@ function(enfilade_test name)
   set(label "")
   set(seconds 300)
   if(arg_SLOW)
-    set(label LABELS slow COST 50)  # begun first, as no core should wait for the last one
+    # Begun first, as no core should wait for the last one.
+    set(label LABELS slow COST 50 ENVIRONMENT ENFILADE_TEST_IS_SLOW=1)
     set(seconds 1200)  # two homes worth looking at take three minutes of two idle cores
   endif()
   if(arg_WHOLE)

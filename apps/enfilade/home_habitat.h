@@ -20,7 +20,7 @@ struct HabitatHomesOptions {
 
 /// Writes `<folder>/habitat`, which habitat-lab calls `data`, and says what became of it. It has
 /// scene_datasets/mp3d (exports/habitat_scene.h) and, with episodes,
-/// - `datasets/vln/mp3d/r2r/v1`: VLN-CE, from each split of Room-to-Room
+/// - `datasets/vln/mp3d/r2r/v1`: VLN-CE and experts, from each split of Room-to-Room
 /// - `datasets/pointnav/mp3d/v1`, `datasets/objectnav/mp3d/v1`: train of train's homes, val of
 ///   val_unseen's
 ///

@@ -1,6 +1,9 @@
 #include "enfilade/core/threads.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+#include <atomic>
+#include <fstream>
 
 #include <stdexcept>
 #include <vector>
@@ -32,6 +35,30 @@ TEST(ParallelFor, ThrowsOnTheCaller) {
                               }),
                  std::runtime_error);
   }
+}
+
+// Bytes of memory that this process has.
+std::size_t resident() {
+  std::size_t pages = 0;
+  std::ifstream file("/proc/self/statm");
+  file >> pages >> pages;
+  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(ParallelFor, CallsKeepNoMemory) {
+  if (available_threads() == 1) GTEST_SKIP() << "one core: nothing is shared";
+  const auto call = [](int times) {
+    std::atomic<std::size_t> sum{0};
+    for (int k = 0; k < times; ++k) {
+      parallel_for(64, 8, 0, [&](std::size_t first, std::size_t last) { sum += last - first; });
+    }
+    return sum.load();
+  };
+  EXPECT_EQ(call(100), 6400U);
+  const std::size_t before = resident();
+  call(4000);
+  // An arena of oneTBB for each call would be 28 MB; threads that begin late, their stacks: 1.
+  EXPECT_LT(resident(), before + 8'000'000);
 }
 
 }  // namespace EN_UNIT
