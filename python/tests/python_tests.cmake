@@ -20,9 +20,16 @@ elseif(EN_SANITIZE)
 endif()
 list(APPEND environment ${EN_PYTHON_ENVIRONMENT})
 
+# Two, as one process would be busy when all other tests are done.
+file(GLOB habitat_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/test_*habitat*.py)
+set(python_tests python.tests)
 add_test(NAME python.tests
-  COMMAND ${Python_EXECUTABLE} ${pytest} ${chosen} ${CMAKE_CURRENT_LIST_DIR})
-set_tests_properties(python.tests PROPERTIES TIMEOUT 3600 LABELS slow COST 300 ENVIRONMENT "${environment}")
+  COMMAND ${Python_EXECUTABLE} ${pytest} ${chosen} "--ignore-glob=${CMAKE_CURRENT_LIST_DIR}/*habitat*" ${CMAKE_CURRENT_LIST_DIR})
+if(NOT EN_SANITIZE MATCHES "thread")  # none of them has threads
+  list(APPEND python_tests python.habitat)
+  add_test(NAME python.habitat COMMAND ${Python_EXECUTABLE} ${pytest} ${chosen} ${habitat_tests})
+endif()
+set_tests_properties(${python_tests} PROPERTIES TIMEOUT 3600 LABELS slow COST 300 ENVIRONMENT "${environment}")
 
 set(EN_TORCH_PYTHON "" CACHE FILEPATH
   "Another Python of the same version, with PyTorch: python.torch tests what needs it")
