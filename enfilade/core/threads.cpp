@@ -26,20 +26,22 @@ namespace {
 
 #if EN_WITH_TBB
 
-// An arena of the calling thread, so that no task of others runs in a call. Kept: oneTBB 2021.8
-// does not free each arena that is given up, 7 kB, and looks through them all in each later call.
+// An arena of the calling thread, so that it runs no other thread's tasks. Kept: oneTBB 2021.8 does
+// not free each arena that is given up, 7 kB, and looks through them all in each later call.
 tbb::task_arena& own_arena(int threads) {
   thread_local std::map<int, tbb::task_arena> arenas;
   return arenas.try_emplace(threads, threads).first->second;
 }
 
 void run(std::size_t count, std::size_t grain, int threads, RangeBody body) {
-  own_arena(threads).execute([&] {
+  const auto share = [&] {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, count, grain),
         [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); },
         tbb::simple_partitioner());
-  });
+  };
+  // A call in a body has the same arena: while it waits, it must not run the outer call's bodies.
+  own_arena(threads).execute([&] { tbb::this_task_arena::isolate(share); });
 }
 
 #else

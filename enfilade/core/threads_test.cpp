@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
-#include <atomic>
-#include <fstream>
 
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <fstream>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace enfilade {
@@ -35,6 +38,27 @@ TEST(ParallelFor, ThrowsOnTheCaller) {
                               }),
                  std::runtime_error);
   }
+}
+
+TEST(ParallelFor, ACallInABodyRunsNoOtherBodyOfTheOuterCall) {
+  if (available_threads() < 3) {
+    GTEST_SKIP() << "two cores: none is free while another has bodies of the outer call left";
+  }
+  std::atomic<int> nested{0};
+  for (int times = 0; times < 50; ++times) {
+    parallel_for(16, 1, 4, [&](std::size_t outer, std::size_t) {
+      thread_local bool inside = false;
+      if (inside) ++nested;
+      inside = true;
+      // Uneven, so that this thread has to wait for others.
+      parallel_for(8, 1, 4, [&](std::size_t inner, std::size_t) {
+        std::this_thread::sleep_for(
+            std::chrono::microseconds(100 * ((7 * inner + 3 * outer) % 11)));
+      });
+      inside = false;
+    });
+  }
+  EXPECT_EQ(nested, 0);
 }
 
 // Bytes of memory that this process has.
