@@ -1,6 +1,6 @@
-// Linked into each test program. What would begin after the end of a run's time is skipped, with
-// that reason: a run that is killed says nothing of all the others. `.ci/run` sets the times;
-// without them nothing is skipped.
+// Linked into each test program: what would begin after the end of a run's time is skipped, with
+// that reason. A run that is killed says nothing, of no test. `.ci/run` sets the times; without
+// them nothing is skipped.
 #include <gtest/gtest.h>
 
 #include <cstdio>
