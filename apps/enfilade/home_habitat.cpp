@@ -45,7 +45,7 @@ constexpr std::string_view kReadme =
 
 // What a home's episodes are made of.
 struct HomeForHabitat {
-  std::optional<HabitatIsland> island;
+  bool on_floor = false;
   std::vector<exports::PointGoalEpisode> points;
   exports::ObjectGoalScene objects;
 };
@@ -78,7 +78,7 @@ class HabitatWriter {
     for (const auto& [scan, home] : made_) {
       floors.emplace_back(scan, continuous::load_floor(
                                     out_.path() / exports::habitat_scene_file(scan, ".navmesh")));
-      if (!home.island) {
+      if (!home.on_floor) {
         say(stderr, "note: {}: no viewpoint stands on Habitat's floor, so it has no episodes\n",
             scan);
       }
@@ -114,7 +114,7 @@ class HabitatWriter {
     HomeForHabitat made;
     if (!options_.episodes) return made;
     const graph::NavGraph graph(scan::load_connectivity(data_.connectivity_folder(), scan));
-    made.island = exports::habitat_island(std::move(floor), graph);
+    const auto island = exports::habitat_island(std::move(floor), graph);
     const mesh::Mesh of_file =
         mesh::read_mesh(out_.path() / exports::habitat_scene_file(scan, ".glb"),
                         {.up = mesh::UpAxis::kZ})
@@ -122,11 +122,12 @@ class HabitatWriter {
     const auto own = exports::habitat_island(
         continuous::HabitatSceneFloor::of_mesh(of_file, mesh::UpAxis::kZ, exports::kObjectNavBody),
         graph);
-    if (!made.island || !own) return {};
+    if (!island || !own) return made;
+    made.on_floor = true;
     const exports::HabitatDraws draws{options_.per_home, options_.seed};
-    made.points = exports::draw_point_goals(scan, *made.island, draws);
+    made.points = exports::draw_point_goals(scan, *island, draws);
     made.objects =
-        exports::draw_object_goals(scan, *made.island, *own, *built.tracer, house.house, draws);
+        exports::draw_object_goals(scan, *island, *own, *built.tracer, house.house, draws);
     return made;
   }
 

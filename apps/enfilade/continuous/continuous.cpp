@@ -35,13 +35,13 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string data, task = "r2r-ce", headings = "path", navmesh = "enfilade", dropped;
+  std::string data, task = "r2r-ce", headings = "path", navmesh = "enfilade", dropped, parts;
   MeshSource meshes;
   std::uint64_t seed = 1;
   int threads = 0;
-  std::vector<std::string> parts;
-  bool floors_only = false, light = false, habitat = false;
+  bool floors_only = false, light = false;
 };
+bool for_habitat(const Options& options) { return options.parts == "habitat"; }
 
 // Around the viewpoints: what lies farther cannot be part of an episode.
 mesh::Box around(const graph::NavGraph& graph) {
@@ -222,7 +222,7 @@ SplitReport write_split(const dataset::Dataset& data, const agents::ContinuousSe
   const OutputFolder out(data.folder());
   if (experts) out.write(tasks::expert_places(*setup.benchmark, split).front().string(), walks);
   out.write(tasks::episode_places(*setup.benchmark, split).front().string(), text);
-  if (options.habitat) {
+  if (for_habitat(options)) {
     const OutputFolder habitat = out.folder("habitat");
     if (experts) habitat.write(exports::habitat_vln_file(split, "_gt"), walks);
     habitat.write(exports::habitat_vln_file(split), text);
@@ -268,13 +268,15 @@ void write_scenes(const dataset::Dataset& data, const agents::ContinuousSetup& s
   const Progress progress = progress_bar("scenes");
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::string& scan = scans[s];
-    const fs::path floor = setup.navigation_folder() / continuous::navigation_mesh_name(scan);
+    const fs::path floor =
+        data.folder() / setup.navigation_folder() / continuous::navigation_mesh_name(scan);
     const auto found = find_mesh_file(data.folder(), options.meshes, scan);
-    if (!found || !file_exists(data.folder() / floor)) continue;
-    const mesh::Mesh mesh = read_mesh_file(found->file, {.up = axis_of(*found)});
-    out.write(exports::habitat_scene_file(scan, ".glb"), mesh::to_glb(mesh, mesh::UpAxis::kZ));
-    out.write(exports::habitat_scene_file(scan, ".navmesh"), read_file(data.folder() / floor));
-    ++written;
+    if (found && file_exists(floor)) {
+      const mesh::Mesh mesh = read_mesh_file(found->file, {.up = axis_of(*found)});
+      out.write(exports::habitat_scene_file(scan, ".glb"), mesh::to_glb(mesh, mesh::UpAxis::kZ));
+      out.write(exports::habitat_scene_file(scan, ".navmesh"), read_file(floor));
+      ++written;
+    }
     if (progress) progress(s + 1, scans.size());
   }
   exports::write_habitat_dataset(out);
@@ -283,7 +285,7 @@ void write_scenes(const dataset::Dataset& data, const agents::ContinuousSetup& s
 
 // What has no Habitat's floor, or has scenes made otherwise, is refused before anything is made.
 void check_habitat(const dataset::Dataset& data, const Options& options) {
-  if (!options.habitat) return;
+  if (!for_habitat(options)) return;
   if (options.navmesh != "habitat" || options.task != "r2r-ce" || options.floors_only) {
     throw UsageError(
         "--parts habitat: wants --navmesh habitat and --task r2r-ce, and no --floors-only");
@@ -308,7 +310,7 @@ ExitCode make(const Options& options) {
   }
   const ExitCode status = floors.faults.empty() ? kSuccess : kFaultsFound;
   if (options.floors_only || floors.made + floors.kept == 0) return status;
-  if (options.habitat) write_scenes(data, setup, options);
+  if (for_habitat(options)) write_scenes(data, setup, options);
   const auto buildings = agents::open_buildings(*setup.benchmark, data.folder());
   std::string dropped;
   for (const std::string& split : data.splits(tasks::benchmark(setup.benchmark->task))) {
@@ -343,9 +345,8 @@ void add(CLI::App& app, int& status) {
   add_setting(verb, "--navmesh", options->navmesh, "FLOOR",
               "Floor: enfilade, or habitat as Habitat-Sim 0.3.3 makes it",
               CLI::IsMember(enum_names<continuous::FloorKind>()));
-  verb.add_option("--parts", options->parts,
-                  "habitat: also DATA/habitat, scenes and episodes as Habitat's programs open them")
-      ->type_name("PART")
+  add_value(verb, "--parts", options->parts, "PART",
+            "habitat: also DATA/habitat, scenes and episodes as Habitat's programs open them")
       ->check(CLI::IsMember({"habitat"}));
   add_setting(verb, "--start-headings", options->headings, "RULE",
               "Start headings: path (the annotation's, as VLN-CE since v1-3) or random",
@@ -362,10 +363,7 @@ void add(CLI::App& app, int& status) {
                       "enfilade continuous homes --navmesh habitat",
                       "enfilade continuous data --navmesh habitat --parts habitat",
                       "enfilade run --task r2r-ce --data homes --agent shortest"});
-  verb.callback([options, &status] {
-    options->habitat = !options->parts.empty();
-    status = make(*options);
-  });
+  verb.callback([options, &status] { status = make(*options); });
 }
 
 }  // namespace enfilade::apps::continuous_verb
