@@ -62,7 +62,8 @@ class AgentState:
 class AgentConfiguration:
     """An agent: its size in metres, its sensors and its actions by key.
 
-    The numbers from `mass` on are those of versions before 0.2.2, whose habitat-lab sets them. Nothing uses them.
+    The numbers from `mass` on are for physics. habitat-lab 0.1.7 sets them; they are kept as they are given, and
+    nothing uses them.
     """
 
     height: float = 1.5
