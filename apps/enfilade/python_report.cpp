@@ -58,6 +58,7 @@ ChildEnd run_for(const std::vector<std::string>& words, double seconds, std::str
     if (text.size() < kMostText) text += more;
     more.clear();
   }
+  if (text.size() >= kMostText) text.resize(text.rfind('\n') + 1);  // no part of a line
   return child.end_by(until);
 }
 
