@@ -118,6 +118,24 @@ void draw(benchmark::State& state, Method method, bool colour, bool depth, bool 
                                                benchmark::Counter::kIsRate);
 }
 
+// One view after another, as a simulator of one agent draws them: colour and depth of one camera.
+void draw_one(benchmark::State& state, const Camera& camera) {
+  Eyes eyes({world().scene}, {.threads = static_cast<int>(state.range(0))});
+  const std::size_t pixels = std::size_t{camera.width} * camera.height;
+  std::vector<std::byte> rgba(4 * pixels), metres(4 * pixels);
+  render::Outputs outputs;
+  outputs.colour = render::ColourOutput{render::ColourFormat::kRgba8, {}, rgba};
+  outputs.depth =
+      render::DepthOutput{render::DepthFormat::kMetresFloat32, render::DepthMeasure::kZ, metres};
+  std::size_t at = 0;
+  for (auto _ : state) {
+    eyes.render(camera, std::span(world().views).subspan(at, 1), outputs);
+    at = (at + 1) % kViews;
+  }
+  state.counters["steps"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
 // Only the rays of the depth camera, in packets of squares, without anything else.
 void rays_alone(benchmark::State& state) {
   std::vector<mesh::Ray> rays;
@@ -170,6 +188,18 @@ BENCHMARK_CAPTURE(draw, colour_of_panoramas, Method::kRaster, true, false, true)
 BENCHMARK_CAPTURE(draw, depth, Method::kRaster, false, true)
     ->Arg(1)
     ->Arg(2)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(draw_one, of_256_x_256, Camera{256, 256, degrees(90)})
+    ->Arg(1)
+    ->Arg(2)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(draw_one, of_640_x_480, Camera{640, 480, degrees(63.5)})
+    ->Arg(1)
+    ->Arg(2)
+    ->MeasureProcessCPUTime()
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(draw, colour_and_depth_by_rays, Method::kRays, true, true)
