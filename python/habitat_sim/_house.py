@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from decimal import Decimal
-from typing import Any
+from typing import Any, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,9 +63,10 @@ class House:
     segments: dict[int, int] = field(default_factory=dict)  # the object of a segment's id
 
 
-# The words of a line of each kind: portals and panoramas both are P.
-_WORDS = {"L": (18,), "R": (20,), "P": (13, 15), "S": (22,), "V": (13,), "I": (41,), "C": (11,), "O": (24,),
-          "E": (19,)}  # fmt: skip
+# The words of a line of each kind that is used, in the order in which others refer to them.
+_WORDS = {"L": 18, "R": 20, "C": 11, "O": 24, "E": 19}
+_NOT_USED = "PSVI"
+# Where the H line counts lines of a kind.
 _COUNTS = {"I": (3,), "P": (4, 11), "V": (5,), "S": (6,), "E": (7,), "O": (8,), "C": (9,), "R": (10,),
            "L": (12,)}  # fmt: skip
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
@@ -127,10 +128,12 @@ def _nearest(word: str) -> Any:
     return min(nearby, key=lambda one: abs(Decimal(float(one)) - Decimal(word)))
 
 
-def read_house(file: str) -> House:
-    """Reads a file.
+def read_house(file: str) -> tuple[House, list[str], str]:
+    """Reads a file. Returns what it has, what is odd, and the bad line where the reading ended, or "".
 
-    Raises ValueError for a bad line, with file, line, field and what is allowed.
+    As in Habitat, a bad line ends it, and counts, and lines of unknown kinds, change nothing.
+
+    Raises ValueError for a file without a head. Messages have file, line, field and what is allowed.
     """
     with open(file, encoding="utf-8", errors="replace") as stream:
         rows = [row.split() for row in stream]
@@ -139,47 +142,55 @@ def read_house(file: str) -> House:
         raise ValueError(f"{file}, line 1: 'ASCII 1.1' is wanted")
     if len(lines) < 2 or lines[1].words[0] != "H" or len(lines[1].words) != 29:
         raise ValueError(f"{file}, line 2: an H line of 29 words is wanted")
-    head = lines[1]
-    kinds: dict[str, list[_Line]] = {letter: [] for letter in _WORDS}
-    for line in lines[2:]:
-        letter, count = line.words[0], len(line.words)
-        if letter not in kinds:
-            raise line.error(f"kind '{letter}': one of {', '.join(kinds)} is wanted")
-        if count not in _WORDS[letter]:
-            wanted = " or ".join(str(one) for one in _WORDS[letter])
-            raise line.error(f"{count} words: a line {letter} of {wanted} is wanted")
-        kinds[letter].append(line)
-    for letter, places in _COUNTS.items():
-        count = sum(head.whole(f"count of {letter}", at, 0) for at in places)
-        if count != len(kinds[letter]):
-            raise head.error(
-                f"count of {letter} {count}: the number of its lines, {len(kinds[letter])}, is wanted"
-            )
-    return _house(head, kinds)
-
-
-def _house(head: _Line, kinds: dict[str, list[_Line]]) -> House:
+    head, odd = lines[1], []
     house = House(head.box(18))
-    sizes = {letter: len(lines) for letter, lines in kinds.items()}
-    for letter in "LRCOE":
+    kinds: dict[str, list[_Line]] = {letter: [] for letter in [*_WORDS, *_NOT_USED]}
+    for line in lines[2:]:
+        letter = line.words[0]
+        if letter in kinds:
+            kinds[letter].append(line)
+        else:
+            odd.append(str(line.error(f"kind '{letter}': one of {', '.join(kinds)} is known")))
+    try:
+        for letter, places in _COUNTS.items():
+            count = sum(head.whole(f"count of {letter}", at, 0) for at in places)
+            if count != len(kinds[letter]):
+                what = f"count of {letter} {count}: the number of its lines is {len(kinds[letter])}"
+                odd.append(str(head.error(what)))
+    except ValueError as error:
+        odd.append(str(error))
+    try:
+        _fill(house, kinds)
+    except ValueError as error:
+        return house, odd, str(error)
+    return house, odd, ""
+
+
+def _fill(house: House, kinds: dict[str, list[_Line]]) -> None:
+    def lines_of(letter: str) -> Iterator[_Line]:
         for k, line in enumerate(kinds[letter]):
+            if len(line.words) != _WORDS[letter]:
+                wanted = f"a line {letter} of {_WORDS[letter]} is wanted"
+                raise line.error(f"{len(line.words)} words: {wanted}")
             line.own_place(k)
-    for line in kinds["L"]:
+            yield line
+
+    for line in lines_of("L"):
         house.levels.append(line.box(7))
-    for line in kinds["R"]:
-        level = line.place("level", 2, sizes["L"])
+    for line in lines_of("R"):
+        level = line.place("level", 2, len(house.levels))
         house.regions.append(Region(level, line.letter("label", 5), line.box(9)))
-    for line in kinds["C"]:
+    for line in lines_of("C"):
         raw, index = line.whole("mapping index", 2), line.whole("mpcat40 index", 4)
         house.categories.append(Category(raw, line.text(3), index, line.text(5)))
-    for line in kinds["O"]:
-        region, category = line.place("region", 2, sizes["R"]), line.place("category", 3, sizes["C"])
+    for line in lines_of("O"):
+        region = line.place("region", 2, len(house.regions))
+        category = line.place("category", 3, len(house.categories))
         center, radii = line.numbers("position", 4), line.numbers("radii", 13)
         first = line.numbers("first axis", 7, -1.001, 1.001)
         second = line.numbers("second axis", 10, -1.001, 1.001)
         house.objects.append(Object(region, category, center, (first, second), radii))
-    for line in kinds["E"]:
-        owner = line.place("object", 2, sizes["O"])
+    for line in lines_of("E"):
+        owner = line.place("object", 2, len(house.objects))
         if owner >= 0:
             house.segments[line.whole("id", 3)] = owner
-    return house

@@ -71,7 +71,12 @@ def _meaning(scene: Optional[SceneFile]) -> SemanticScene:
     """Habitat opens a scene whose labels it cannot read, too, and says in its log what is wrong with them."""
     if scene is not None and os.path.exists(scene.house):
         try:
-            return SemanticScene(read_house(scene.house))
+            house, odd, bad = read_house(scene.house)
+            for what in odd:
+                logger.warning("%s", what)
+            if bad:
+                logger.error("semantic_scene ends there: %s", bad)
+            return SemanticScene(house)
         except ValueError as error:
             logger.error("semantic_scene is empty: %s", error)
         except OSError as error:

@@ -318,32 +318,66 @@ def test_boxes_of_objects_are_turned(rooms: Path, tmp_path: Path, axes: Any) -> 
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [("ASCII 1.1", "ASCII 1.0", "line 1: 'ASCII 1.1' is wanted"),
-     ("H home", "H home a", "line 2: an H line of 29 words is wanted"),
-     ("H home - 0 1", "H home - 0 2", "line 2: count of P 3: the number of its lines, 2, is wanted"),
-     ("H home - 0 1", "H home - x 1", "line 2: count of I 'x': an integer from 0 to 2147483647"),
-     ("V 0", "X 0", "line 8: kind 'X': one of L, R, P, S, V, I, C, O, E is wanted"),
-     ("V 0", "V 0 0", "line 8: 14 words: a line V of 13 is wanted"),
-     ("R 1", "R 2", "line 5: index '2': its place among the R lines, 1, is wanted"),
-     ("R 1 0", "R 1 1", "line 5: level '1': an integer from -1 to 0 is wanted"),
-     ("0 k", "0 kk", "line 4: label 'kk': one character is wanted"),
-     ("k 0 0 0 -5", "k 0 0 0 nan", "line 4: box 'nan': a number from "),
-     ("k 0 0 0 -5", "k 0 0 0 1e39", "line 4: box '1e39': a number from "),
-     ("C 1 4", "C 1 4.5", "line 11: mapping index '4.5': an integer"),
-     ("O 1 -1 -1", "O 1 -1 2", "line 13: category '2': an integer from -1 to 1 is wanted"),
-     ("{axes}", "1 0 0 0 3 0", "line 12: second axis '3': a number from -1.001 to 1.001 is wanted"),
-     ("E 0 0", "E 0 2", "line 14: object '2': an integer from -1 to 1 is wanted")],
+     ("H home", "H home a", "line 2: an H line of 29 words is wanted")],
 )  # fmt: skip
-def test_bad_house_files_are_named_in_the_log(
+def test_house_files_without_a_head_are_named_in_the_log(
     rooms: Path, tmp_path: Path, caplog: Any, old: str, new: str, words: str
 ) -> None:
-    assert HOUSE.count(old) == 1
-    text = HOUSE.replace(old, new).replace("{axes}", "1 0 0 0 1 0")
-    with labelled(rooms, tmp_path, text) as sim:
+    with labelled(rooms, tmp_path, changed(old, new)) as sim:
         assert_without_meaning(sim)
         assert sim.get_sensor_observations() == {} and len(sim.agents) == 1
     (record,) = caplog.records
     assert (record.name, record.levelname) == ("habitat_sim", "ERROR")
     assert record.getMessage().startswith(f"semantic_scene is empty: {tmp_path / 'home.house'}, {words}")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "left", "words"),  # left: how many levels, regions, categories, objects, segments
+    [("R 1", "R 2", (1, 1, 0, 0, 0), "line 5: index '2': its place among the R lines, 1, is wanted"),
+     ("R 1 0", "R 1 1", (1, 1, 0, 0, 0), "line 5: level '1': an integer from -1 to 0 is wanted"),
+     ("0 k", "0 kk", (1, 0, 0, 0, 0), "line 4: label 'kk': one character is wanted"),
+     ("k 0 0 0 -5", "k 0 0 0 nan", (1, 0, 0, 0, 0), "line 4: box 'nan': a number from "),
+     ("k 0 0 0 -5", "k 0 0 0 1e39", (1, 0, 0, 0, 0), "line 4: box '1e39': a number from "),
+     ("C 1 4", "C 1 4.5", (1, 2, 1, 0, 0), "line 11: mapping index '4.5': an integer"),
+     ("C 1 4", "C 1", (1, 2, 1, 0, 0), "line 11: 10 words: a line C of 11 is wanted"),
+     ("{axes}", "1 0 0 0 3 0", (1, 2, 2, 0, 0), "line 12: second axis '3': a number from -1.001 to 1.001"),
+     ("O 1 -1 -1", "O 1 -1 2", (1, 2, 2, 1, 0), "line 13: category '2': an integer from -1 to 1 is wanted"),
+     ("E 1 -1 8", "E 1 2 8", (1, 2, 2, 2, 1), "line 15: object '2': an integer from -1 to 1 is wanted")],
+)  # fmt: skip
+def test_a_bad_line_ends_a_house(
+    rooms: Path, tmp_path: Path, caplog: Any, old: str, new: str, left: tuple[int, ...], words: str
+) -> None:
+    with labelled(rooms, tmp_path, changed(old, new)) as sim:
+        scene = sim.semantic_scene
+    lists = (scene.levels, scene.regions, scene.categories, scene.objects, scene.semantic_index_map)
+    assert tuple(map(len, lists)) == left
+    (record,) = caplog.records
+    assert (record.name, record.levelname) == ("habitat_sim", "ERROR")
+    assert record.getMessage().startswith(f"semantic_scene ends there: {tmp_path / 'home.house'}, {words}")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [("H home - 0 1", "H home - 0 2", ["line 2: count of P 3: the number of its lines is 2"]),
+     ("H home - 0 1", "H home - x 1", ["line 2: count of I 'x': an integer from 0 to 2147483647 is wanted"]),
+     ("V 0 0", "V 0 0 0", []),  # nothing uses these lines
+     ("V 0", "X 0", ["line 8: kind 'X': one of L, R, C, O, E, P, S, V, I is known",
+                     "line 2: count of V 1: the number of its lines is 0"])],
+)  # fmt: skip
+def test_what_nothing_uses_changes_no_house(
+    rooms: Path, tmp_path: Path, caplog: Any, old: str, new: str, words: list[str]
+) -> None:
+    with labelled(rooms, tmp_path, changed(old, new)) as sim:
+        assert len(sim.semantic_scene.objects) == 2 and sim.semantic_scene.semantic_index_map == {7: 0}
+    assert [(one.levelname, one.getMessage()) for one in caplog.records] == [
+        ("WARNING", f"{tmp_path / 'home.house'}, {what}") for what in words
+    ]
+
+
+def changed(old: str, new: str) -> str:
+    """HOUSE with one place changed."""
+    assert HOUSE.count(old) == 1
+    return HOUSE.replace(old, new).replace("{axes}", "1 0 0 0 1 0")
 
 
 def assert_without_meaning(sim: Any) -> None:
