@@ -91,10 +91,13 @@ template <class Fields>
 HWY_INLINE Vector light_at(const std::uint32_t* light, const Fields& surface, VI first, Place at) {
   const void* const memory = light;
   const auto* const values = static_cast<const std::int32_t*>(memory);
+  const VI white = number(static_cast<std::int32_t>(Surfaces::kWhite));
+  if (hn::AllTrue(DI(), hn::Eq(first, white)))
+    return unpack_light(number(values[Surfaces::kWhite]));
   static_assert(offsetof(Surface, cells_v) == offsetof(Surface, cells_u) + 2);
   const VU cells = bits_of(surface.whole(EN_FIELD(Surface, cells_u)));
   // One of the two values that all surfaces share has no grid around it.
-  const auto own = hn::Gt(first, number(static_cast<std::int32_t>(Surfaces::kWhite)));
+  const auto own = hn::Gt(first, white);
   const VI one = number(1), zero = hn::Zero(DI());
   const VI cells_u = hn::IfThenElseZero(own, signed_of(hn::And(cells, hn::Set(DU(), 0xFFFFU))));
   const VI cells_v = hn::IfThenElseZero(own, signed_of(hn::ShiftRight<16>(cells)));
@@ -147,8 +150,8 @@ HWY_INLINE VU halves_times(VU halves, VU factor) {
 #endif
 }
 
-HWY_INLINE Parts between(const Textures::Tables& tables, VI level, VF s, VF t) {
-  const Each fields(records(tables.levels), level);
+template <class Fields>
+HWY_INLINE Parts between(const Textures::Tables& tables, const Fields& fields, VF s, VF t) {
   const VI width = fields.whole(EN_FIELD(Textures::TextureLevel, width));
   const Axis x = along(s, width),
              y = along(t, fields.whole(EN_FIELD(Textures::TextureLevel, height)));
@@ -173,6 +176,16 @@ HWY_INLINE Parts between(const Textures::Tables& tables, VI level, VF s, VF t) {
   add(bottom, x.high, both);
   const VU low = hn::Set(DU(), 0xFFFFU);
   return {hn::And(red_blue, low), hn::And(green, low), hn::ShiftRight<16>(red_blue)};
+}
+
+// Lanes often need the same size of a texture.
+HWY_INLINE Parts between(const Textures::Tables& tables, VI level, VF s, VF t) {
+  const Records levels = records(tables.levels);
+  const std::int32_t first = hn::GetLane(level);
+  if (hn::AllTrue(DI(), hn::Eq(level, number(first)))) {
+    return between(tables, Single(levels, static_cast<std::size_t>(first)), s, t);
+  }
+  return between(tables, Each(levels, level), s, t);
 }
 
 HWY_INLINE Vector texels(const SceneParts& scene, VI texture, VF s, VF t, VF size) {
@@ -236,10 +249,14 @@ HWY_INLINE VF longer_step(const Eye& eye, const OfSurface& surface, Vector towar
   return hn::Sqrt(hn::IfThenElse(hn::Lt(right, down), down, right));
 }
 
-// \param left_out  lanes of mirrors are added
+struct Look {
+  Vector light;
+  MF mirror;
+};
+
 template <class OfSurface, class OfPaint>
-HWY_INLINE Vector look(const TileColours& tile, const OfSurface& surface, const OfPaint& paint,
-                       const Rays& lanes, MF& left_out) {
+HWY_INLINE Look look(const TileColours& tile, const OfSurface& surface, const OfPaint& paint,
+                     const Rays& lanes) {
   const DF d;
   const Vec3f eye = tile.eye.whole, rest = tile.eye.rest;
   const Vector origin = vector_at(surface, EN_FIELD(Surface, origin));
@@ -255,7 +272,6 @@ HWY_INLINE Vector look(const TileColours& tile, const OfSurface& surface, const 
   const VI side = hn::IfThenElse(back, surface.whole(EN_FIELD(Surface, back)),
                                  surface.whole(EN_FIELD(Surface, front)));
   const Vector light = light_at(tile.scene.surfaces.light.data(), surface, side, at);
-  left_out = hn::Or(left_out, hn::Gt(paint.real(EN_FIELD(Paint, mirror)), hn::Zero(d)));
   Vector colour = vector_at(paint, EN_FIELD(Paint, colour));
   const VI texture = paint.whole(EN_FIELD(Paint, texture));
   const auto textured = hn::Gt(texture, number(-1));
@@ -285,7 +301,38 @@ HWY_INLINE Vector look(const TileColours& tile, const OfSurface& surface, const 
   }
   const VF gloss = paint.real(EN_FIELD(Paint, gloss));
   colour = colour + Vector{gloss, gloss, gloss};
-  return times(colour, light) + vector_at(paint, EN_FIELD(Paint, emission));
+  return {times(colour, light) + vector_at(paint, EN_FIELD(Paint, emission)),
+          hn::Gt(paint.real(EN_FIELD(Paint, mirror)), hn::Zero(d))};
+}
+
+HWY_INLINE VF either(MF first, VF a, VF b) { return hn::IfThenElse(first, a, b); }
+HWY_INLINE Look either(MF first, const Look& a, const Look& b) {
+  return {{either(first, a.light.x, b.light.x), either(first, a.light.y, b.light.y),
+           either(first, a.light.z, b.light.z)},
+          hn::Or(hn::And(first, a.mirror), hn::AndNot(first, b.mirror))};
+}
+
+// The one or two triangles that lanes see.
+struct Pair {
+  bool all;  // there are no more
+  std::size_t first, second;
+  MF is_first;
+};
+// \param triangles  of the lanes  \pre a lane is wanted
+HWY_INLINE Pair pair_of(VI seen, MF wanted, const std::int32_t* triangles) {
+  const DF d;
+  const auto place = [&](MF lanes) {
+    return static_cast<std::size_t>(hn::FindFirstTrue(d, lanes));
+  };
+  const auto sees = [&](std::int32_t triangle) {
+    return hn::RebindMask(d, hn::Eq(seen, number(triangle)));
+  };
+  const std::int32_t first = triangles[place(wanted)];
+  const MF is_first = sees(first), others = hn::AndNot(is_first, wanted);
+  const bool one = hn::AllFalse(d, others);
+  const std::int32_t second = one ? first : triangles[place(others)];
+  const bool all = one || hn::AllFalse(d, hn::AndNot(sees(second), others));
+  return {all, static_cast<std::size_t>(first), static_cast<std::size_t>(second), is_first};
 }
 
 std::uint64_t shade(const TileColours& tile, std::uint32_t* rgba) {
@@ -304,17 +351,22 @@ std::uint64_t shade(const TileColours& tile, std::uint32_t* rgba) {
           hn::LoadU(d, tile.nearness + k),
           {hn::Load(d, tile.towards.x.data() + k), hn::Load(d, tile.towards.y.data() + k),
            hn::Load(d, tile.towards.z.data() + k)}};
-      Vector light;
-      const std::int32_t first = tile.triangle[k];
-      if (first >= 0 && hn::AllTrue(di, hn::Eq(seen, number(first)))) {
-        const auto triangle = static_cast<std::size_t>(first);
-        light = look(tile, Single(surfaces, triangle),
-                     Single(paints, tile.scene.surfaces.all[triangle].paint), lanes, left_out);
-      } else {
-        const Each surface(surfaces, lanes.triangle);
-        light = look(tile, surface, Each(paints, surface.whole(EN_FIELD(Surface, paint))), lanes,
-                     left_out);
-      }
+      const auto of_one = [&](std::size_t triangle) {
+        return look(tile, Single(surfaces, triangle),
+                    Single(paints, tile.scene.surfaces.all[triangle].paint), lanes);
+      };
+      const Pair pair = pair_of(seen, hn::Not(left_out), tile.triangle + k);
+      const Look look_there = [&] {
+        if (!pair.all) {
+          const Each surface(surfaces, lanes.triangle);
+          return look(tile, surface, Each(paints, surface.whole(EN_FIELD(Surface, paint))), lanes);
+        }
+        const Look of_first = of_one(pair.first);
+        if (pair.first == pair.second) return of_first;
+        return either(pair.is_first, of_first, of_one(pair.second));
+      }();
+      left_out = hn::Or(left_out, look_there.mirror);
+      const Vector& light = look_there.light;
       const VU red = toned(tile.scene.tone, light.x), green = toned(tile.scene.tone, light.y);
       const VU blue = toned(tile.scene.tone, light.z);
       hn::StoreU(hn::Or(hn::Or(red, hn::ShiftLeft<8>(green)),
