@@ -142,15 +142,16 @@ def read_house(file: str) -> tuple[House, list[str], str]:
         raise ValueError(f"{file}, line 1: 'ASCII 1.1' is wanted")
     if len(lines) < 2 or lines[1].words[0] != "H" or len(lines[1].words) != 29:
         raise ValueError(f"{file}, line 2: an H line of 29 words is wanted")
-    head, odd = lines[1], []
+    head = lines[1]
+    odd: list[str] = []
     house = House(head.box(18))
     kinds: dict[str, list[_Line]] = {letter: [] for letter in [*_WORDS, *_NOT_USED]}
+    others: list[_Line] = []
     for line in lines[2:]:
-        letter = line.words[0]
-        if letter in kinds:
-            kinds[letter].append(line)
-        else:
-            odd.append(str(line.error(f"kind '{letter}': one of {', '.join(kinds)} is known")))
+        kinds.get(line.words[0], others).append(line)
+    if others:
+        what = f"kind '{others[0].words[0][:20]}': one of {', '.join(kinds)} is known"
+        odd.append(str(others[0].error(f"{what}; lines of other kinds: {len(others)}")))
     try:
         for letter, places in _COUNTS.items():
             count = sum(head.whole(f"count of {letter}", at, 0) for at in places)

@@ -15,10 +15,10 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from habitat_homes import read_packed
 from programs import run
 
 pytest.importorskip("quaternion", reason="numpy-quaternion is not installed: no habitat_sim")
@@ -26,8 +26,8 @@ pytest.importorskip("habitat", reason="habitat-lab is not installed")
 
 TESTS = (
     "test_config", "test_dataset", "test_geom_utils", "test_habitat_env", "test_habitat_example",
-    "test_habitat_sim", "test_habitat_task", "test_object_nav_task",
-    "test_pointnav_dataset", "test_r2r_vln", "test_sensors", "test_spaces", "test_tensor_dict", "test_visual_utils",
+    "test_habitat_sim", "test_habitat_task", "test_object_nav_task", "test_pointnav_dataset", "test_r2r_vln",
+    "test_sensors", "test_spaces", "test_tensor_dict", "test_visual_utils",
 )  # fmt: skip
 # The worker processes of this one end, and pytest with them.
 NOT_RUN = "test/test_habitat_env.py::test_rl_vectorized_envs_batch_renderer"  # there is no batch renderer
@@ -43,17 +43,6 @@ FAILING = {
        for k in (0, 2, 4)},
 }  # fmt: skip
 STAND_INS = ("skokloster-castle", "van-gogh-room")
-
-
-def read(file: Path) -> Any:
-    with gzip.open(file, "rt", encoding="utf-8") as packed:
-        return json.load(packed)
-
-
-def write(file: Path, content: Any) -> None:
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with gzip.open(file, "wt", encoding="utf-8") as packed:
-        json.dump(content, packed)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +62,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     scenes = data / "scene_datasets"
     # Two homes are the test scenes, by their names, with their PointNav episodes.
     point = data / "datasets" / "pointnav"
-    every = read(point / "mp3d" / "v1" / "train" / "train.json.gz")["episodes"]
+    every = read_packed(point / "mp3d" / "v1" / "train" / "train.json.gz")["episodes"]
     stand_in = dict(zip(dict.fromkeys(one["scene_id"] for one in every), STAND_INS))
     (scenes / "habitat-test-scenes").mkdir()
     for scene, name in stand_in.items():
@@ -83,9 +72,9 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     episodes = [{**one, "scene_id": f"habitat-test-scenes/{stand_in[one['scene_id']]}.glb"}
                 for one in every if one["scene_id"] in stand_in]  # fmt: skip
     for split in ("train", "val", "test"):
-        write(
-            point / "habitat-test-scenes" / "v1" / split / f"{split}.json.gz", {"episodes": episodes}
-        )
+        file = point / "habitat-test-scenes" / "v1" / split / f"{split}.json.gz"
+        file.parent.mkdir(parents=True)
+        file.write_bytes(gzip.compress(json.dumps({"episodes": episodes}).encode()))
     return folder
 
 
@@ -112,11 +101,15 @@ def test_its_own_tests_pass(lab: Path) -> None:
         elif "skipped" not in outcomes:
             passed += 1
     assert failed == set(FAILING), done.stdout[-20000:]
-    assert passed > 70
+    assert passed > 70  # 76; some are skipped where other packages are missing
 
 
-@pytest.mark.parametrize("example", ["vln_benchmark", "vln_reference_path_follower_example"])
-def test_its_examples_of_vln_run(lab: Path, example: str) -> None:
+@pytest.mark.parametrize(
+    ("example", "words"),
+    [("vln_benchmark", "Benchmark for Reference Path Follower agent"),
+     ("vln_reference_path_follower_example", "Navigated to goal")],
+)  # fmt: skip
+def test_its_examples_of_vln_run(lab: Path, example: str, words: str) -> None:
     done = habitat_lab(lab, f"examples/{example}.py")
     assert done.returncode == 0, done.stderr
-    assert "Benchmark for Reference Path Follower agent" in done.stdout or "Navigated to goal" in done.stdout
+    assert words in done.stdout

@@ -361,7 +361,7 @@ def test_a_bad_line_ends_a_house(
     [("H home - 0 1", "H home - 0 2", ["line 2: count of P 3: the number of its lines is 2"]),
      ("H home - 0 1", "H home - x 1", ["line 2: count of I 'x': an integer from 0 to 2147483647 is wanted"]),
      ("V 0 0", "V 0 0 0", []),  # nothing uses these lines
-     ("V 0", "X 0", ["line 8: kind 'X': one of L, R, C, O, E, P, S, V, I is known",
+     ("V 0", "X\nX 0", ["line 8: kind 'X': one of L, R, C, O, E, P, S, V, I is known; lines of other kinds: 2",
                      "line 2: count of V 1: the number of its lines is 0"])],
 )  # fmt: skip
 def test_what_nothing_uses_changes_no_house(
