@@ -52,7 +52,7 @@ class SceneFile:
         return self.semantic, up
 
 
-# Habitat takes every .glb to be z up, unless a scene dataset says otherwise.
+# Habitat takes a .glb to be z up, but y up in a scene dataset that has default_attributes without an axis.
 _UP: dict[tuple[float, ...], str] = {(0, 0, 1, 0, 1, 0): "z", (0, 1, 0, 0, 0, -1): "y"}
 _AXES = "; Enfilade has up [0, 1, 0] and front [0, 0, -1], or up [0, 0, 1] and front [0, 1, 0]"
 _NAME = "%%CONFIG_NAME_AS_ASSET_FILENAME%%"  # stands for the scene's name
@@ -82,7 +82,10 @@ def find_scene(scene_id: str, dataset: str) -> Optional[SceneFile]:
             raise ValueError(f"{dataset}: {name} {given!r} of stages is not a list of numbers")
         return given
 
-    axes = axis("up", [0, 0, 1]) + axis("front", [0, 1, 0])
+    if "default_attributes" in stages:
+        axes = axis("up", [0, 1, 0]) + axis("front", [0, 0, -1])
+    else:
+        axes = [0, 0, 1, 0, 1, 0]
     up = _UP.get(tuple(axes))
     if up is None:
         raise NotThere(f"{dataset}: up {axes[:3]} and front {axes[3:]} of stages{_AXES}")

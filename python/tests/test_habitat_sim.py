@@ -206,13 +206,19 @@ def test_rotations_agree() -> None:
 # --- scenes ---------------------------------------------------------------------------------------
 
 
-def test_scenes_are_opened_by_path_and_by_dataset(rooms: Path) -> None:
+def test_scenes_are_opened_by_path_and_by_dataset(rooms: Path, tmp_path: Path) -> None:
     dataset = str(rooms / "yup" / "rooms.scene_dataset_config.json")
+    # As in StageAttributesManager of Habitat-Sim: y up by default_attributes that have no axis, else z up.
+    no_axis, no_defaults = tmp_path / "a.json", tmp_path / "b.json"
+    no_axis.write_text(json.dumps({"stages": {"default_attributes": {}}}))
+    no_defaults.write_text(json.dumps({"stages": {}}))
     areas = []
     for scene, more in (
         (rooms / "room.glb", {}),
         (rooms / "yup" / "room.glb", {"scene_dataset_config_file": dataset}),
         ("room", {"scene_dataset_config_file": dataset}),
+        (rooms / "yup" / "room.glb", {"scene_dataset_config_file": str(no_axis)}),
+        (rooms / "room.glb", {"scene_dataset_config_file": str(no_defaults)}),
     ):
         with habitat_sim.Simulator(configuration(scene, settings(), **more)) as sim:
             low, high = sim.pathfinder.get_bounds()
